@@ -9,31 +9,31 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from bt_orchestrator.model.failures import ABORT_JOB, MARK_DONE, REJECT, SKIP
+from bt_orchestrator.model.failures import MARK_DONE, REJECT, SKIP
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import Hold
 
 TOGETHER = (MARK_DONE, SKIP, REJECT)
 """Answers that a list may carry."""
 
 
-def together(hold: Hold) -> tuple[str, ...]:
+def together(hold: Hold, task: Task, offered: Iterable[str]) -> tuple[str, ...]:
     """Return the answers to a hold that a list may carry; none: it is answered singly.
 
-    Of a task in doubt, only one that places or takes out an item offers neither `reject` nor
-    `abort_job` (semantics 7.1); nor do some others, which are answered singly as well.
+    :param task: the one that is held
     """
-    is_doubt = hold.reason == Reason.IN_DOUBT.value and hold.task is not None
-    if not is_doubt or hold.job is None or not {REJECT, ABORT_JOB} & {*hold.answers}:
+    is_doubt = hold.reason == Reason.IN_DOUBT.value and hold.job is not None
+    if not is_doubt or task.qty_change:
         return ()
-    return tuple(answer for answer in hold.answers if answer in TOGETHER)
+    return tuple(answer for answer in offered if answer in TOGETHER)
 
 
 def alike(holds: Iterable[Hold]) -> list[Sequence[Hold]]:
     """Return the groups of two or more holds that a list may answer, in the order of the holds."""
     groups: dict[tuple[str, ...], list[Hold]] = {}
     for hold in holds:
-        answers = together(hold)
+        answers = hold.answers_together
         if answers:
             groups.setdefault(tuple(sorted(answers)), []).append(hold)
     return [group for group in groups.values() if len(group) > 1]
@@ -41,7 +41,7 @@ def alike(holds: Iterable[Hold]) -> list[Sequence[Hold]]:
 
 def why_singly(hold: Hold, answer: str) -> str:
     """Say why a list may not carry an answer to a hold; empty: it may."""
-    possible = together(hold)
+    possible = hold.answers_together
     if answer in possible:
         return ''
     offered = (

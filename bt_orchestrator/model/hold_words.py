@@ -97,17 +97,7 @@ def hold_wait_words(holds: Iterable[NumberedHold]) -> str:
     if len(named) == 1:
         return f'waiting for an answer to {hold_name(named[0])}'
     *others, last = (hold.id for hold in named)
-    return f'{_SEVERAL}{", ".join(others)} and {last}'
-
-
-_SEVERAL = 'waiting for answers to holds '
-
-
-def several_holds(words: str) -> tuple[str, ...]:
-    """Return the numbers of the holds in a sentence of `hold_wait_words`; () if it is of one."""
-    if not words.startswith(_SEVERAL):
-        return ()
-    return tuple(words.removeprefix(_SEVERAL).replace(' and ', ', ').split(', '))
+    return f'waiting for answers to holds {", ".join(others)} and {last}'
 
 
 def held_words(hold: HoldFacts) -> str:

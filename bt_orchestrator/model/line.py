@@ -31,7 +31,9 @@ def stopped_because(state: CellState) -> Wait | None:
     """Say why nothing new begins anywhere: no cycle, no index move (semantics 7.1)."""
     if state.holds:
         kind = WaitKind.PAUSE if state.pauses else WaitKind.HOLD
-        return Wait(hold_wait_words(state.holds.values()), kind, next(iter(state.holds)))
+        first, *others = state.holds
+        holds = (first, *others) if others else ()
+        return Wait(hold_wait_words(state.holds.values()), kind, first, holds=holds)
     if not state.packml.begins:
         return Wait(f'the cell is {state.packml.value}', WaitKind.CELL_STATE, state.packml.value)
     if state.shutting_down:

@@ -41,6 +41,17 @@ class WaitKind(Enum):
     """The cell is in a state in which nothing starts."""
 
 
+GRAVE = (
+    WaitKind.HOLD,
+    WaitKind.OUT_OF_SERVICE,
+    WaitKind.READINESS,
+    WaitKind.PAUSE,
+    WaitKind.RETRY_DELAY,
+    WaitKind.CELL_STATE,
+)
+"""Waits that end outside of the line, the gravest first; all others end when these do."""
+
+
 @made_at_once
 @dataclass(frozen=True)
 class Wait:
@@ -58,6 +69,8 @@ class Wait:
     """The task that has to do something first."""
     components: tuple[str, ...] = ()
     """The blocked components."""
+    holds: tuple[str, ...] = ()
+    """Where several holds have to be answered: all of them."""
 
     def __str__(self) -> str:
         return self.reason

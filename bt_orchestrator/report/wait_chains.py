@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.model.wait import WaitKind
+from bt_orchestrator.model.wait import GRAVE, WaitKind
 from bt_orchestrator.report.wait_links import TASK, Link, hold_part, links_of
 
 
@@ -49,16 +49,8 @@ class Cause:
     """Parts whose chains end here."""
 
 
-_GRAVE = (
-    WaitKind.HOLD.value,
-    WaitKind.READINESS.value,
-    WaitKind.OUT_OF_SERVICE.value,
-    WaitKind.PAUSE.value,
-    WaitKind.CELL_STATE.value,
-    WaitKind.RETRY_DELAY.value,
-    TASK,
-)
-"""Kinds of root causes, those that need a person first; all others come after these."""
+_GRAVE = (*(kind.value for kind in GRAVE), TASK)
+"""Kinds of root causes, the gravest first; all others come after these."""
 
 
 _TROUBLE = (PackmlState.ABORTING, PackmlState.ABORTED)

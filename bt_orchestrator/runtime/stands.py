@@ -14,7 +14,7 @@ from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stands import StandCause, Stands
 from bt_orchestrator.model.state import CellState, Hold, JobState
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.model.wait import PartWait, WaitKind
+from bt_orchestrator.model.wait import GRAVE, PartWait, WaitKind
 from bt_orchestrator.model.wish import way_to_work
 from bt_orchestrator.runtime.engine import Engine
 
@@ -132,9 +132,9 @@ _CAUSES = {
     WaitKind.RETRY_DELAY: StandCause.RETRY_DELAY,
     WaitKind.CELL_STATE: StandCause.COMMAND,
 }
-"""Waits that end outside of the line, those that need a person first; others are for the line."""
+"""What a wait that ends outside of the line is as a root cause."""
 
-_RANK = {kind: rank for rank, kind in enumerate(_CAUSES)}
+_RANK = {kind: rank for rank, kind in enumerate(GRAVE)}
 
 _ENDS = {StopReason.STARVED: StandCause.STARVED, StopReason.BLOCKED: StandCause.BLOCKED}
 

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
-from bt_orchestrator.model.alike import alike, together
+from bt_orchestrator.model.alike import alike
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.packml import Cause, PackmlState
@@ -136,7 +136,7 @@ def alike_lines(status: CellStatus, shell: Shell) -> list[str]:
     """Return how holds that ask the same can be answered as a list."""
     lines = []
     for group in alike(status.holds):
-        answer, *others = together(group[0])
+        answer, *others = group[0].answers_together
         ids = ','.join(hold.id for hold in group)
         instead = f' (or {", ".join(others)})' if others else ''
         command = shell.command(f'answer {ids} {answer} {WHY}')

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.alike import together
 from bt_orchestrator.model.failures import answers, why_not_offered
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.script import index_task
@@ -51,9 +52,11 @@ def _offer(state: CellState, hold: Hold) -> None:
     if key is None or state.tasks[key].reason is None:
         return
     task = state.task(key) or index_task(state.cell)
+    offered = answers(state, key, task)
     state.holds[hold.id] = changed(
         hold,
-        answers=answers(state, key, task),
+        answers=offered,
+        answers_together=together(hold, task, offered),
         answers_why=why_not_offered(state, key, task),
     )
 

@@ -43,6 +43,8 @@ class Hold:
     """Last feedback of the failed attempt, as one JSON object."""
     topic_says: str = ''
     """In doubt after a restart: what the action's status topic says of the goal."""
+    answers_together: tuple[str, ...] = ()
+    """Those that one list may give to several holds (`model.alike`)."""
     answers_why: str = ''
     """Why other answers are not offered; empty: nothing is left out."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.model.alike import together
 from bt_orchestrator.model.by import named
 from bt_orchestrator.model.codec import plain_but, to_plain
 from bt_orchestrator.model.hold_words import hold_words
@@ -93,12 +92,12 @@ def now_part(status: CellStatus) -> dict[str, object]:
 def hold_part(hold: Hold) -> dict[str, object]:
     """Return a hold with the answers that are possible."""
     return {
-        **plain_but(hold, 'answers', 'message_words'),
+        **plain_but(hold, 'answers', 'answers_together', 'message_words'),
         'task': hold.task or '',
         'label': task_label(hold.task or '', hold.name),
         'item': hold.item or '',
         'job': hold.job or '',
-        'together': list(together(hold)),
+        'together': list(hold.answers_together),
         'words': hold_words(hold),
         'is_pause': hold.is_pause,
         'offers': hold_offers(hold),

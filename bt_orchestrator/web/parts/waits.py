@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from bt_orchestrator.model.codec import plain_but
-from bt_orchestrator.model.hold_words import several_holds
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.report.wait_chains import Cause, Chain, causes, chains
@@ -35,7 +34,6 @@ def _wait_part(wait: Wait) -> dict[str, object]:
     return {
         **plain_but(wait, 'reason'),
         'words': wait.reason,
-        'holds': list(several_holds(wait.reason)),
         'is_ordinary': wait.kind in _ORDINARY,
     }
 

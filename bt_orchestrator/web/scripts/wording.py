@@ -10,7 +10,7 @@ from typing import Any
 
 from bt_orchestrator.drawing.line_state import Mark
 from bt_orchestrator.drawing.wording import Wording
-from bt_orchestrator.model.hold_words import NumberedHold, several_holds, why_words
+from bt_orchestrator.model.hold_words import NumberedHold, why_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.wait import Wait, WaitKind
 
@@ -66,8 +66,8 @@ class PageWording(Wording):
         """Say what something waits for, as `static/core/waits.js` does."""
         if wait.kind is WaitKind.CELL_STATE:
             return self._cell_state(wait.name)
-        if holds := several_holds(wait.reason):
-            return self._word('wait', 'holds').format(names=', '.join(holds))
+        if wait.holds:
+            return self._word('wait', 'holds').format(names=', '.join(wait.holds))
         kind, sections = wait.kind.value, self._sections(wait.sections)
         by, key = _NAMED.get(wait.kind, ('', kind))
         if by and not getattr(wait, by):

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.model.alike import alike, why_singly
+from bt_orchestrator.model.alike import alike, together, why_singly
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import Hold
 
 TASK = ('retry', 'mark_done', 'skip', 'reject', 'abort_job')
-PLACING = ('retry', 'mark_done', 'skip')
+WORK = Task('work', 'TASK_A', '/a2/task', 'a2')
 
 
 def hold(
-    id_: str, answers: tuple[str, ...] = TASK, reason: str = 'in_doubt', job: str | None = 'J'
+    id_: str,
+    answers: tuple[str, ...] = TASK,
+    reason: str = 'in_doubt',
+    job: str | None = 'J',
+    task: Task = WORK,
 ) -> Hold:
-    return Hold(id_, job, 2, 'J/1', 'work', reason, '', answers, 0.0)
+    held = Hold(id_, job, 2, 'J/1', 'work', reason, '', answers, 0.0)
+    return changed(held, answers_together=together(held, task, answers))
 
 
 def groups(*holds: Hold) -> list[list[str]]:
@@ -30,7 +37,8 @@ def test_tasks_in_doubt_are_alike_whatever_is_offered_first() -> None:
 @pytest.mark.parametrize(
     'other',
     [
-        hold('2', PLACING),
+        hold('2', task=changed(WORK, qty_change=1)),
+        hold('2', task=changed(WORK, qty_change=-1)),
         hold('2', reason='aborted'),
         hold('2', ('retry', 'mark_done', 'abort_job'), job=None),
         Hold('2', None, None, None, None, 'paused', '', ('resume',), 0.0),
@@ -39,6 +47,11 @@ def test_tasks_in_doubt_are_alike_whatever_is_offered_first() -> None:
 def test_placing_the_belt_and_everything_certain_is_answered_singly(other: Hold) -> None:
     assert groups(hold('1'), other) == []
     assert 'answer it singly' in why_singly(other, 'mark_done')
+
+
+def test_a_task_that_moves_no_item_is_answered_by_a_list_whatever_else_is_offered() -> None:
+    rejected = hold('2', ('mark_done', 'skip'))  # in a job that is being aborted
+    assert groups(hold('1', ('mark_done', 'skip')), rejected) == [['1', '2']]
 
 
 @pytest.mark.parametrize('answer', ['retry', 'abort_job', 'again'])

@@ -14,6 +14,7 @@ from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stands import StandCause, Stands
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.report.wait_chains import causes, chains
 from bt_orchestrator.runtime.overview import Overview, description_of
 from bt_orchestrator.screen import words
 from bt_orchestrator.web.parts.cell import cell_part
@@ -117,6 +118,9 @@ STANDING: dict[str, tuple[Callable[[], VirtualRun], StandCause, str, str]] = {
     'no order': (without_orders, StandCause.ORDER, '', 'there is no job'),
 }
 
+NO_PART = (stopped, aborted, unreleased, held_in_queue, unavailable, without_orders)
+"""What stands for a command, or for an order: no part of the cell is the cause."""
+
 
 @pytest.mark.parametrize('name', STANDING)
 def test_7_4_a_cell_in_which_nothing_moves_tells_the_root_cause(name: str) -> None:
@@ -124,6 +128,26 @@ def test_7_4_a_cell_in_which_nothing_moves_tells_the_root_cause(name: str) -> No
     told = stands(begun())
     assert (told.cause, told.name) == (cause, about)
     assert told.reason.startswith(reason)
+
+
+def out_of_service_and_not_ready() -> VirtualRun:
+    run = not_ready('a2').go(until=4.5)
+    run.service('a3', out=True)
+    return run
+
+
+ON_THE_LINE = {
+    'two causes': out_of_service_and_not_ready,
+    **{name: begun for name, (begun, *_) in STANDING.items() if begun not in NO_PART},
+}
+
+
+@pytest.mark.parametrize('name', ON_THE_LINE)
+def test_the_gravest_cause_of_the_page_is_the_root_cause(name: str) -> None:
+    status = settled(ON_THE_LINE[name]())
+    first, *_ = causes(chains(status), status.state)
+    assert status.stands is not None
+    assert first.root.part.partition('/')[2] == status.stands.name
 
 
 @pytest.mark.parametrize('name', [name for name in STANDING if name != 'no order'])

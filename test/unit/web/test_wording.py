@@ -37,7 +37,9 @@ def test_english_is_that_of_the_code_without_words_of_programs() -> None:
     ],
 )
 def test_a_wait_for_several_holds_names_all(language: str, words: str) -> None:
-    wait = Wait('waiting for answers to holds 1, 2 and 3', WaitKind.HOLD, '1')
+    wait = Wait(
+        'waiting for answers to holds 1, 2 and 3', WaitKind.HOLD, '1', holds=('1', '2', '3')
+    )
     assert wordings()[language].wait(wait) == words
 
 
