@@ -28,9 +28,19 @@ from bt_orchestrator.model.commands import Answer, Command, OrderAnswer, Refused
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.requests import ADD, REQUEUE, UPDATE, About, Asked
+from bt_orchestrator.model.requests import (
+    ADD,
+    REQUESTS,
+    REQUEUE,
+    UPDATE,
+    About,
+    Asked,
+    BadArguments,
+    ask,
+)
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.script.given_arguments import arguments_of
 from bt_orchestrator.script.orders.asked import asked_of, change_of
 from bt_orchestrator.script.orders.desk import AskedOrder, Reading, Wanted
 
@@ -68,6 +78,18 @@ class RequestHandler:
             asked.request.about, asked.request.word, asked.by, **asked.arguments
         )
 
+    async def carry_out_named(self, name: str, arguments: str, by: By) -> Answer:
+        """Carry out a request that came as texts; refuse one that the table does not have.
+
+        :param arguments: by name, JSON or YAML
+        """
+        try:
+            asked = ask(name, by, **arguments_of(arguments))
+        except (BadArguments, CommandRefused) as why:
+            known = REQUESTS.get(name)
+            return await self._refuse(name if known is None else known.word, by, str(why))
+        return await self.carry_out(asked)
+
     async def give(self, about: About, word: str, by: By, **given: Any) -> Answer:
         """Carry out a request that came as words and reads no orders; refuse unknown words."""
         state = self._engine.state
@@ -89,7 +111,10 @@ class RequestHandler:
             return await self._refuse(ADD.word, by, str(why))
 
     async def _add_as_asked(self, given: Arguments, by: By) -> Answer:
-        orders = [asked_of(one) for one in given['orders']]
+        try:
+            orders = [asked_of(one) for one in given['orders']]
+        except CommandRefused as why:
+            return await self._refuse(ADD.word, by, str(why))
         return await self.add(
             orders, by, given.get('position'), held=bool(given.get('held', False))
         )

@@ -98,7 +98,7 @@ def size_of(text: str) -> int:
 
 def _size(order: AskedOrder) -> int:
     params, details, recipe = order.params, order.terms.details, order.recipe
-    texts = [order.script, order.order, details, *params, *params.values()]
+    texts = [order.text, order.script, order.order, details, *params, *params.values()]
     if recipe is not None:
         texts += [*recipe.recipes, *recipe.bind, *recipe.bind.values()]
     return sum(map(size_of, texts))

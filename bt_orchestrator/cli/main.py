@@ -50,6 +50,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
         'what a shift, a day or a job made, and where the time went',
     ),
     'journal': ('journal', 'bring a backup of a journal back'),
+    'request': ('request', 'any request to the cell by its name, or the list of all of them'),
     'answer': ('answer', 'decide about something that is held'),
     'reset': ('cell_command', ''),
     'start': ('cell_command', ''),

@@ -24,7 +24,7 @@ class Asked:
     """By name; parameters that were not given are left out."""
 
 
-def ask(name: str, by: By, **arguments: object) -> Asked:
+def ask(name: str, by: By, /, **arguments: object) -> Asked:
     """Return a request with its arguments; those that are None are left out.
 
     :param name: in `REQUESTS`, for instance hold.retry
@@ -63,6 +63,10 @@ def _check(name: str, parameter: Parameter, given: Mapping[str, object]) -> None
     if not _is_of(parameter.kind, value):
         expected = f'{parameter.name} of {name} is {parameter.kind.value}'
         raise BadArguments(f'{expected} ({parameter.meaning}); found {value!r}')
+    least, most = parameter.span
+    if isinstance(value, int) and not least <= value <= most:
+        expected = f'{parameter.name} of {name} is a whole number from {least} to {most}'
+        raise BadArguments(f'{expected} ({parameter.meaning}); found {value}')
     if parameter.choices and value not in parameter.choices:
         choices = ', '.join(parameter.choices)
         raise BadArguments(f'{parameter.name} of {name} is one of {choices}; found {value!r}')

@@ -54,6 +54,8 @@ class Parameter:
     """The only values of a text; empty: any."""
     roles: frozenset[Role] | None = None
     """Roles that may give it; None: the same as for the request."""
+    span: tuple[int, int] = (0, 2**32 - 1)
+    """Smallest and largest whole number."""
 
 
 @dataclass(frozen=True)

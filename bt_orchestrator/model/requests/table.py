@@ -39,7 +39,12 @@ _HOLD = Parameter(
 )
 _EVERYONES = Parameter('everyones', Kind.YES_NO, 'release the pauses of all persons')
 _BELT = Parameter('belt', Kind.TEXTS, 'every slot, as in 1=WO-1/3 and 2=empty')
-_AS_SHOWN = Parameter('as_shown', Kind.WHOLE, 'the belt is as the status with this seq shows it')
+_AS_SHOWN = Parameter(
+    'as_shown',
+    Kind.WHOLE,
+    'the belt is as the status with this seq shows it',
+    span=(0, 2**64 - 1),
+)
 
 CELL: Mapping[Cause, Request] = {
     Cause.RESET: _request(
@@ -147,7 +152,7 @@ UPDATE = _of_method(
     Parameter(
         'bind', Kind.VALUES, 'component that does an operation, by its id', roles=_ENGINEERS
     ),
-    Parameter('priority', Kind.WHOLE, 'the higher the more urgent'),
+    Parameter('priority', Kind.WHOLE, 'the higher the more urgent', span=(-(2**15), 2**15 - 1)),
     Parameter('start', Kind.TEXT, 'when it should begin, with time zone; none: take it away'),
     Parameter('due', Kind.TEXT, 'when it should have ended, with time zone; none: take it away'),
     Parameter('details', Kind.VALUES, 'JSON of the customer; empty: take it away'),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from bt_orchestrator_interfaces.msg import OrderAnswer
 from bt_orchestrator_interfaces.srv import (
     ListJobs,
     QueueAdd,
@@ -26,7 +25,7 @@ from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import STOP_AFTER
 from bt_orchestrator.ros.services.order_requests import AskedOrders, asked_change, asked_order
 from bt_orchestrator.ros.services.senders import Senders
-from bt_orchestrator.ros.services.serving import serve, tell
+from bt_orchestrator.ros.services.serving import order_answers, serve, tell
 from bt_orchestrator.ros.types.status_messages import job_message, listed_message
 from bt_orchestrator.runtime import listed_jobs
 from bt_orchestrator.runtime.overview import Overview
@@ -70,10 +69,7 @@ class QueueServices:
             orders, self._senders.by(request), position, held=request.held
         )
         tell(response, answer)
-        response.answers = [
-            OrderAnswer(job=one.job, message=one.message, findings=one.findings)
-            for one in answer.orders
-        ]
+        response.answers = order_answers(answer)
 
     async def _update(self, request: Any, response: Any) -> None:
         answer = await self._handler.update(

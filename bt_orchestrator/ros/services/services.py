@@ -1,10 +1,10 @@
-"""Services about the cell: answers to holds, removed items, commands."""
+"""Services about the cell: any request by its name, answers to holds, items, commands."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem
+from bt_orchestrator_interfaces.srv import AnswerHold, Command, MakeRequest, RemoveItem
 from rclpy.node import Node
 
 from bt_orchestrator.asking.handler import RequestHandler
@@ -13,7 +13,7 @@ from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.requests import REMOVE_ITEM, About
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ros.services.senders import Senders
-from bt_orchestrator.ros.services.serving import serve, tell
+from bt_orchestrator.ros.services.serving import order_answers, serve, tell
 
 
 class Services:
@@ -28,6 +28,13 @@ class Services:
         serve(node, AnswerHold, 'answer_hold', self._answer)
         serve(node, RemoveItem, 'remove_item', self._remove)
         serve(node, Command, 'command', self._command)
+        serve(node, MakeRequest, 'request', self._request)
+
+    async def _request(self, request: Any, response: Any) -> None:
+        by = self._senders.by(request)
+        answer = await self._handler.carry_out_named(request.name, request.arguments, by)
+        tell(response, answer)
+        response.answers = order_answers(answer)
 
     async def _answer(self, request: Any, response: Any) -> None:
         answer = await self._handler.give(

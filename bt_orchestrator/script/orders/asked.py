@@ -19,8 +19,19 @@ NONE = 'none'
 """The value that removes a time from a job."""
 
 
-def asked_of(order: WorkOrder) -> AskedOrder:
-    """Return a work order as texts."""
+def asked_of(order: WorkOrder | Mapping[str, Any]) -> AskedOrder:
+    """Return a work order as texts.
+
+    :param order: or a mapping with the keys of an order file, which the desk reads
+    :raises CommandRefused: it is neither
+    """
+    if isinstance(order, Mapping):
+        name, script = str(order.get('order') or ''), str(order.get('script') or '')
+        return AskedOrder(script, name, text=json.dumps(order, indent=1, ensure_ascii=False))
+    if not isinstance(order, WorkOrder):
+        raise CommandRefused(
+            f'each work order is a mapping, as an order file; found {order!r:.60}'
+        )
     terms = order.terms
     details = json_of(terms.details) if terms.details else ''
     asked = AskedTerms(terms.priority, terms.start or 0.0, terms.due or 0.0, details)

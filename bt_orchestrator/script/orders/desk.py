@@ -55,6 +55,8 @@ class AskedOrder:
     terms: AskedTerms = NOTHING_SAID
     recipe: RecipeChoice | None = None
     """None: it names a script."""
+    text: str = ''
+    """The whole order as the text of a file; empty: the other fields say it."""
 
     @property
     def keeps_script(self) -> bool:
@@ -205,6 +207,9 @@ class OrderDesk:
             case Orders(orders):
                 scripts = _Scripts(self)
                 for order in orders:
+                    if order.text:
+                        yield self._written(order.text, wanted.made, ids)
+                        continue
                     yield self._asked(order, wanted.made, scripts, ids)
             case WrittenOrder(text, made):
                 yield self._written(text, made, ids)

@@ -7,13 +7,15 @@ from typing import Any
 
 import pytest
 from bt_orchestrator_interfaces.msg import WorkOrder
+from bt_orchestrator_interfaces.srv import QueueUpdate
 
 from bt_orchestrator.asking.orders import wanted_orders
 from bt_orchestrator.errors import NotRead
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.jobs.order import WorkOrder as Order
-from bt_orchestrator.ros.link.order_messages import change_message, order_message
+from bt_orchestrator.ros.link.order_messages import order_message
 from bt_orchestrator.ros.services.order_requests import AskedOrders, asked_change, asked_order
+from bt_orchestrator.ros.types.choice_messages import choice_fields
 from bt_orchestrator.script.orders.asked import asked_of, change_of
 
 
@@ -48,6 +50,7 @@ def test_an_order_by_recipe_is_the_same_in_a_message(choice: RecipeChoice | None
 
 def test_a_change_of_the_recipe_is_the_same_in_a_message() -> None:
     given = {'job': 'J', 'recipe': ['WM-100', 'WM-101'], 'version': 2, 'bind': CHOICE.bind}
-    assert asked_change(change_message(given)) == change_of(given)
+    message = QueueUpdate.Request(job='J', **choice_fields(CHOICE))
+    assert asked_change(message) == change_of(given)
     assert change_of(given).recipe == CHOICE
-    assert asked_change(change_message({'job': 'J'})).recipe is None
+    assert asked_change(QueueUpdate.Request(job='J')).recipe is None
