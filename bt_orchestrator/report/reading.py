@@ -14,6 +14,7 @@ from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.records import Damage, Page, Record, Wanted
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import Records
+from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.jobs import FOLLOWED, JobFold
 
 log = logging.getLogger(__name__)
@@ -36,6 +37,8 @@ class Reading:
         :param tell: called with a sentence for everything that cannot be shown
         """
         self.records = records
+        self.steady: SteadyTime | None = None
+        """What is known of the steps of the clock; None: nobody has asked."""
         self.lost = 0
         """Records that are damaged or missing, as far as was looked."""
         self._tell = tell

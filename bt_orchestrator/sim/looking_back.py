@@ -24,6 +24,7 @@ from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes, EventSink
 from bt_orchestrator.report.account.beginning import fold_at
+from bt_orchestrator.report.account.booked import steady_time
 from bt_orchestrator.report.account.fold import AccountFold
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import US, us_of
@@ -34,7 +35,7 @@ from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.sim.past import JournalPast
 from bt_orchestrator.sim.run_on import RunOn
 
-LOOK_BACK_S = 3600.0
+LOOK_BACK_US = 3600 * US
 """What is at work when the job starts is found if it began within this time before."""
 
 DURATIONS_FROM = 20_000
@@ -59,7 +60,7 @@ NOBODY = Watchers()
 
 
 class _Span(NamedTuple):
-    """The job in the journal."""
+    """The job in the journal, in steady time."""
 
     job: str
     start: e.JobStarted
@@ -67,6 +68,8 @@ class _Span(NamedTuple):
     end_us: int
     """Its end, or the last event."""
     has_ended: bool
+    ahead_us: int
+    """How far the clock was ahead when it started. The virtual run has this clock."""
 
     @property
     def known_us(self) -> float:
@@ -84,6 +87,7 @@ class LookingBack:
         :param name: the journal in messages
         """
         self._reading = reading
+        self._steady = steady_time(reading)
         self._cell = cell
         self._types = types
         self._name = name
@@ -100,14 +104,15 @@ class LookingBack:
         _refuse_unfit(state)
         forecast = CourseFold(job, span.begin_us, self._account(span), span.known_us)
         real = CourseFold(job, span.begin_us, self._account(span))
-        for event in self._events(span, since=span.start.time - LOOK_BACK_S):
+        shown = [_Shifted(one, span.ahead_us) for one in watchers.real]
+        for event in self._events(span):
             forecast.before(event)
             real.before(event)
-            _hand(event, (*watchers.forecast, *watchers.real))
+            _hand(event, (*(_Shifted(one, span.ahead_us) for one in watchers.forecast), *shown))
         durations = self._usual_s(span) if usual else {}
-        sinks = (forecast, *watchers.forecast)
-        forecast_end_us = self._run(span, state, durations, sinks)
-        self._follow(span, forecast_end_us, (real, *watchers.real))
+        sinks = (_Shifted(forecast, -span.ahead_us), *watchers.forecast)
+        forecast_end_us = self._run(span, state, durations, sinks) - span.ahead_us
+        self._follow(span, forecast_end_us, (real, *shown))
         return Retrospect(
             job,
             span.begin_us,
@@ -116,6 +121,7 @@ class LookingBack:
             real.course(span.end_us),
             usual,
             state.cell_digest != digest(self._cell),
+            self._steady.up_to(span.start.seq),
         )
 
     # --- what happened ----------------------------------------------------------------------
@@ -135,20 +141,27 @@ class LookingBack:
         has_ended = last is not start
         if not has_ended:
             last = self._reading.first(Wanted(newest_first=True)) or start
-        return _Span(job, start, us_of(start.time), us_of(last.time), has_ended)
+        begin_us, end_us = self._steady.us(start), self._steady.us(last)
+        ahead_us = self._steady.ahead_of(start.seq)
+        return _Span(job, start, begin_us, end_us, has_ended, ahead_us)
 
     def _account(self, span: _Span) -> AccountFold:
         """Return an account that has taken in every event before the start."""
         begin_us = span.begin_us
-        period = Period.all_planned(span.job, begin_us, begin_us + _LONG_US)
+        period = Period.all_planned(span.job, begin_us, begin_us + _LONG_US, self._steady)
         fold, wanted = fold_at(self._reading, period)
-        for event in self._reading.events(replace(wanted, before_seq=span.start.seq)):
+        for event in self._read(replace(wanted, before_seq=span.start.seq)):
             fold.follow(event)
         return fold
 
-    def _events(self, span: _Span, *, since: float) -> Iterator[e.Event]:
-        """Yield the events before the start."""
-        yield from self._reading.events(Wanted(since=since, before_seq=span.start.seq))
+    def _events(self, span: _Span) -> Iterator[e.Event]:
+        """Yield the events of a while before the start."""
+        first_us, _ = self._steady.clock_span(span.begin_us - LOOK_BACK_US, span.begin_us)
+        yield from self._read(Wanted(since=first_us / US, before_seq=span.start.seq))
+
+    def _read(self, wanted: Wanted) -> Iterator[e.Event]:
+        """Yield events in steady time."""
+        return map(self._steady.of, self._reading.events(wanted))
 
     def _usual_s(self, span: _Span) -> Mapping[str, Mapping[str, float]]:
         observed = ObservedDurations()
@@ -159,9 +172,12 @@ class LookingBack:
 
     def _follow(self, span: _Span, forecast_end_us: int, sinks: Sequence[EventSink]) -> None:
         """Hand out what happened, as far as the longer of both goes."""
-        until = (max(span.end_us, forecast_end_us) + 0.5) / US  # times are rounded
-        for event in self._reading.events(Wanted(span.start.seq - 1, until=until)):
-            _hand(event, sinks)
+        until_us = max(span.end_us, forecast_end_us)
+        _, last_us = self._steady.clock_span(span.begin_us, until_us)
+        until = (last_us + 0.5) / US  # times are rounded
+        for event in self._read(Wanted(span.start.seq - 1, until=until)):
+            if us_of(event.time) <= until_us:
+                _hand(event, sinks)
 
     # --- the forecast -----------------------------------------------------------------------
 
@@ -205,6 +221,19 @@ def _why_none(span: _Span, run: RunOn) -> str:
     why = f'a person has to answer: {"; ".join(holds)}' if holds else 'nothing can start any more'
     when = datetime.fromtimestamp(run.state.time).isoformat(' ', 'seconds')
     return f'job {span.job} has no forecast: at {when} of the virtual run {why}'
+
+
+class _Shifted:
+    """Hands events to an output, with their time shifted. Implements `ports.EventSink`."""
+
+    def __init__(self, sink: EventSink, by_us: int) -> None:
+        self._sink = sink
+        self._by_s = by_us / US
+
+    def publish(self, events: Sequence[e.Event]) -> None:
+        if self._by_s:
+            events = [one.stamped(one.seq, one.time + self._by_s) for one in events]
+        self._sink.publish(events)
 
 
 def _hand(event: e.Event, sinks: Sequence[EventSink]) -> None:

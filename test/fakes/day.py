@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timezone
+from datetime import date, datetime, timezone
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
@@ -23,6 +23,11 @@ class Day:
     def __init__(self, first_seq: int = 1) -> None:
         self.events: list[e.Event] = []
         self._first_seq = first_seq
+
+    @staticmethod
+    def date() -> date:
+        """Return the day."""
+        return date.fromisoformat(DATE)
 
     def note(self, clock: str | float, *events: e.Event) -> None:
         """Record events at a time of the clock, or at seconds since the epoch."""

@@ -40,13 +40,19 @@ def naive_account(
     times: Counter[str] = Counter()
     for number, record in enumerate(records):
         begin = us(record)
-        end = us(records[number + 1]) if number + 1 < len(records) else planned[-1][1]
+        is_last = number + 1 == len(records)
+        end = planned[-1][1] if is_last else before_a_step(records[number + 1])
         if overlap(begin, end, planned):
             after = records[number + 1]['event'] if number + 1 < len(records) else ''
             times[what_is_it(records[: number + 1], after)] += overlap(begin, end, planned)
-    times['not_recorded'] += overlap(0, us(records[0]), planned)
+    times['not_recorded'] += overlap(min(planned)[0], us(records[0]), planned)
     out = [one for one in records if one['event'] == 'item.removed']
-    counted = [one for one in out if any(here < us(one) <= there for here, there in planned)]
+    ends = [left_at(records, records.index(one)) for one in out]
+    counted = [
+        one
+        for one, end in zip(out, ends, strict=True)
+        if any(here < end <= there for here, there in planned)
+    ]
     good = [one for one in counted if is_good(one, records)]
     busy = sum(times.values()) - sum(times[name] for name in UNPLANNED)
     value = sum((pace_us(one['job']) for one in good), start=Fraction(0))
@@ -56,6 +62,22 @@ def naive_account(
 
 def us(record: Mapping[str, Any]) -> int:
     return round(float(record['time']) * 1_000_000)
+
+
+def before_a_step(record: Mapping[str, Any]) -> int:
+    """Return the time of a record; of a step: what the clock showed before it."""
+    is_step = record['event'] == 'clock.stepped'
+    return us(record) - (round(record['seconds'] * 1_000_000) if is_step else 0)
+
+
+def left_at(records: Records, number: int) -> int:
+    """Return when an item left; at the moment of a step the clock is not set yet."""
+    time = us(records[number])
+    for one in reversed(records[:number]):
+        if us(one) != time:
+            break
+        time = before_a_step(one)
+    return time
 
 
 def overlap(begin: int, end: int, planned: Sequence[tuple[int, int]]) -> int:
@@ -156,4 +178,6 @@ def has_work(past: Records, job: str) -> bool:
             lacks.add(one['component'])
         elif one['event'] == 'component.in_service':
             lacks.discard(one['component'])
-    return not (is_held or awaits or lacks)
+    released = [one['digest'] for one in past[since:] if one['event'] == 'script.released']
+    unreleased = newest.get('awaits_release', False) and newest['digest'] not in released
+    return not (is_held or awaits or lacks or unreleased)

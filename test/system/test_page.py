@@ -90,8 +90,8 @@ def test_each_event_is_told_once_although_the_node_is_killed(
         cell.watch.ros.spin_until(lambda: reading.seqs[-1:] == [last], 'the last event is told')
         cell.watch.ros.spin_until(lambda: shift_of(page)['quantities']['good'] == 12, 'the shift')
         told = shift_of(page)
-        borders = (round(moment(told['period'][name]) * 1e6) for name in ('from', 'to'))
-        made = account(RecordsReading(records), Period.all_planned('', *borders), None)
+        since, until = (round(moment(told['period'][name]) * 1e6) for name in ('from', 'to'))
+        made = account(RecordsReading(records), Period.all_planned('', since, until), None)
     assert told['losses'] == account_plain(made)['losses']
     assert told['losses']['no_node'] > 0
 

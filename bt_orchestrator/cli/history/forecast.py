@@ -95,16 +95,16 @@ def _chart(found: Retrospect, forecast: GanttFold, real: GanttFold) -> str:
     :raises WrongUse: it is too much for one chart
     """
     assert found.forecast.end_us is not None
-    ends = [End(found.forecast.end_us / US, is_forecast=True)]
+    period = period_of(found)
+    ends = [End(period.shown_us(found.forecast.end_us) / US, is_forecast=True)]
     if found.real.end_us is not None:
-        ends.append(End(found.real.end_us / US, is_forecast=False))
-    begin_s, until_s = found.begin_us / US, found.real.until_us / US
+        ends.append(End(period.shown_us(found.real.end_us) / US, is_forecast=False))
+    begin_s, until_s = (period.shown_us(one) / US for one in (found.begin_us, found.real.until_us))
     end_s = max(ends[0].time_s, until_s)
     forecast.end(ends[0].time_s)
     if found.real.end_us is None:
         real.end(until_s)
     expected, was = forecast.past(begin_s, end_s), real.past(begin_s, end_s)
     refuse_too_many(sum(len(row.tasks) for one in (expected, was) for row in one.rows))
-    period = period_of(found)
     title = f'job {found.job} from {period.when(found.begin_us)}: forecast, and what happened'
     return gantt_svg(was.under(expected, ends).named(title))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from bt_orchestrator.report.account.calendar import (
     zone_of,
 )
 from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.planned import us_of
+from bt_orchestrator.report.account.planned import Planned, us_of
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.script.report import did_you_mean, listing
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
@@ -67,8 +68,10 @@ def period_of(args: argparse.Namespace, reading: Reading) -> Period:
     period = _without_shift(args, reading, shifts)
     if shifts is None:
         return period
-    planned = planned_within(shifts, period.begin_us, period.end_us)
-    return Period(period.name, period.begin_us, period.end_us, planned, zone_of(shifts))
+    planned = planned_within(shifts, *period.on_clock)
+    if period.steady is not None:
+        planned = Planned.of(period.steady.when_shown(planned.pieces))
+    return replace(period, planned=planned, zone=zone_of(shifts))
 
 
 def _refuse_contradictions(args: argparse.Namespace) -> None:
@@ -96,8 +99,9 @@ def _without_shift(args: argparse.Namespace, reading: Reading, shifts: Shifts | 
     known = whole(reading, journal)
     if args.since is None and args.until is None:
         return known
-    begin = known.begin_us if args.since is None else us_of(args.since)
-    end = min(us_of(time.time()), known.end_us if args.until is None else us_of(args.until))
+    first, last = known.on_clock
+    begin = first if args.since is None else us_of(args.since)
+    end = min(us_of(time.time()), last if args.until is None else us_of(args.until))
     return Period.all_planned('period', begin, end)
 
 

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.records import Extent, Wanted
+from bt_orchestrator.model.records import Extent, Record, Wanted
 from bt_orchestrator.report.account.beginning import fold_with_books
-from bt_orchestrator.report.account.booked import booked, first_booked, last_booked
+from bt_orchestrator.report.account.booked import booked, first_booked, last_booked, steady_time
 from bt_orchestrator.report.account.figures import LACKS, Figures, Paces, figures
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, FromBooks
 from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.planned import us_of
+from bt_orchestrator.report.account.planned import US, Planned, us_of
+from bt_orchestrator.report.account.steady_time import SteadyTime, Step
 from bt_orchestrator.report.reading import Reading
 
 _OF_A_JOB = (e.JobStarted.event, e.JobCompleted.event, e.JobAborted.event)
@@ -43,8 +44,10 @@ class Source:
     """The last event before the period; 0: there is none."""
     ended_us: int | None = None
     """When the journal ended, if that was before the period."""
-    steps: tuple[e.ClockStepped, ...] = ()
+    steps: tuple[Step, ...] = ()
     """Steps of the clock within the period."""
+    not_taken_out: tuple[Step, ...] = ()
+    """Those that made books of the version before leave out time."""
 
     def beside(self, seqs: Sequence[int]) -> Source:
         """Return it with events that were read beside books."""
@@ -87,8 +90,8 @@ class Account:
 
     @property
     def _lacks_time(self) -> bool:
-        """Tell whether the clock was set back: the time that came twice counts once."""
-        return any(step.seconds < 0 for step in self.source.steps)
+        """Tell whether time that came twice counts once."""
+        return any(step.by_us < 0 for step in self.source.not_taken_out)
 
     def notes(self) -> tuple[str, ...]:
         """Say what it was made from, and what limits it."""
@@ -102,7 +105,7 @@ class Account:
                 'planned time is rounded to whole slots of the books, as the events of these are '
                 f'removed: {moments}{more}'
             )
-        shown, ended = self.figures, self.source.ended_us
+        shown, source, ended = self.figures, self.source, self.source.ended_us
         if ended is not None:
             said.append(
                 f'the journal has no event since {when(ended)}: its last state is taken to go on'
@@ -115,7 +118,8 @@ class Account:
             said.append(f'no performance and no OEE: for the pace of {named} the cell file {why}')
         if self.cell_differs:
             said.append('the pace is by a cell file that is not the one that the node ran with')
-        said += [_step_words(step, self.period) for step in self.source.steps]
+        said += [_step_words(step, self.period, _OLD_BOOKS) for step in source.not_taken_out]
+        said += [_step_words(step, self.period, _MEANS) for step in source.steps]
         if shown.performance is not None and shown.performance > 1 and not self._lacks_time:
             said.append('quicker than the pace: the durations in the cell file are too long')
         scripts = shown.times.scripts
@@ -140,21 +144,40 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
             f'no time of {_span(period)} is planned, by the file of shifts; choose another time'
         )
     extent = reading.records.extent()
+    steady = steady_time(reading)
+    period = period.on(steady)
     fold, wanted = fold_with_books(reading, period)
     first, last, newest = 0, 0, wanted.after_seq
-    steps: list[e.ClockStepped] = []
-    for event in reading.events(wanted):
+    for event in map(steady.of, reading.events(wanted)):
+        if us_of(event.time) > period.end_us:
+            continue
         newest = event.seq
         if us_of(event.time) >= period.begin_us:
             first, last = first or event.seq, event.seq
-            steps += [event] if isinstance(event, e.ClockStepped) else []
         fold.follow(event)
     ended = None if first or fold.books.span else _ended_before(reading, period)
     after = next(reading.events(Wanted(events=FOLLOWED, after_seq=newest)), None)
     if after is not None:
-        fold.comes_after(after, period.end_us)
-    source = Source(extent, first, last, reading.lost, newest, ended, tuple(steps))
-    return account_of(fold, period, Paces(cell), source)
+        fold.comes_after(steady.of(after), period.end_us)
+    source = Source(extent, first, last, reading.lost, newest, ended)
+    return account_of(fold, period, Paces(cell), with_steps(source, reading, period))
+
+
+def with_steps(source: Source, reading: Reading, period: Period) -> Source:
+    """Return a source with the steps of the clock in its period."""
+    steady = steady_time(reading)
+    begin, end = period.on_clock
+    wanted = Wanted(events=(e.ClockStepped.event,), before_seq=steady.since + 1)
+    old = (
+        Step(one.seq, us_of(one.time), us_of(one.seconds), 0)
+        for one in (reading.events(wanted) if steady.since else ())
+        if isinstance(one, e.ClockStepped)
+    )
+    return replace(
+        source,
+        steps=tuple(steady.within(period.begin_us, period.end_us)),
+        not_taken_out=tuple(one for one in old if begin <= max(one.times_us) and one.at_us <= end),
+    )
 
 
 def _ended_before(reading: Reading, period: Period) -> int | None:
@@ -198,12 +221,9 @@ def of_job(reading: Reading, job: str, journal: str) -> Period:
             end = event
     if begin is None:
         return _by_summary(reading, job, journal)
-    until = whole(reading, journal).end_us if end is None else us_of(end.time)
-    moments = [us_of(begin.time), until]
-    for step in _steps(reading):
-        if begin.seq < step.seq and (end is None or step.seq < end.seq):
-            moments += _around(step)
-    return Period.all_planned(f'job {job}', min(moments), max(moments))
+    steady = steady_time(reading)
+    until = whole(reading, journal).end_us if end is None else steady.us(end)
+    return Period.all_planned(f'job {job}', steady.us(begin), until, steady)
 
 
 def _by_summary(reading: Reading, job: str, journal: str) -> Period:
@@ -213,9 +233,12 @@ def _by_summary(reading: Reading, job: str, journal: str) -> Period:
     """
     known = next((one for one in reading.summaries() if one.job == job), None)
     if known is not None and known.started is not None and known.ended is not None:
-        begin, end = us_of(known.started), us_of(known.ended)
+        steady = steady_time(reading)
+        moments = [us_of(known.started), us_of(known.ended)]
+        shown = Planned.of(steady.when_shown((one, one + 1) for one in moments)).pieces
+        begin, end = shown[0][0], shown[-1][1] - 1
         if next(booked(reading, begin, end), None) is not None:
-            return Period.all_planned(f'job {job}', begin, end)
+            return Period.all_planned(f'job {job}', begin, end, steady)
     why = 'knows no start of' if known is None else 'keeps only a summary of'
     raise NothingToReport(f'{journal} {why} job {job}; history --job {job} shows what it has')
 
@@ -226,39 +249,39 @@ def whole(reading: Reading, journal: str) -> Period:
     :raises NothingToReport: there is none
     """
     events = (list(reading.each(Wanted(newest_first=newest), 1)) for newest in (False, True))
-    known = [us_of(json.loads(record.text)['time']) for records in events for record in records]
+    steady = steady_time(reading)
+    known = [_moment(record, steady) for records in events for record in records]
     first, last = first_booked(reading), last_booked(reading)
     begins = [] if first is None else [first.begin_us]
     ends = [] if last is None else [last.until_us]
     moments = [*known, *begins, *ends]
     if not moments:
         raise NothingToReport(f'{journal} has no event; name the journal of a node that ran')
-    for step in _steps(reading):
-        moments += _around(step)
-    return Period.all_planned('all that the journal has', min(moments), max(moments))
+    return Period.all_planned('all that the journal has', min(moments), max(moments), steady)
 
 
-def _steps(reading: Reading) -> Iterator[e.ClockStepped]:
-    for event in reading.events(Wanted(events=(e.ClockStepped.event,))):
-        if isinstance(event, e.ClockStepped):
-            yield event
+def _moment(record: Record, steady: SteadyTime) -> int:
+    return us_of(json.loads(record.text)['time']) - steady.ahead_of(record.seq)
 
 
-def _around(step: e.ClockStepped) -> tuple[int, int]:
-    """Return the time that the clock showed before a step, and after it."""
-    after = us_of(step.time)
-    return after - us_of(step.seconds), after
+def _step_words(step: Step, period: Period, means: Mapping[str, str]) -> str:
+    """Say when the clock was set, and what that means for the figures."""
+    before, after = (replace(period, steady=None).when(one) for one in step.times_us)
+    way = 'back' if step.by_us < 0 else 'forward'
+    by = f'{abs(step.by_us) / US:.0f} s'
+    return f'the clock was set {way} by {by}, from {before} to {after}: {means[way]}'
 
 
-def _step_words(step: e.ClockStepped, period: Period) -> str:
-    """Say how a step of the clock changes what a period tells."""
-    before, after = _around(step)
-    way = 'back' if step.seconds < 0 else 'forward'
-    count = 'counts once, so the figures lack it' if step.seconds < 0 else 'counts as not recorded'
-    return (
-        f'the clock was set {way} by {abs(step.seconds):.0f} s, from {period.when(before)} to '
-        f'{period.when(after)}: that time {count}'
-    )
+_MEANS = {
+    'back': 'the time that it showed twice passed twice, and counts twice',
+    'forward': 'the time that it skipped did not pass, and does not count',
+}
+_OLD_BOOKS = {
+    'back': 'the books of that time are of an older program, so the figures lack the time that '
+    'came twice',
+    'forward': 'the books of that time are of an older program: the skipped time counts as not '
+    'recorded',
+}
 
 
 def _span(period: Period) -> str:

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.report.account.booked import booked, script_of
+from bt_orchestrator.report.account.booked import booked, script_of, steady_time
 from bt_orchestrator.report.account.event_course import EventCourse
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, Begun, FromBooks
 from bt_orchestrator.report.account.losses import Loss
@@ -27,20 +27,28 @@ from bt_orchestrator.report.reading import Reading
 def fold_at(reading: Reading, period: Period) -> tuple[AccountFold, Wanted]:
     """Return a fold that has taken in all before a period, and what it has to read from there.
 
-    Where the clock was set back, events of before the period may be among those.
+    :param period: in steady time
     """
     pieces, events = period.planned.pieces, EventCourse(reading)
     begin = pieces[0][0] if pieces else period.begin_us
     if not events.comes_to(begin):
         events.begin_at(begin)
-    begun = Begun(events.course, Total(), begin, None, FromBooks(), _scripts(reading))
+    begun = Begun(
+        events.course,
+        Total(),
+        begin,
+        None,
+        FromBooks(),
+        _scripts(reading),
+        steady_time(reading),
+    )
     return _up_to(reading, period, AccountFold(period.planned, begun=begun), events.seq)
 
 
 def fold_with_books(reading: Reading, period: Period) -> tuple[AccountFold, Wanted]:
     """Return a fold that has taken in what of a period is in books, too, and what it has to read.
 
-    Where the clock was set back, events of before the period may be among those.
+    :param period: in steady time
     """
     return _Beginning(reading, period).fold()
 
@@ -49,9 +57,10 @@ def _up_to(
     reading: Reading, period: Period, fold: AccountFold, seq: int
 ) -> tuple[AccountFold, Wanted]:
     """Let a fold take in the events after one that are before a period."""
-    end = period.end_us + 0.5  # a time that is rounded to the end is in it
-    wanted = Wanted(events=FOLLOWED, after_seq=seq, until=end / US)
-    for event in reading.events(wanted):
+    steady = steady_time(reading)
+    latest = period.on_clock[1] + 0.5  # a time that is rounded to the end is in it
+    wanted = Wanted(events=FOLLOWED, after_seq=seq, until=latest / US)
+    for event in map(steady.of, reading.events(wanted)):
         if us_of(event.time) >= period.begin_us:
             break
         fold.follow(event)
@@ -76,6 +85,7 @@ class _Beginning:
         """Up to when slots were taken in."""
         self._last: Slot | None = None
         """The newest of them, if it is not in the total yet: more may happen at its end."""
+        self._steady = steady_time(reading)
         self._events = EventCourse(reading)
         self._used: list[int] = []
         """From when to when there were slots in books."""
@@ -102,7 +112,15 @@ class _Beginning:
         if course.now != self._now:
             self._add_last()
         books = FromBooks(tuple(self._used), tuple(self._rounded), self._events.read_seqs)
-        begun = Begun(course, self._total, self._now, self._last, books, _scripts(self._reading))
+        begun = Begun(
+            course,
+            self._total,
+            self._now,
+            self._last,
+            books,
+            _scripts(self._reading),
+            self._steady,
+        )
         return AccountFold(self._planned, begun=begun)
 
     # --- slots ------------------------------------------------------------------------------
@@ -161,7 +179,8 @@ class _Beginning:
         if not self._events.comes_to(self._now):
             return False
         course = self._events.course
-        ledger = Slots(course.holds, self._add, self._now, [*self._borders, until])
+        borders = [*self._borders, until]
+        ledger = Slots(course.holds, self._add, self._now, borders, steady=self._steady)
         ledger.runs(course.cell, course.digest)
         self._events.read(self._now, until, ledger)
         ledger.close()

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from bt_orchestrator.model.books import KeptSlot
-from bt_orchestrator.model.records import Damage
+from bt_orchestrator.model.events import OrchestratorStarted
+from bt_orchestrator.model.records import Damage, Wanted
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.report.account.course import EVER_US
-from bt_orchestrator.report.account.kept import read_script, read_slot
+from bt_orchestrator.report.account.course import EVER_US, FOLLOWED
+from bt_orchestrator.report.account.kept import read_script, read_slot, read_steady
 from bt_orchestrator.report.account.slot import Slot
+from bt_orchestrator.report.account.steady_time import STEPS, SteadyTime
 from bt_orchestrator.report.reading import Reading
 
 _AT_ONCE, _LOOK_AT = 1000, 10
@@ -51,6 +54,31 @@ def script_of(reading: Reading, digest: str) -> Script | None:
     """Return a script of which something was made; None: it is not in the books."""
     kept = reading.records.book_script(digest)
     return None if kept is None else read_script(kept)
+
+
+def steady_time(reading: Reading) -> SteadyTime:
+    """Return what is known of the steps of the clock, from books and from the events after them.
+
+    A reading has one, which takes in further events.
+    """
+    if reading.steady is None:
+        kept = reading.records.book_state(EVER_US)
+        steady = (read_steady(kept) if kept is not None else None) or SteadyTime()
+        for event in reading.events(Wanted(steady.known, events=STEPS)):
+            if isinstance(event, OrchestratorStarted):
+                _follow_last(reading, steady, Wanted(before_seq=event.seq))
+            steady.follow(event)
+        _follow_last(reading, steady, Wanted())
+        reading.steady = steady
+    return reading.steady
+
+
+def _follow_last(reading: Reading, steady: SteadyTime, wanted: Wanted) -> None:
+    """Take in the last of some events: a start of a node is compared with it."""
+    wanted = replace(wanted, after_seq=steady.known, events=FOLLOWED, newest_first=True)
+    last = reading.first(wanted)
+    if last is not None:
+        steady.follow(last)
 
 
 def _sound(reading: Reading, slots: Sequence[KeptSlot]) -> Iterator[Slot]:

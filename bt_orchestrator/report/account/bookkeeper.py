@@ -19,10 +19,12 @@ from bt_orchestrator.report.account.kept import (
     keep_slot,
     keep_state,
     read_state,
+    read_steady,
 )
 from bt_orchestrator.report.account.planned import US, us_of
 from bt_orchestrator.report.account.slot import QUARTER_US, Slot
 from bt_orchestrator.report.account.slots import Slots
+from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.reading import Reading
 
 MOST_EVENTS = 100_000
@@ -54,6 +56,7 @@ class _Bookkeeper:
         last = last_booked(reading)
         state = reading.records.book_state(EVER_US, self._extent.first_seq - 1)
         course = None if state is None else read_state(state)
+        self._steady = (None if state is None else read_steady(state)) or SteadyTime()
         self._end_us = None if last is None else last.until_us
         if course is None or state is None:
             is_whole = self._extent.first_seq == 1
@@ -62,7 +65,7 @@ class _Bookkeeper:
         else:
             self._course, self._seq = course, state.seq
         self._stays_since = self._made_of = self._seq
-        self._ledger = Slots(self._course.holds, self._take, self._end_us)
+        self._ledger = Slots(self._course.holds, self._take, self._end_us, steady=self._steady)
         self._ledger.runs(self._course.cell, self._course.digest)
         if course is not None and last is not None and last.until_us == course.now:
             self._ledger.go_on_from(last)
@@ -70,7 +73,7 @@ class _Bookkeeper:
     def books(self, most: int) -> Books:
         reached = min(self._extent.last_seq, self._seq + most)
         wanted = Wanted(after_seq=self._seq, before_seq=reached + 1, events=FOLLOWED)
-        for event in self._reading.events(wanted):
+        for event in map(self._steady.of, self._reading.events(wanted)):
             self._made_of = event.seq
             self._keep_a_state(event)
             self._course.follow(event, self._ledger)
@@ -78,7 +81,8 @@ class _Bookkeeper:
                 self._scripts[event.digest] = keep_script(event.digest, event.definition)
         self._ledger.close()
         if self._course.now is not None:
-            self._states.append(keep_state(self._course, reached, reached, stays=False))
+            newest = keep_state(self._course, self._steady, reached, reached, stays=False)
+            self._states.append(newest)
         return Books(
             self._extent.history,
             reached,
@@ -93,13 +97,14 @@ class _Bookkeeper:
 
     def _keep_a_state(self, event: e.Event) -> None:
         """Keep a state at the last quarter before an event, once a day and after many events."""
-        now = self._course.now
-        border = (us_of(event.time) - 1) // QUARTER_US * QUARTER_US
+        now, before = self._course.now, us_of(event.time) - 1
+        border = before - self._steady.clock_us(before) % QUARTER_US
         if now is None or border <= now:
             return
         is_other_day = border // _DAY_US != now // _DAY_US
         if is_other_day or event.seq - self._stays_since >= STATE_EVERY:
             self._stays_since = event.seq
             self._course.pass_until(event, self._ledger, border)
-            state = keep_state(self._course, event.seq - 1, event.seq, stays=True)
+            seq = event.seq - 1
+            state = keep_state(self._course, self._steady, seq, event.seq, stays=True)
             self._states.append(state)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.report.account.booked import steady_time
 from bt_orchestrator.report.account.course import FOLLOWED, Course, Ledger
 from bt_orchestrator.report.account.kept import read_state
 from bt_orchestrator.report.account.planned import us_of
@@ -13,10 +14,11 @@ from bt_orchestrator.report.reading import Reading
 
 
 class EventCourse:
-    """Goes forward only."""
+    """Goes forward only, in steady time."""
 
     def __init__(self, reading: Reading) -> None:
         self._reading = reading
+        self._steady = steady_time(reading)
         self._first_seq = reading.records.extent().first_seq
         self._begin_at(Course(is_whole=self._first_seq == 1), self._first_seq - 1)
         self._has_begun = False
@@ -68,6 +70,6 @@ class EventCourse:
         if self._next is None:
             if self._events is None:
                 wanted = Wanted(events=FOLLOWED, after_seq=self.seq)
-                self._events = self._reading.events(wanted)
+                self._events = map(self._steady.of, self._reading.events(wanted))
             self._next = next(self._events, None)
         return self._next

@@ -13,6 +13,7 @@ from bt_orchestrator.report.account.planned import Planned
 from bt_orchestrator.report.account.slot import Slot
 from bt_orchestrator.report.account.slots import Slots
 from bt_orchestrator.report.account.standing import Cause
+from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.account.total import Times, Total
 
 __all__ = ['FOLLOWED', 'AccountFold', 'Times']
@@ -41,10 +42,12 @@ class Begun(NamedTuple):
     books: FromBooks
     find: Callable[[str], Script | None]
     """Finds scripts by digest that no event has told of."""
+    steady: SteadyTime
+    """Of the slots."""
 
 
 class AccountFold:
-    """Takes in one event after another, oldest first."""
+    """Takes in one event after another, oldest first, all in steady time."""
 
     def __init__(
         self, planned: Planned, *, is_whole: bool = False, begun: Begun | None = None
@@ -58,10 +61,10 @@ class AccountFold:
         if begun is None:
             begin = borders[0] if borders else 0
             course = Course(is_whole=is_whole, begin=begin)
-            begun = Begun(course, Total(), begin, None, FromBooks(), lambda _: None)
+            begun = Begun(course, Total(), begin, None, FromBooks(), lambda _: None, SteadyTime())
         self._planned = planned
-        self._course, self._total, self._begin, last, self.books, self._find = begun
-        self._slots = Slots(self._course.holds, self._add, self._begin, borders)
+        self._course, self._total, self._begin, last, self.books, self._find, steady = begun
+        self._slots = Slots(self._course.holds, self._add, self._begin, borders, steady=steady)
         self._slots.runs(self._course.cell, self._course.digest)
         if last is not None:
             self._slots.go_on_from(last)

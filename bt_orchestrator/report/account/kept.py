@@ -11,11 +11,15 @@ from bt_orchestrator.model.codec import from_plain, json_of, text_of
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.report.account.course import Course
 from bt_orchestrator.report.account.slot import Slot
+from bt_orchestrator.report.account.steady_time import SteadyTime
 
 _T = TypeVar('_T')
 
-VERSION = 1
+VERSION = 2
 """Of what the texts mean. Books of another version are not read: their time is not recorded."""
+
+WITHOUT_STEPS = 1
+"""The version before, which is read: a clock that was set back made it leave out time."""
 
 
 def keep_slot(slot: Slot, made_of: int) -> KeptSlot:
@@ -31,18 +35,32 @@ def read_slot(kept: KeptSlot) -> Slot | None:
     return _read(lambda: from_plain(Slot, json.loads(kept.text)), kept.version)
 
 
-def keep_state(course: Course, seq: int, made_of: int, *, stays: bool) -> KeptState:
+def keep_state(
+    course: Course, steady: SteadyTime, seq: int, made_of: int, *, stays: bool
+) -> KeptState:
     """Return the state of a course after an event as text.
 
     :param made_of: seq of the last event that has a say in it
     """
     assert course.now is not None
-    return KeptState(seq, course.now, made_of, stays, VERSION, json_of(course.plain()))
+    plain = {**course.plain(), 'steady': steady.plain(seq)}
+    return KeptState(seq, course.now, made_of, stays, VERSION, json_of(plain))
 
 
 def read_state(kept: KeptState) -> Course | None:
     """Return a course that goes on from there; None: the text is of another version."""
     return _read(lambda: Course.from_plain(json.loads(kept.text)), kept.version)
+
+
+def read_steady(kept: KeptState) -> SteadyTime | None:
+    """Return what a state knows of the steps of the clock; None: it is of another version."""
+    if kept.version == WITHOUT_STEPS:
+        return SteadyTime(kept.seq)
+
+    def read() -> SteadyTime:
+        return SteadyTime.from_plain(json.loads(kept.text)['steady'], kept.seq)
+
+    return _read(read, kept.version)
 
 
 def keep_script(digest: str, script: Script) -> KeptScript:
@@ -56,7 +74,7 @@ def read_script(kept: KeptScript) -> Script:
 
 
 def _read(read: Callable[[], _T], version: int) -> _T | None:
-    if version != VERSION:
+    if version not in (VERSION, WITHOUT_STEPS):
         return None
     try:
         return read()

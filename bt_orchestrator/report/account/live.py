@@ -10,8 +10,9 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Extent
 from bt_orchestrator.ports import Records
-from bt_orchestrator.report.account.account import Account, Source, account_of
+from bt_orchestrator.report.account.account import Account, Source, account_of, with_steps
 from bt_orchestrator.report.account.beginning import fold_with_books
+from bt_orchestrator.report.account.booked import steady_time
 from bt_orchestrator.report.account.calendar import Now
 from bt_orchestrator.report.account.figures import Paces
 from bt_orchestrator.report.account.period import Period
@@ -85,6 +86,9 @@ class LiveAccount:
             going = self._going = None
             going = self._going = _Going(Reading(records, self._tell), now.period, extent)
         going.read(records)
+        if going.has_new_step:  # which may change when the clock shows the hours of the period
+            going = self._going = _Going(Reading(records, self._tell), now.period, extent)
+            going.read(records)
         return going.told(now, us_of(time), self._paces, extent)
 
 
@@ -93,8 +97,12 @@ class _Going:
 
     def __init__(self, reading: Reading, period: Period, extent: Extent) -> None:
         self.period = period
+        """By the clock."""
         self._reading = reading
         self._history = extent.history
+        self._steady = steady_time(reading)
+        self._steps = len(self._steady.steps)
+        self._period = period = period.on(self._steady)
         self._fold, self._wanted = fold_with_books(reading, period)
         self._state_seq = self._wanted.after_seq
         self._first = self._last = 0
@@ -111,6 +119,11 @@ class _Going:
             extent.history == self._history and extent.first_seq <= seq + 1 <= extent.last_seq + 1
         )
 
+    @property
+    def has_new_step(self) -> bool:
+        """Tell whether the clock was set since it was begun."""
+        return len(self._steady.steps) != self._steps
+
     def read(self, records: Records) -> None:
         """Take in what is new."""
         self._reading.records = records
@@ -119,24 +132,30 @@ class _Going:
             page = self._reading.page(self._wanted)
             if page.history != self._history:
                 return  # it begins anew when it is asked next
-            for event in self._reading.known(page):
+            for event in map(self._steady.of, self._reading.known(page)):
                 self._take(event)
             self._wanted, is_last = page.rest, page.is_last
 
     def _take(self, event: Event) -> None:
         time = us_of(event.time)
-        if time >= self.period.begin_us:
+        if time > self._period.end_us:
+            return
+        if time >= self._period.begin_us:
             self._first, self._last = self._first or event.seq, event.seq
         self._fold.follow(event)
         self._heard_us = max(self._heard_us, time)
         if self._fold.cause != self._cause:
-            self._cause, self._since_us = self._fold.cause, max(time, self.period.begin_us)
+            self._cause, self._since_us = self._fold.cause, max(time, self._period.begin_us)
 
     def told(self, now: Now, time_us: int, paces: Paces, extent: Extent) -> Live:
-        end = min(max(time_us, self._heard_us), self.period.end_us)
-        period = replace(self.period, end_us=end).cut()
+        whole = self._period
+        time_us -= self._steady.ahead_of(extent.last_seq)
+        end = min(max(time_us, self._heard_us), whole.end_us)
+        period = replace(whole, end_us=end).cut()
         source = Source(extent, self._first, self._last, self._reading.lost, self._state_seq)
+        source = with_steps(source, self._reading, period)
         account = account_of(self._fold, period, paces, source)
-        is_over = end >= self.period.end_us
+        is_over = end >= whole.end_us
         cause = None if is_over else self._cause
-        return Live(now, account, Stopped(cause, self._since_us) if cause else None)
+        stopped = Stopped(cause, self._since_us) if cause else None
+        return Live(now._replace(period=whole), account, stopped)

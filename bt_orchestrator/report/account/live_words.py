@@ -8,7 +8,6 @@ from bt_orchestrator.report.account.calendar import Turn
 from bt_orchestrator.report.account.figures import LACKS
 from bt_orchestrator.report.account.live import Live
 from bt_orchestrator.report.account.losses import WORDS
-from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.plain import account_plain
 from bt_orchestrator.report.account.standing import Cause
 from bt_orchestrator.report.account.words import percent
@@ -21,7 +20,7 @@ def live_plain(live: Live) -> dict[str, Any]:
         **account_plain(live.account),
         'runs': live.runs,
         'ends': period.iso(live.now.period.end_us) if live.now.turn else None,
-        'next': None if next_one is None else _turn(next_one, period),
+        'next': None if next_one is None else _turn(next_one),
         'stopped': None
         if stopped is None
         else {
@@ -64,10 +63,8 @@ def over_words(live: Live) -> str:
     next_one = live.now.next
     if next_one is None:
         return 'it is over'
-    return (
-        f'it is over; {next_one.shift} begins {live.account.period.when(next_one.period.begin_us)}'
-    )
+    return f'it is over; {next_one.shift} begins {next_one.period.when(next_one.period.begin_us)}'
 
 
-def _turn(turn: Turn, period: Period) -> dict[str, Any]:
-    return {'shift': turn.shift, 'begins': period.iso(turn.period.begin_us)}
+def _turn(turn: Turn) -> dict[str, Any]:
+    return {'shift': turn.shift, 'begins': turn.period.iso(turn.period.begin_us)}

@@ -49,8 +49,7 @@ WORDS: Mapping[Loss, Words] = {
     Loss.NOT_RECORDED: Words(
         Step.NOT_BUSY,
         'not recorded',
-        'the journal does not know it: before its first event, after events that were removed, '
-        'or skipped by a clock that was set forward',
+        'the journal does not know it: before its first event, or after events that were removed',
     ),
     Loss.NO_ORDER: Words(
         Step.NOT_BUSY, 'no order', 'no job was on the line, and none in the queue could start'

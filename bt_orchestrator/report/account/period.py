@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime, tzinfo
 
 from bt_orchestrator.report.account.planned import US, Planned
+from bt_orchestrator.report.account.steady_time import SteadyTime
 
 _DAY_US = 24 * 3600 * US
 
@@ -20,16 +21,32 @@ class Period:
     planned: Planned
     zone: tzinfo | None = None
     """In which times are told; None: that of the computer."""
+    steady: SteadyTime | None = field(default=None, compare=False)
+    """Its moments are of steady time; None: of the clock."""
 
     @classmethod
-    def all_planned(cls, name: str, begin_us: int, end_us: int) -> Period:
+    def all_planned(
+        cls, name: str, begin_us: int, end_us: int, steady: SteadyTime | None = None
+    ) -> Period:
         """Return a period without shifts: all of it counts."""
-        return cls(name, begin_us, end_us, Planned.of([(begin_us, end_us)]))
+        planned = Planned.of([(begin_us, end_us)])
+        return cls(name, begin_us, end_us, planned, steady=steady)
+
+    def on(self, steady: SteadyTime) -> Period:
+        """Return it in steady time: a moment is in it if the clock showed a time within it."""
+        if self.steady is not None:
+            return self
+        spans = steady.when_shown([(self.begin_us, self.end_us)])
+        begin, end = (spans[0][0], spans[-1][1]) if spans else (self.begin_us, self.begin_us)
+        planned = Planned.of(steady.when_shown(self.planned.pieces))
+        return replace(self, begin_us=begin, end_us=end, planned=planned, steady=steady)
 
     @property
-    def until_s(self) -> float:
-        """Its end as a time of events: one that is rounded to the end is in it."""
-        return (self.end_us + 0.5) / US
+    def on_clock(self) -> tuple[int, int]:
+        """The earliest and the latest time that the clock showed in it."""
+        if self.steady is None:
+            return self.begin_us, self.end_us
+        return self.steady.clock_span(self.begin_us, self.end_us)
 
     def cut(self) -> Period:
         """Return it with what is planned within it alone."""
@@ -41,13 +58,18 @@ class Period:
 
     def when(self, us: int) -> str:
         """Write a moment."""
-        return f'{datetime.fromtimestamp(us // US, self.zone):%Y-%m-%d %H:%M:%S}'
+        return f'{datetime.fromtimestamp(self.shown_us(us) // US, self.zone):%Y-%m-%d %H:%M:%S}'
 
     def clock(self, us: int) -> str:
         """Write a moment without its date, or year, where that can be no other one."""
         form = '%H:%M:%S' if self.end_us - self.begin_us <= _DAY_US else '%m-%d %H:%M:%S'
-        return f'{datetime.fromtimestamp(us // US, self.zone):{form}}'
+        return f'{datetime.fromtimestamp(self.shown_us(us) // US, self.zone):{form}}'
 
     def iso(self, us: int) -> str:
         """Write a moment for a program: with its offset."""
-        return datetime.fromtimestamp(us / US, self.zone).astimezone(self.zone).isoformat()
+        moment = datetime.fromtimestamp(self.shown_us(us) / US, self.zone)
+        return moment.astimezone(self.zone).isoformat()
+
+    def shown_us(self, us: int) -> int:
+        """Return what the clock showed at a moment."""
+        return us if self.steady is None else self.steady.clock_us(us)

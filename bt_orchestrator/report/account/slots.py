@@ -11,6 +11,7 @@ from bt_orchestrator.report.account.course import EVER_US, Stretch
 from bt_orchestrator.report.account.made import Left
 from bt_orchestrator.report.account.open_slot import OpenSlot
 from bt_orchestrator.report.account.slot import QUARTER_US, Slot
+from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.account.stops import Held, OpenHolds
 from bt_orchestrator.report.task_spans import TaskSpan
 
@@ -18,7 +19,8 @@ from bt_orchestrator.report.task_spans import TaskSpan
 class Slots:
     """Books on slots that end at quarters of an hour, and at some more borders.
 
-    A long time without an event is one slot, from quarter to quarter. Implements `Ledger`.
+    The quarters are those of the clock, and a slot ends where the clock was set. A long time
+    without an event is one slot, from quarter to quarter. Implements `Ledger`.
     """
 
     def __init__(
@@ -27,6 +29,8 @@ class Slots:
         take: Callable[[Slot], None],
         begin: int | None = None,
         borders: Sequence[int] = (),
+        *,
+        steady: SteadyTime,
     ) -> None:
         """Begin.
 
@@ -34,11 +38,13 @@ class Slots:
         :param take: called with each slot that is complete, in their order
         :param begin: what was before is not booked; None: all is
         :param borders: further ends of slots, in order
+        :param steady: knows when the clock was set
         """
         self._holds = holds
         self._take = take
         self._begin = begin
         self._borders = borders
+        self._steady = steady
         self._open: OpenSlot | None = None
         self._cell = self._digest = ''
 
@@ -88,7 +94,7 @@ class Slots:
     def until(self, rest: Stretch | None) -> Sequence[Slot]:
         """Return what is not complete, with some more time, and change nothing."""
         found: list[Slot] = []
-        more = Slots(self._holds, found.append, self._begin, self._borders)
+        more = Slots(self._holds, found.append, self._begin, self._borders, steady=self._steady)
         more._open, more._cell, more._digest = deepcopy(self._open), self._cell, self._digest
         if rest is not None:
             more.passes(rest)
@@ -103,22 +109,31 @@ class Slots:
 
     def _slot_at(self, begin: int, end: int) -> OpenSlot:
         """Return the slot in which time goes on, to a moment after it."""
-        if self._open is None or self._open.ends <= begin:
+        if self._open is None or self._ends(self._open) <= begin:
             self.close()
             ends = self._border(begin)
-            if ends < end and ends % QUARTER_US == 0:
+            if ends < end and ends == self._quarter(ends):
                 ends = max(ends, self._border_before(end, begin))
             self._open = OpenSlot(begin, ends, self._cell, self._digest)
         return self._open
 
+    def _ends(self, slot: OpenSlot) -> int:
+        """Return when a slot ends: the clock may have been set since it was begun."""
+        return min(slot.ends, self._steady.step_after(slot.begin))
+
     def _border(self, moment: int) -> int:
         """Return the first border after a moment."""
-        return min(moment // QUARTER_US * QUARTER_US + QUARTER_US, self._special(moment))
+        return min(self._quarter(moment) + QUARTER_US, self._special(moment))
 
     def _border_before(self, end: int, begin: int) -> int:
         """Return the last quarter before a moment, to which no other border is in the way."""
-        return min((end - 1) // QUARTER_US * QUARTER_US, self._special(begin))
+        return min(self._quarter(end - 1), self._special(begin))
+
+    def _quarter(self, moment: int) -> int:
+        """Return the last quarter of the clock that is not after a moment."""
+        return moment - self._steady.clock_us(moment) % QUARTER_US
 
     def _special(self, moment: int) -> int:
         at = bisect_right(self._borders, moment)
-        return self._borders[at] if at < len(self._borders) else EVER_US
+        border = self._borders[at] if at < len(self._borders) else EVER_US
+        return min(border, self._steady.step_after(moment))

@@ -101,7 +101,7 @@ class OpenHolds:
                 if not held.answer and self._said is not None:
                     _answer(held, self._said)
             return held
-        elif not isinstance(event, (e.HoldRaised, e.ItemRemoved)):
+        elif not isinstance(event, (e.HoldRaised, e.ItemRemoved, e.ClockStepped)):
             self._said = None
         return None
 

@@ -73,10 +73,10 @@ class Durations:
 
 def durations(reading: Reading, period: Period, cell: Cell | None) -> Durations:
     """Read how long tasks took in a period."""
-    begin, end = period.begin_us / US, period.end_us / US
+    begin, end = (us / US for us in period.on_clock)
     by_hour = end - begin < SHORT.total_seconds()
     fold = TimesFold(period.zone, by_hour=by_hour)
-    for event in reading.events(Wanted(since=begin, until=period.until_s, events=FOLLOWED)):
+    for event in reading.events(Wanted(since=begin, until=end + 0.5 / US, events=FOLLOWED)):
         fold.follow(event)
     since = datetime.fromtimestamp(end, period.zone) - LATELY
     tasks = [_task(kind, buckets, cell, since) for kind, buckets in fold.kinds.items()]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from bt_orchestrator.model.jobs.counting import PACKED
 from bt_orchestrator.report.account.losses import WORDS, Loss
 from bt_orchestrator.report.account.planned import US
+from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.account.words import is_seen
 from bt_orchestrator.report.retrospect.course import Course, Work
 
@@ -75,6 +76,8 @@ class Retrospect:
     """Tasks of the forecast take as long as they had taken before; else as the cell file says."""
     cell_differs: bool
     """The node ran with another cell file than the one of the forecast."""
+    steady: SteadyTime = field(default_factory=SteadyTime, compare=False)
+    """Its moments are of this time, which goes on as the clock did when the job started."""
 
     @property
     def late_us(self) -> int | None:

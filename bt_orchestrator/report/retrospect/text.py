@@ -20,7 +20,8 @@ _COLUMNS = ('forecast', 'real', 'difference')
 
 def period_of(found: Retrospect) -> Period:
     """Return the time of a job."""
-    return Period.all_planned(f'job {found.job}', found.begin_us, found.real.until_us)
+    begin_us, until_us = found.begin_us, found.real.until_us
+    return Period.all_planned(f'job {found.job}', begin_us, until_us, found.steady)
 
 
 def retrospect_text(found: Retrospect) -> Iterator[str]:

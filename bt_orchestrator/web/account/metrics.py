@@ -59,8 +59,8 @@ def _of_cell(status: CellStatus) -> Iterator[Gauge]:
 def _of_shift(live: Live, cell: str) -> Iterator[Gauge]:
     assert live.now.turn is not None
     of = {'cell': cell, 'shift': live.now.turn.shift}
-    shown, begin = live.account.figures, live.now.period.begin_us
-    times = shown.times
+    shown, period = live.account.figures, live.now.period
+    begin, times = period.shown_us(period.begin_us), shown.times
 
     def one(name: str, meaning: str, value: Value | None) -> Gauge:
         return Gauge(f'shift_{name}', meaning, [(of, value)])

@@ -23,9 +23,9 @@ def shift_part(live: Live | None, why_not: str) -> dict[str, Any]:
         'shift': turn.shift,
         'day': str(turn.day),
         'runs': live.runs,
-        'begin': _s(period.begin_us),
-        'end': _s(live.now.period.end_us),
-        'at': _s(period.end_us),
+        'begin': _s(period.shown_us(period.begin_us)),
+        'end': _s(period.shown_us(live.now.period.end_us)),
+        'at': _s(period.shown_us(period.end_us)),
         'next': _next(live.now.next),
         'oee': _ratio(shown.oee),
         'availability': _ratio(shown.availability),
@@ -61,7 +61,7 @@ def _stopped(live: Live) -> dict[str, Any] | None:
         'loss': cause.loss.value,
         'detail': cause.detail,
         'component': cause.component,
-        'since': _s(live.stopped.since_us),
+        'since': _s(live.account.period.shown_us(live.stopped.since_us)),
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -15,18 +15,22 @@ from fakes.naive_account import naive_account
 from fakes.plan_operator import operate
 from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
+from fakes.stepped import Steps, drawn_steps, stepped
 from fakes.virtual_run import VirtualRun
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.model.codec import from_record, to_record
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.proof.pace import pace
 from bt_orchestrator.report.account.figures import Figures, Paces, figures
-from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold
+from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, Times
 from bt_orchestrator.report.account.losses import Loss
+from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import Planned, us_of
+from bt_orchestrator.report.account.steady_time import SteadyTime
 
 pytestmark = pytest.mark.timeout(24 * 3600)
 
@@ -79,6 +83,36 @@ def accounts(
         assert mine.oee == naive.oee
         closes(mine)
     return mine
+
+
+def stepped_accounts(records: list[dict[str, Any]], marks: list[int], steps: Steps) -> None:
+    """Compare the accounts of a run whose clock was set with that of the same run without."""
+    run = [from_record(one) for one in records]
+    events = stepped(run, steps)
+    steady = SteadyTime()
+    followed = [one for one in map(steady.of, events) if one.event in FOLLOWED]
+    begin, end = us_of(run[0].time), us_of(run[-1].time) + 1_000_000
+    whole = Planned.of([(begin, end)])
+    assert times_of(followed, whole, end) == times_of(run, whole, end)
+
+    low, high = steady.clock_span(begin, end)
+    first, off, on, last = (low + mark * (high - low) // 12 for mark in marks)
+    planned = Planned.of([(first, off), (on, last)])
+    period = Period('drawn', first, last, planned).on(steady)
+    shown = figures(times_of(followed, period.planned, period.end_us), Paces(None))
+    known = [to_record(one) for one in events]
+    naive = naive_account(known, planned.pieces, lambda _: Fraction(0))
+    booked = {loss.value: us for loss, us in shown.times.lost_us.items()}
+    assert +Counter({**booked, 'production': shown.times.producing_us}) == +naive.times
+    assert (shown.good, shown.produced) == (naive.good, naive.produced)
+
+
+def times_of(events: Sequence[e.Event], planned: Planned, end: int) -> Times:
+    fold = AccountFold(planned, is_whole=True)
+    for event in events:
+        if event.event in FOLLOWED and us_of(event.time) <= end:
+            fold.follow(event)
+    return fold.until(end)
 
 
 def closes(shown: Figures) -> None:
@@ -173,3 +207,12 @@ def test_drawn_lines(plan: Plan, marks: list[int]) -> None:
     scripts = {job: bench.scripts[name] for job, name in bench.accepted.items()}
     if bench.run.records:
         accounts(bench.run.records, marks, bench.cell, scripts)
+
+
+@examples(4, 300)
+@given(lines(), MARKS, drawn_steps())
+def test_a_clock_that_is_set_changes_no_figure(plan: Plan, marks: list[int], steps: Steps) -> None:
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    if bench.run.records:
+        stepped_accounts(bench.run.records, marks, steps)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from fakes.kept_books import book_all
 from fakes.plan_operator import operate
 from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
+from fakes.stepped import Steps, drawn_steps, stepped
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,12 +24,14 @@ from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.report.account.beginning import fold_at, fold_with_books
+from bt_orchestrator.report.account.booked import steady_time
 from bt_orchestrator.report.account.calendar import Now
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, Times
 from bt_orchestrator.report.account.live import LiveAccount
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import Planned, us_of
 from bt_orchestrator.report.account.slot import QUARTER_US
+from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
@@ -88,6 +92,54 @@ def test_drawn_runs(
         assert journal.times(period) == _by_events(events, period)
         for one in (live, new_live()):
             assert journal.live(one, None) == _by_events(events, period)
+
+
+@examples(3, 300)
+@given(
+    plan=lines(),
+    stretch=st.sampled_from([97.0, 900.0]),
+    steps=drawn_steps(st.integers(1, 8).map(lambda quarters: quarters * 900.0)),
+    marks=MARKS,
+    share=st.integers(1, 9),
+    most=st.sampled_from([7, 100_000]),
+    removed=st.integers(0, 9),
+)
+def test_books_of_a_clock_that_is_set(
+    plan: Plan,
+    stretch: float,
+    steps: Steps,
+    marks: list[int],
+    share: int,
+    most: int,
+    removed: int,
+) -> None:
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    run = [_slowly(from_record(one), stretch) for one in bench.run.records]
+    if not run:
+        return
+    period = _period(run, marks, to_slots=True)
+    events, steady = stepped(run, steps), SteadyTime()
+    for event in events:
+        steady.follow(event)
+    events = [one for one in events if steady.us(one) <= period.end_us]
+    if not events:
+        return
+    expected = _by_events([one for one in run if us_of(one.time) <= period.end_us], period)
+    period = replace(period, steady=steady)
+    live = LiveAccount(lambda _: Now(period), None)
+    with tempfile.TemporaryDirectory() as folder, closing(_Journal(Path(folder))) as journal:
+        cut = len(events) * share // 10
+        for part in (events[:cut], events[cut:]):
+            if part:
+                journal.add(part, most)
+                new = LiveAccount(lambda _: Now(period), None)
+                assert journal.live(live, part[-1]) == journal.live(new, part[-1])
+        for begin in (fold_at, fold_with_books):
+            assert journal.times(period, begin) == expected
+        journal.remove(events[-1].seq * removed // 10)
+        assert journal.times(period) == expected
+        assert journal.live(live, None) == expected
 
 
 def _at_one_moment(events: Sequence[e.Event], near: int) -> int:
@@ -155,8 +207,9 @@ class _Journal:
         with closing(SqliteRecords(self._path)) as records:
             reading = Reading(records, _no_damage)
             fold, wanted = begin(reading, period)
-            for event in reading.events(wanted):
-                fold.follow(event)
+            for event in map(steady_time(reading).of, reading.events(wanted)):
+                if us_of(event.time) <= period.end_us:
+                    fold.follow(event)
             return fold.until(period.end_us)
 
     def live(self, account: LiveAccount, newest: e.Event | None) -> Times:

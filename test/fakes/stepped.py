@@ -1,0 +1,37 @@
+"""Runs whose clock somebody sets: what happened stays the same, the times on record do not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from hypothesis import strategies as st
+
+from bt_orchestrator.model import events as e
+
+Steps = Sequence[tuple[int, float]]
+"""Shares of the events, in hundredths, after which the clock is set, and by how many seconds."""
+
+SHARES = st.integers(0, 99)
+ANY = st.floats(1.0, 5000.0).map(lambda seconds: round(seconds, 3))
+
+
+def drawn_steps(seconds: st.SearchStrategy[float] = ANY) -> st.SearchStrategy[Steps]:
+    """Draw steps, forward and back."""
+    signed = st.tuples(seconds, st.sampled_from([-1, -1, 1])).map(lambda one: one[0] * one[1])
+    return st.lists(st.tuples(SHARES, signed), min_size=1, max_size=4)
+
+
+def stepped(events: Iterable[e.Event], steps: Steps) -> list[e.Event]:
+    """Return events as a node records them whose clock is set; each step is an event more."""
+    events = list(events)
+    due = sorted((max(1, share * len(events) // 100), seconds) for share, seconds in steps)
+    found: list[e.Event] = []
+    ahead_s = 0.0
+    for number, event in enumerate(events):
+        while due and due[0][0] <= number:
+            _, seconds = due.pop(0)
+            ahead_s += seconds
+            step = e.ClockStepped(seconds=seconds)
+            found.append(step.stamped(len(found) + 1, event.time + ahead_s))
+        found.append(event.stamped(len(found) + 1, event.time + ahead_s))
+    return found
