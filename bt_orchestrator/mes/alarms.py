@@ -43,6 +43,10 @@ class Alarm:
     """Number of the hold; empty: it is none."""
     answers: tuple[str, ...] = ()
     """Which answers the hold takes now."""
+    controller_said: str = ''
+    """Text of the controller's own result; empty: it gave none, or no task is held."""
+    last_feedback: str = ''
+    """Last feedback of the failed attempt, as one JSON object; empty: there was none."""
 
     @property
     def severity(self) -> int:
@@ -77,6 +81,8 @@ def _alarms(status: CellStatus) -> Iterator[Alarm]:
             hold.since,
             hold.id,
             hold.answers,
+            hold.controller_said,
+            hold.last_feedback,
         )
     for component in status.components:
         if component.contested:

@@ -153,6 +153,8 @@ def _fields(standing: Standing, place: Place) -> Mapping[str, ua.Variant]:
         'Hold': ua.Variant(alarm.hold, WORD),
         'Answers': ua.Variant(list(alarm.answers), WORD, is_array=True),
         'ReasonNumber': ua.Variant(alarm.reason.number, ua.VariantType.Int32),
+        'ControllerSaid': ua.Variant(alarm.controller_said, WORD),
+        'LastFeedback': ua.Variant(alarm.last_feedback, WORD),
     }
 
 

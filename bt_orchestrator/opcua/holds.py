@@ -33,6 +33,16 @@ FIELDS = (
     Argument(
         'ReasonNumber', ua.VariantType.Int32, 'of its reason, as ID of PackML/Admin/StopReason'
     ),
+    Argument(
+        'ControllerSaid',
+        ua.VariantType.String,
+        "text of the controller's own result; may be empty",
+    ),
+    Argument(
+        'LastFeedback',
+        ua.VariantType.String,
+        'last feedback of the failed attempt as a JSON object; may be empty',
+    ),
 )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 from cell_processes import small_script
 from opcua.conftest import StartLine
@@ -11,10 +13,11 @@ from served_process import PASSWORD
 
 
 def test_a_hold_is_an_alarm_that_is_acknowledged_and_answered(start_line: StartLine) -> None:
-    line = start_line(fail=['worker.#1=reject'])
+    line = start_line(fail=['worker.#1=abort'])
     line.cell.script(small_script())
     operator = line.client('operate')
-    operator.do('subscribe', values=[ORDERS])
+    fields = ['cell:Hold', 'cell:LastFeedback']
+    operator.do('subscribe', values=[ORDERS], events={'i=2253': fields})
     assert operator.do('alarms') == []
     line.cell.run_small()
     hold = line.cell.watch.until_held()
@@ -23,6 +26,11 @@ def test_a_hold_is_an_alarm_that_is_acknowledged_and_answered(start_line: StartL
     assert (fields['conditionName'], fields['sourceName']) == (f'Hold-{hold.id}', 'worker')
     assert (fields['activeState'], fields['ackedState']) == ('Active', 'Unacknowledged')
     assert 'WO-1/1' in fields['message']
+    told = operator.wait(
+        lambda one: one.get('news') == 'event' and one['event']['Hold'] == hold.id, 'its fields'
+    )
+    assert json.loads(told['event']['LastFeedback']) == json.loads(hold.last_feedback)
+    assert hold.last_feedback
 
     assert operator.do('acknowledge', alarm=alarm['id'], comment='coming') == 'Good'
     _wait_changed(operator, 'ackedState', 'Acknowledged', 'coming')

@@ -54,10 +54,11 @@ async function connect({ user, password, isEncrypted = true }) {
 const node = (id) =>
   /^(ns=\d+;|[isgb]=)/.test(id) ? id : `ns=${names.indexOf(options.namespace)};s=${id}`;
 
-// The field of an event: `Time`, or of another namespace, as in `isa95:JobOrder`.
+// The field of an event: `Time`, or of another namespace, as in `isa95:JobOrder`, `cell:Hold`.
 function field(text) {
   const [prefix, name] = text.split(':');
-  return name ? `${names.indexOf(PREFIXES[prefix])}:${name}` : text;
+  const namespace = prefix === 'cell' ? options.namespace : PREFIXES[prefix];
+  return name ? `${names.indexOf(namespace)}:${name}` : text;
 }
 
 async function childOf(parent, name) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -64,6 +65,8 @@ def test_a_hold_is_told_acknowledged_answered_and_over(tmp_path: Path) -> None:
             assert (hold.Severity, hold.SourceName, hold.Hold) == (600, 'component_3a', '1')
             assert hold.SourceNode == reader.node('Components/component_3a').nodeid
             assert 'retry' in hold.Answers
+            assert hold.ControllerSaid == ''  # its Result has no text
+            assert json.loads(hold.LastFeedback) == {'current_sub_task': 'TASK_A'}
             assert (hold.ReasonNumber, hold.Retain, hold.BranchId) == (203, True, ua.NodeId())
             assert getattr(hold, 'ActiveState/Id') is True
             assert getattr(hold, 'AckedState/Id') is False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -56,6 +57,15 @@ def decided(answer: str, reason: str = 'because') -> OperatorDecided:
     return OperatorDecided(
         answer=answer, who='Ben', reason=reason, known='page login', hold='1', time=NOW_S
     )
+
+
+def test_a_hold_tells_the_words_and_the_feedback_of_the_controller_apart() -> None:
+    scene = Scene()
+    feedback = '{"current_sub_task": "GRIP"}'
+    scene.show(replace(hold('1'), controller_said='the tip is dry', last_feedback=feedback))
+    (one,) = scene.told
+    fields = {name: one.fields[name].Value for name in ('ControllerSaid', 'LastFeedback')}
+    assert fields == {'ControllerSaid': 'the tip is dry', 'LastFeedback': feedback}
 
 
 def test_an_answer_is_the_last_remark_of_a_hold() -> None:
