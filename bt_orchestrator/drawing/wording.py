@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from bt_orchestrator.drawing.line_state import Mark
-from bt_orchestrator.model.hold_words import NumberedHold, hold_name, why_words
+from bt_orchestrator.model.hold_words import hold_name, why_words
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.wait import Wait
 
 
@@ -43,7 +44,7 @@ class Wording:
         """Say why something failed; see `why_words`."""
         return why_words(reason, message, controller_said, topic_says)
 
-    def hold(self, hold: NumberedHold) -> str:
+    def hold(self, hold: Hold) -> str:
         """Name a hold: its number, and why."""
         return hold_name(hold)
 

@@ -7,83 +7,20 @@ other sentences: refusals, waits, the stop reason.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Protocol
 
+from bt_orchestrator.model.events import HoldRaised
 from bt_orchestrator.model.one_line import one_line
+from bt_orchestrator.model.state import Hold
 
 
-class HoldFacts(Protocol):
-    """A hold as an event, in the state, or in a status message; empty or 0: not known, or none."""
-
-    @property
-    def section(self) -> int | None:
-        """Section; none for the belt, initialization and the whole cell."""
-
-    @property
-    def job(self) -> str | None:
-        """Id of the job."""
-
-    @property
-    def item(self) -> str | None:
-        """Id of the item."""
-
-    @property
-    def task(self) -> str | None:
-        """Id of the task in its script."""
-
-    @property
-    def name(self) -> str:
-        """Task constant."""
-
-    @property
-    def component(self) -> str:
-        """Component that the task is for."""
-
-    @property
-    def action(self) -> str:
-        """Action of the component."""
-
-    @property
-    def attempt(self) -> int:
-        """Number of the attempt that failed, from 1."""
-
-    @property
-    def attempts(self) -> int:
-        """Attempts that the script allows."""
-
-    @property
-    def reason(self) -> str:
-        """Why, in one word."""
-
-    @property
-    def message(self) -> str:
-        """Words of the server, or of the orchestrator."""
-
-    @property
-    def controller_said(self) -> str:
-        """Text of the controller's own result."""
-
-    @property
-    def topic_says(self) -> str:
-        """End of a goal without a result, by the status topic of its action."""
-
-
-class NumberedHold(HoldFacts, Protocol):
-    """A hold that knows its own number."""
-
-    @property
-    def id(self) -> str:
-        """Number of the hold, by which it is answered."""
-
-
-def hold_words(hold: HoldFacts) -> str:
+def hold_words(hold: Hold | HoldRaised) -> str:
     """Say where something is held, what, and why."""
     attempt = attempt_words(hold.attempt, hold.attempts)
     named = ', '.join(filter(None, (_section(hold), _subject(hold), attempt)))
     return f'{f"{named}: " if named else ""}{held_words(hold)}'
 
 
-def hold_name(hold: NumberedHold) -> str:
+def hold_name(hold: Hold) -> str:
     """Name a hold: its number, what is held, and why; of the whole cell with its message."""
     what = hold.task or hold.item
     if what:
@@ -91,7 +28,7 @@ def hold_name(hold: NumberedHold) -> str:
     return f'hold {hold.id} ({", ".join(filter(None, (hold.reason, one_line(hold.message))))})'
 
 
-def hold_wait_words(holds: Iterable[NumberedHold]) -> str:
+def hold_wait_words(holds: Iterable[Hold]) -> str:
     """Say that something waits until holds are answered; several by their numbers alone."""
     named = tuple(holds)
     if len(named) == 1:
@@ -100,7 +37,7 @@ def hold_wait_words(holds: Iterable[NumberedHold]) -> str:
     return f'waiting for answers to holds {", ".join(others)} and {last}'
 
 
-def held_words(hold: HoldFacts) -> str:
+def held_words(hold: Hold | HoldRaised) -> str:
     """Say why something is held, without saying what and where."""
     return why_words(hold.reason, hold.message, hold.controller_said, hold.topic_says)
 
@@ -119,11 +56,11 @@ def why_words(reason: str, message: str, controller_said: str = '', topic_says: 
     return f'{reason} ({words})' if words else reason
 
 
-def _section(hold: HoldFacts) -> str:
+def _section(hold: Hold | HoldRaised) -> str:
     return f'section {hold.section}' if hold.section else ''
 
 
-def _subject(hold: HoldFacts) -> str:
+def _subject(hold: Hold | HoldRaised) -> str:
     about = hold.item or hold.job or ''
     if not hold.task:
         return about

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from bt_orchestrator.model.alike import alike
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import CELL, About, Request, of_hold
+from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus
 
 PROGRAM = 'bt-orchestrator'
@@ -21,26 +22,6 @@ WHY = '--reason "WHY"'
 
 
 _WAITING_FOR_ORDERS = (PackmlState.STOPPED, PackmlState.IDLE, PackmlState.COMPLETE)
-
-
-class Question(Protocol):
-    """The question of a hold, in a status or as an event."""
-
-    @property
-    def id(self) -> str:
-        """What names the hold in an answer."""
-
-    @property
-    def item(self) -> str | None:
-        """Id of the item."""
-
-    @property
-    def answers(self) -> tuple[str, ...]:
-        """What makes sense now."""
-
-    @property
-    def answers_why(self) -> str:
-        """Why other answers are not offered; empty: nothing is left out, or not known."""
 
 
 class Shell(NamedTuple):
@@ -77,7 +58,7 @@ class Choice(NamedTuple):
         return f'{self.words} {WHY}' if self.needs_reason else self.words
 
 
-def hold_advice(hold: Question, shell: Shell) -> list[str]:
+def hold_advice(hold: Hold, shell: Shell) -> list[str]:
     """Return what an operator can type about a hold, and what instead."""
     commands = [shell.command(choice.text()) for choice in hold_choices(hold)]
     others: Sequence[str] = hold.answers[1:]
@@ -86,12 +67,12 @@ def hold_advice(hold: Question, shell: Shell) -> list[str]:
     return [*commands, *filter(None, [one_line(hold.answers_why)])]
 
 
-def hold_choices(hold: Question) -> tuple[Choice, ...]:
+def hold_choices(hold: Hold) -> tuple[Choice, ...]:
     """Return the answers that a hold offers."""
     return tuple(Choice(one.word, _typed(one, hold)) for one in of_hold(hold.answers))
 
 
-def _typed(request: Request, hold: Question) -> str:
+def _typed(request: Request, hold: Hold) -> str:
     """Return the verb by which somebody answers a hold."""
     verb = request.word.replace('_', '-')
     match request.about:

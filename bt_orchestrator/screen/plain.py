@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.branch import Branch
+from bt_orchestrator.model.folds.holds import hold_of
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_choices, next_lines
@@ -47,7 +47,7 @@ class EventLines:
         """Say what happened."""
         self._say_all(self._progress.follow(event))
         if isinstance(event, e.HoldRaised):
-            self._say_all(f'  {text}' for text in hold_advice(_raised(event), self._shell))
+            self._say_all(f'  {text}' for text in hold_advice(hold_of(event), self._shell))
 
     def on_notes(self, notes: Sequence[str]) -> None:
         """Say notes that are new."""
@@ -123,17 +123,3 @@ class PlainView(EventLines):
     def _say_changes(self, what: str, before: Mapping[str, str], now: Mapping[str, str]) -> None:
         self._say_all(f'{what} {k}  {v}' for k, v in now.items() if before.get(k) != v)
         self._say_all(f'{what} {key}  is gone' for key in before if key not in now)
-
-
-class _Raised(NamedTuple):
-    """A hold as the status will show it."""
-
-    id: str
-    item: str | None
-    answers: tuple[str, ...]
-    answers_why: str = ''
-    """No event tells it."""
-
-
-def _raised(event: e.HoldRaised) -> _Raised:
-    return _Raised(event.hold, event.item, event.answers)

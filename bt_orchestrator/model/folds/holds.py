@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.alike import together
 from bt_orchestrator.model.failures import answers, why_not_offered
@@ -9,29 +11,17 @@ from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Hold, Phase, TaskState
 
+_SHARED = {field.name for field in fields(Hold)} & {field.name for field in fields(e.HoldRaised)}
+"""Facts of a hold that its event tells by the same name."""
+
+
+def hold_of(event: e.HoldRaised) -> Hold:
+    """Return a hold as it is raised."""
+    return Hold(id=event.hold, since=event.time, **{name: vars(event)[name] for name in _SHARED})
+
 
 def hold_raised(event: e.HoldRaised, state: CellState) -> None:
-    hold = Hold(
-        id=event.hold,
-        job=event.job,
-        section=event.section,
-        item=event.item,
-        task=event.task,
-        reason=event.reason,
-        message=event.message,
-        answers=event.answers,
-        since=event.time,
-        owner=event.owner,
-        name=event.name,
-        component=event.component,
-        action=event.action,
-        attempt=event.attempt,
-        attempts=event.attempts,
-        round=event.round,
-        controller_said=event.controller_said,
-        last_feedback=event.last_feedback,
-        topic_says=event.topic_says,
-    )
+    hold = hold_of(event)
     state.holds[hold.id] = hold
     state.holds_raised += 1
     if hold.key is not None:

@@ -10,8 +10,9 @@ from typing import Any
 
 from bt_orchestrator.drawing.line_state import Mark
 from bt_orchestrator.drawing.wording import Wording
-from bt_orchestrator.model.hold_words import NumberedHold, why_words
+from bt_orchestrator.model.hold_words import why_words
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.wait import Wait, WaitKind
 
 _STRINGS = Path(__file__).parents[1] / 'static' / 'strings'
@@ -96,7 +97,7 @@ class PageWording(Wording):
         word, _, message = reason.partition(' (')
         return self.failure(word, message.removesuffix(')'))
 
-    def hold(self, hold: NumberedHold) -> str:
+    def hold(self, hold: Hold) -> str:
         """Name a hold."""
         name = self._word('chain', 'hold').format(name=hold.id)
         why = self.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
