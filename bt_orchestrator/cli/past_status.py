@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from datetime import datetime
 from pathlib import Path
+from typing import NamedTuple
 
 from bt_orchestrator.cli.moments import moment
 from bt_orchestrator.errors import NotKept
@@ -24,7 +25,15 @@ def event_or_moment(text: str) -> int | float:
     return int(text) if text.isdecimal() and len(text) < 19 else moment(text)
 
 
-def status_at(at: int | float, journal: Path, cell: Path) -> CellStatus:
+class PastStatus(NamedTuple):
+    """How a cell stood."""
+
+    status: CellStatus
+    is_last: bool
+    """Whether the journal ends with the event before that moment."""
+
+
+def status_at(at: int | float, journal: Path, cell: Path) -> PastStatus:
     """Return how a cell stood.
 
     :param at: the number of an event, or seconds since the epoch
@@ -39,14 +48,18 @@ def status_at(at: int | float, journal: Path, cell: Path) -> CellStatus:
 
     known = bootstrap.load_cell(cell, bootstrap.installed_types())
     with closing(open_records(journal)) as records:
+        by_number = isinstance(at, int)
         seq = at if isinstance(at, int) else _last_before(records, at)
-        return JournalPast(known, records).status_at(seq)
+        status = JournalPast(known, records).status_at(seq, None if by_number else at)
+        return PastStatus(status, is_last=seq == records.extent()[2])
 
 
-def past_lines(status: CellStatus) -> Iterator[str]:
+def past_lines(past: PastStatus) -> Iterator[str]:
     """Yield a past status as text, so that nobody takes it for that of now."""
+    status = past.status
     when = datetime.fromtimestamp(status.stamp).isoformat(' ', 'milliseconds')
-    yield f'PAST, at event {status.seq} of {when}:'
+    last = ', the last of the journal' if past.is_last else ''
+    yield f'PAST, at {when}, after event {status.seq}{last}:'
     yield from status_lines(status, None)
 
 

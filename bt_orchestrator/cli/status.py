@@ -42,9 +42,9 @@ def run(args: argparse.Namespace) -> int:
 def _past(args: argparse.Namespace) -> int:
     if args.journal is None or args.cell is None:
         raise WrongUse('status --at: name the journal and the cell, with --journal and --cell')
-    status = status_at(args.at, args.journal, args.cell)
+    past = status_at(args.at, args.journal, args.cell)
     if args.json:
-        print(json.dumps(to_plain(status, whole=True)))
+        print(json.dumps(to_plain(past.status, whole=True)))
     else:
-        print('\n'.join(past_lines(status)))
+        print('\n'.join(past_lines(past)))
     return 0

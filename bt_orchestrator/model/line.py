@@ -50,6 +50,15 @@ def waits_for_service(state: CellState, component: str) -> Wait | None:
     return Wait(what, WaitKind.OUT_OF_SERVICE, component)
 
 
+def waits_for_readiness(state: CellState, component: str) -> Wait | None:
+    """Say what the state topic of a component does not say (semantics 2.5); None: it is ready."""
+    topic, reading = state.cell.components[component].state, state.readings[component]
+    if topic is None or reading.ready:
+        return None
+    found = 'nothing is published there' if reading.value is None else f'it is {reading.value}'
+    return Wait(f'waiting for {topic}; {found}', WaitKind.READINESS, component)
+
+
 # --- jobs -----------------------------------------------------------------------------------
 
 
@@ -278,7 +287,9 @@ def end_of_beat(state: CellState, owing: Mapping[int, str]) -> Advance | Overrun
     if stopped:
         return stopped
     if any(section.slot for section in state.sections.values()):
-        return waits_for_service(state, state.cell.conveyor.component.name) or Advance.INDEX
+        conveyor = state.cell.conveyor.component.name
+        unavailable = waits_for_service(state, conveyor) or waits_for_readiness(state, conveyor)
+        return unavailable or Advance.INDEX
     if _is_begun_ahead(state) or _source_may_begin(state):
         return Advance.NEXT_BEAT
     return Wait('waiting for an item on the belt', WaitKind.ITEM)

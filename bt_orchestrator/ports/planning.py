@@ -13,9 +13,10 @@ from bt_orchestrator.ports.door import Moment
 class Past(Protocol):
     """Any past state of a cell, from its journal."""
 
-    def status_at(self, seq: int) -> CellStatus:
+    def status_at(self, seq: int, at: float | None = None) -> CellStatus:
         """Return the status of the cell after an event, with the reasons why it waited.
 
+        :param at: a moment before the next event; None: the moment of the event
         :raises NotKept: that event, or what came before it, is not in the journal
         """
 

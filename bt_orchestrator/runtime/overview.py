@@ -56,15 +56,22 @@ class Overview:
         self._durations = durations or ObservedDurations()
         self._standstill = Standstill(engine)
 
-    def status(self, now_s: float, ends_s: Mapping[str, float] = _NO_ENDS) -> CellStatus:
+    def status(
+        self,
+        now_s: float,
+        ends_s: Mapping[str, float] = _NO_ENDS,
+        *,
+        until_s: float | None = None,
+    ) -> CellStatus:
         """Return the status of the cell.
 
         :param ends_s: in how many seconds jobs are expected to end
+        :param until_s: of a past moment: until when nothing changed; None: now
         """
         engine = self._engine
         state, tree = engine.state, engine.tree
         in_flight = self._in_flight()
-        stands = self._standstill.look(now_s, self.waits)
+        stands = self._standstill.look(now_s if until_s is None else until_s, self.waits)
         unknown = Unknown(state, stands)
         jobs = (*state.jobs.first(QUEUE_SHOWN), *list(state.ended.values())[-ENDED_SHOWN:])
         return CellStatus(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.errors import JournalMismatch, NotKept
@@ -36,8 +37,11 @@ class JournalPast:
         self._cell = cell
         self._records = records
 
-    def status_at(self, seq: int) -> CellStatus:
+    def status_at(self, seq: int, at: float | None = None) -> CellStatus:
         """Return how the cell stood after an event, and what it waited for.
+
+        A standstill is told as in a status of that moment. At the event itself it is told where
+        it lasted for long enough, by the time of the next event.
 
         Whether servers were there, and what goals had fed back, is not in the journal: all are
         shown as there, and no feedback.
@@ -52,7 +56,9 @@ class JournalPast:
             )
         engine = StillEngine(state)
         try:
-            return Overview(engine).status(state.time)
+            moment = state.time if at is None else max(at, state.time)
+            until = self._next_event(seq) if at is None else moment
+            return Overview(engine).status(moment, until_s=until)
         finally:
             engine.close()
 
@@ -80,6 +86,11 @@ class JournalPast:
                 'name the cell file as it was then'
             ) from error
         return state
+
+    def _next_event(self, seq: int) -> float:
+        """Return the time of the event after another one; infinity: there is none."""
+        page = self._records.page(Wanted(after_seq=seq), 1)
+        return next((from_record(json.loads(one.text)).time for one in page.records), math.inf)
 
     def _events(self, after: int, until: int) -> Iterator[e.Event]:
         """Yield the events between, all of them.

@@ -70,7 +70,8 @@ class CellTree:
         self.sections = {
             number: Section(recorder, number) for number in sorted(state.sections, reverse=True)
         }
-        move = _decided(Subject(recorder, index_task(state.cell)))
+        subject = Subject(recorder, index_task(state.cell))
+        move = self._ready(subject, _decided(subject))
         turns = Turns(state)
         self.belt = InOrder('belt', [TurnsComplete(recorder, turns), move])
         self._attention = Attention(state, turns, (INITIALIZATION, *self.sections, BELT))

@@ -15,6 +15,7 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model.cell import StateTopic
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.jobs.preparing import may_not_prepare, remains_done, waits_for_its_turn
+from bt_orchestrator.model.line import waits_for_readiness
 from bt_orchestrator.model.script import Dependency, Step
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.blackboard import name_keys
@@ -134,17 +135,12 @@ class ReadyGuard(TaskWaiter, Guard):
     def __init__(self, subject: Subject, topic: StateTopic, child: Ticked, space: str) -> None:
         super().__init__(f'{topic}', child)
         self.subject = subject
-        self.topic = topic
         name_keys(self, f'{space}/ready', subject.task.component)
 
     def waits_for(self) -> Wait | None:
         """Wait while the topic does not say ready."""
-        component = self.subject.task.component
-        reading = self.subject.state.readings[component]
-        if reading.ready or not self.subject.waits_to_start:
-            return None
-        found = 'nothing is published there' if reading.value is None else f'it is {reading.value}'
-        return Wait(f'waiting for {self.topic}; {found}', WaitKind.READINESS, component)
+        wait = waits_for_readiness(self.subject.state, self.subject.task.component)
+        return wait if wait is not None and self.subject.waits_to_start else None
 
 
 class InitializationGuard(TaskWaiter, Guard):

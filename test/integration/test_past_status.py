@@ -40,7 +40,8 @@ def said(
 
 def test_a_past_moment_in_words(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
     lines = said(capsys, journal, '60').splitlines()
-    assert lines[0].startswith('PAST, at event 60 of ')
+    assert lines[0].startswith('PAST, at ')
+    assert lines[0].endswith(', after event 60:')
     assert lines[1].startswith('cell reference_cell: Execute for ')
     assert lines[1].endswith('seq 60')
     assert any('waiting for' in line for line in lines)
@@ -56,6 +57,20 @@ def test_a_past_moment_by_its_time_and_as_json(
     by_time = json.loads(said(capsys, journal, when, '--json'))
     assert by_time['seq'] >= 60
     assert by_time['stamp'] == by_number['stamp']
+
+
+def test_7_4_a_moment_between_events_tells_why_the_cell_stands(
+    journal: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """All orders have ended, and the cell waits for the next one."""
+    found = json.loads(said(capsys, journal, '2000-01-01', '--json'))
+    assert found['stands']['cause'] == 'order'
+    when = datetime.fromtimestamp(found['stamp'], timezone.utc)
+    assert when.astimezone().isoformat().startswith('2000-01-01T00:00')
+    words = said(capsys, journal, '2000-01-01').splitlines()
+    assert words[0].endswith(f', after event {found["seq"]}, the last of the journal:')
+    last = json.loads(said(capsys, journal, str(found['seq']), '--json'))
+    assert last['stands'] == found['stands'], 'nothing has happened since'
 
 
 @pytest.mark.parametrize(

@@ -211,6 +211,35 @@ def test_2_5_a_component_that_says_nothing_is_not_ready() -> None:
     )
 
 
+BELT_TOPIC = 'state: {topic: /belt/state, type: std_msgs/msg/String, field: data, ready: [READY]}'
+
+
+@pytest.mark.parametrize(('fault', 'found'), [('#0=not_ready', 'it is'), ('#0=silent', 'nothing')])
+def test_2_5_the_belt_does_not_move_while_its_conveyor_is_not_ready(
+    fault: str, found: str
+) -> None:
+    run = Line(faults={'conveyor': fault}, belt=BELT_TOPIC).run()
+    assert not run.all('belt.index_started')
+    assert not run.all('task.started', component='conveyor')
+    assert run.waits()['belt'].startswith(f'waiting for /belt/state = READY; {found}')
+    assert run.states[-1] == 'Execute'
+
+
+def test_2_5_the_belt_moves_when_its_conveyor_is_ready_again() -> None:
+    run = Line(faults={'conveyor': '#1=not_ready:7'}, belt=BELT_TOPIC).run()
+    first, second, *_ = run.times('belt.index_started')
+    assert second == first + 2.0 + 7.0
+    assert run.counts()['packed'] == 1
+
+
+def test_2_5_a_move_is_tried_again_when_its_conveyor_is_ready_again() -> None:
+    faults = {'conveyor': '#1=abort #1=not_ready:7'}
+    run = Line(faults=faults, belt=f'retries: 1, {BELT_TOPIC}').run()
+    first, again, *_ = run.times('task.started', component='conveyor')
+    assert again == first + 2.0 + 7.0
+    assert len(run.times('belt.index_started')) == len(run.times('belt.indexed'))
+
+
 def test_2_5_readiness_is_asked_again_for_the_next_item() -> None:
     run = Line(topics=('a2',), faults={'a2': '#1=not_ready:20'}).run(work(), 2)
     assert run.starts('work') == [3.0, 24.0]

@@ -6,18 +6,24 @@ from collections.abc import Callable
 
 import pytest
 from fakes.line import THREE, Line, with_section
-from fakes.virtual_run import VirtualRun
+from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.model.cell_commands import Abort, Pause, Stop
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stands import StandCause, Stands
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.opcua.simple import _values as opcua_values
 from bt_orchestrator.report.wait_chains import causes, chains
 from bt_orchestrator.runtime.overview import Overview, description_of
 from bt_orchestrator.screen import words
 from bt_orchestrator.web.parts.cell import cell_part
+
+FAR = 2e6
+"""Seconds after which no test looks any more."""
 
 GENERATED = f'made_from: {{recipe: WM-100, version: 3}}\n{THREE}'
 
@@ -102,6 +108,33 @@ def unavailable() -> VirtualRun:
     return run
 
 
+def unreleased_and_held() -> VirtualRun:
+    run = unreleased()
+    run.control('hold', 'K')
+    return run
+
+
+def later() -> VirtualRun:
+    """Return a cell whose only order starts after all that is looked at."""
+    line = Line()
+    run = VirtualRun(line.cell, line.types)
+    job = Job('K', line.script(THREE), 2, terms=Terms(start=FAR))
+    assert run.ask(AddJobs((job,), BY)).accepted
+    return run
+
+
+def belt_out() -> VirtualRun:
+    run = Line().begin(THREE, 3).go(until=0.5)
+    run.service('conveyor', out=True)
+    return run
+
+
+def belt_not_ready() -> VirtualRun:
+    topic = '{topic: /belt/state, type: std_msgs/msg/String, field: data, ready: [READY]}'
+    line = Line(faults={'conveyor': '#1=not_ready'}, belt=f'state: {topic}')
+    return line.begin(THREE, 3)
+
+
 STANDING: dict[str, tuple[Callable[[], VirtualRun], StandCause, str, str]] = {
     'component out of service': (of_a2, StandCause.OUT_OF_SERVICE, 'a2', 'section 2: waiting'),
     'hold': (held, StandCause.HOLD, '1', 'waiting for an answer to hold 1'),
@@ -113,12 +146,29 @@ STANDING: dict[str, tuple[Callable[[], VirtualRun], StandCause, str, str]] = {
     'station': (lambda: not_ready('a2'), StandCause.NOT_READY, 'a2', 'section 2: waiting for'),
     'paused job': (job_paused, StandCause.PAUSE, 'J', 'section 1: waiting for J to be resumed'),
     'release': (unreleased, StandCause.RELEASE, 'K', 'K waits for the release of its script'),
+    'release of a held job': (
+        unreleased_and_held,
+        StandCause.JOB_HELD,
+        'K',
+        'K is held in the queue and waits for the release of its script',
+    ),
+    'start': (later, StandCause.JOB_START, 'K', 'K waits for the start of its order'),
+    'belt out of service': (belt_out, StandCause.OUT_OF_SERVICE, 'conveyor', 'belt: waiting'),
+    'belt not ready': (
+        belt_not_ready,
+        StandCause.NOT_READY,
+        'conveyor',
+        'belt: waiting for /belt/state = READY',
+    ),
     'held job': (held_in_queue, StandCause.JOB_HELD, 'K', 'K is held in the queue'),
     'order that needs a component': (unavailable, StandCause.OUT_OF_SERVICE, 'K', 'K needs a2'),
     'no order': (without_orders, StandCause.ORDER, '', 'there is no job'),
 }
 
-NO_PART = (stopped, aborted, unreleased, held_in_queue, unavailable, without_orders)
+NO_PART = (
+    *(stopped, aborted, unreleased, unreleased_and_held, held_in_queue, later),
+    *(unavailable, without_orders),
+)
 """What stands for a command, or for an order: no part of the cell is the cause."""
 
 
@@ -150,7 +200,7 @@ def test_the_gravest_cause_of_the_page_is_the_root_cause(name: str) -> None:
     assert first.root.part.partition('/')[2] == status.stands.name
 
 
-@pytest.mark.parametrize('name', [name for name in STANDING if name != 'no order'])
+@pytest.mark.parametrize('name', [name for name in STANDING if name not in ('no order', 'start')])
 def test_7_4_the_end_of_a_job_is_unknown_while_the_cell_stands(name: str) -> None:
     job = settled(STANDING[name][0]()).jobs[0]
     assert job.expected_end_s is None
@@ -201,6 +251,25 @@ def test_7_4_a_cell_that_works_again_stands_no_more() -> None:
     run.service('a2', out=False)
     assert overview.status(run.now + 10.0).stands is None
     assert stands(run).cause is StandCause.ORDER
+
+
+def test_7_4_the_end_of_a_job_that_waits_for_its_start_is_not_unknown() -> None:
+    assert settled(later()).jobs[0].end_unknown == ''
+
+
+@pytest.mark.parametrize('name', STANDING)
+def test_7_4_page_terminal_and_opc_ua_tell_the_same_cause(name: str) -> None:
+    status = settled(STANDING[name][0]())
+    told = status.stands
+    assert told is not None
+    part = cell_part(status, description_of(Line().cell), '/node')
+    assert part['stands'] == {**to_plain(told, whole=True), 'cause': told.cause.value}
+    shown = dict(opcua_values(status))
+    assert (shown['StandsCause'], shown['StandsReason']) == (told.cause.value, told.reason)
+    assert shown['StandsSince'] is not None
+    lines = '\n'.join(words.status_lines(status, None))
+    is_said_otherwise = told.cause in (StandCause.HOLD, StandCause.ORDER) or status.wish
+    assert told.reason in lines or is_said_otherwise
 
 
 def test_page_and_terminal_name_the_cause() -> None:

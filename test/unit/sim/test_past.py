@@ -12,7 +12,7 @@ from fakes.operator import ann
 
 from bt_orchestrator.errors import NotKept
 from bt_orchestrator.model.cell_commands import Pause, Resume
-from bt_orchestrator.model.commands import AnswerHold
+from bt_orchestrator.model.commands import AnswerHold, SetService
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.status import CellStatus, TaskStatus
@@ -79,8 +79,7 @@ def test_every_settle_is_shown_as_it_was(text: str) -> None:
     past = JournalPast(line.cell, MemoryRecords(store))
     assert len(shown.at) > 20
     for seq, status in shown.at.items():
-        found = past.status_at(seq)
-        assert as_then(replace(found, stamp=status.stamp)) == as_then(status), seq
+        assert as_then(past.status_at(seq, status.stamp)) == as_then(status), seq
     simulation.close()
 
 
@@ -93,6 +92,49 @@ def test_a_moment_in_the_middle_of_a_settle_has_its_own_facts() -> None:
     past = JournalPast(line.cell, MemoryRecords(store))
     for event in store.read():
         assert past.status_at(event.seq).seq == event.seq
+    simulation.close()
+
+
+def standing(line: Line) -> tuple[JournalPast, int, float, Simulation]:
+    """Return a past in which `a2` was out of service for long, and where that began."""
+    store = MemoryStore()
+    simulation = Simulation(line.cell, FakeActionTypes(), store)
+    simulation.submit([Job('A', line.script(THREE), 1)])
+    simulation.orchestrator.ask(SetService('a2', False, ann()))
+    simulation.run()
+    seq, since = simulation.state.seq, simulation.state.time
+    simulation.clock.call_at(since + 600.0, lambda: None)
+    simulation.clock.advance()
+    simulation.orchestrator.ask(SetService('a2', True, ann()))
+    simulation.run()
+    return JournalPast(line.cell, MemoryRecords(store)), seq, since, simulation
+
+
+def test_7_4_a_past_moment_tells_why_the_cell_stood() -> None:
+    past, seq, since, simulation = standing(Line(3))
+    status = past.status_at(seq)
+    assert status.stands is not None
+    assert (status.stands.cause.value, status.stands.name) == ('out_of_service', 'a2')
+    assert (status.stamp, status.stands.since) == (since, since)
+    assert all(job.end_unknown for job in status.jobs)
+    simulation.close()
+
+
+@pytest.mark.parametrize(('after_s', 'is_told'), [(0.5, False), (1.0, True), (300.0, True)])
+def test_7_4_a_past_moment_between_two_events_is_that_moment(
+    after_s: float, is_told: bool
+) -> None:
+    past, seq, since, simulation = standing(Line(3))
+    status = past.status_at(seq, since + after_s)
+    assert (status.stands is not None) is is_told
+    assert status.stamp == since + after_s
+    simulation.close()
+
+
+def test_7_4_between_two_events_of_a_moment_nothing_stood() -> None:
+    past, seq, _since, simulation = standing(Line(3))
+    told = [past.status_at(number).stands for number in range(1, seq)]
+    assert not any(told), 'the line worked on to its standstill'
     simulation.close()
 
 
