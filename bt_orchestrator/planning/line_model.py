@@ -34,6 +34,8 @@ class Solution:
     """No plan of the model takes less time for each item."""
     spread_us: int
     """Work of all sections, where that above an even share counts twice."""
+    is_spread_least: bool
+    """No plan of the model that is as fast has less."""
 
 
 class LineModel:
@@ -282,6 +284,7 @@ class LineModel:
             moved=moved.cost,
             bound_us=time.bound * unit_us,
             spread_us=spread.cost * unit_us,
+            is_spread_least=spread.bound == spread.cost,
         )
 
     def elsewhere(
@@ -313,16 +316,24 @@ class LineModel:
 
     def _away(self, one: Candidate) -> int:
         """Return a variable that is at most whether another component does an operation."""
-        piece, away = self._plans.pieces.number_of[one.operation.id], self._model.variable()
-        others = self._in(
-            piece,
-            lambda choice: all(
-                member.operation is not one.operation or member.component is not one.component
-                for member in choice.members
-            ),
-        )
-        self._model.at_most({away: 1, **{self._chosen[key]: -1 for key in others}}, 0)
+        away = self._model.variable()
+        others = self._by(one.operation.id, lambda name: name != one.component.name)
+        self._model.at_most({away: 1, **dict.fromkeys(others, -1)}, 0)
         return away
+
+    def bind(self, operation: str, component: str) -> None:
+        """Let a component do an operation."""
+        self._model.equal(dict.fromkeys(self._by(operation, component.__eq__), 1), 1)
+
+    def _by(self, operation: str, fits: Callable[[str], bool]) -> list[int]:
+        """Return what is chosen where a component that fits does an operation."""
+        piece = self._plans.pieces.number_of[operation]
+        return [
+            self._chosen[key]
+            for key in self._in(piece, bool)
+            for member in self._choice(key).members
+            if member.operation.id == operation and fits(member.component.name)
+        ]
 
     @property
     def is_exact(self) -> bool:

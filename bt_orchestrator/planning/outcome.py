@@ -74,6 +74,8 @@ class Claim:
     """Seconds for each item by the engine, where sections share something."""
     bound_s: float | None = None
     """No other binding takes less time for each item; None: this is not known."""
+    spread_s: float = 0.0
+    """Work of all sections; what is above an even share counts twice."""
     moved: tuple[str, ...] = ()
     """Operations that are done elsewhere than in the script that was to be kept."""
 
@@ -116,6 +118,48 @@ class Generated:
     made: Mapping[str, Made]
     """By task id, initialization included."""
     claim: Claim
+
+
+@dataclass(frozen=True)
+class Price:
+    """What it costs to do one operation with another component."""
+
+    component: str
+    more_s: float = 0.0
+    """Seconds for each item, more than now."""
+    at_least_s: float = 0.0
+    """The same, as far as it is proven."""
+    spread_s: float = 0.0
+    """Where the pace is the same: how much worse the spread is."""
+    is_least: bool = True
+    """It is proven that the spread is no better."""
+    reasons: tuple[str, ...] = ()
+    """Why there is no such script."""
+    is_impossible: bool = False
+
+    @property
+    def words(self) -> str:
+        """Say it, as `+0.4 s`."""
+        if self.reasons:
+            verdict = 'impossible' if self.is_impossible else 'not known'
+            return f'{verdict}: {"; ".join(self.reasons)}'
+        if self.more_s > SAME_S:
+            return self._slower
+        if self.more_s < -SAME_S:
+            return f'{-self.more_s:.3g} s faster'
+        if abs(self.spread_s) <= SAME_S:
+            return 'as good'
+        worse = 'worse' if self.spread_s > 0 else 'better'
+        at_most = '' if self.is_least or self.spread_s < 0 else 'at most '
+        return f'same pace, spread {at_most}{abs(self.spread_s):.3g} s {worse}'
+
+    @property
+    def _slower(self) -> str:
+        if self.at_least_s >= self.more_s - SAME_S:
+            return f'+{self.more_s:.3g} s'
+        if self.at_least_s > SAME_S:
+            return f'+{self.at_least_s:.3g} to +{self.more_s:.3g} s'
+        return f'at most +{self.more_s:.3g} s'
 
 
 class NotMade(OrchestratorError):

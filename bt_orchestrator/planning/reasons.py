@@ -70,6 +70,7 @@ class Reasons:
             asked, self._nodes, us=us, spread_us=solution.spread_us
         )
         worse = Why.SPREAD if is_proven else Why.FOUND
+        equal = Why.EQUAL if self._model.is_exact else Why.FOUND
         for name in asked:
-            whys[name] = Why.EQUAL if name in good and self._model.is_exact else worse
+            whys[name] = equal if name in good else worse
         return whys

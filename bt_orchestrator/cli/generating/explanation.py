@@ -11,7 +11,7 @@ from bt_orchestrator.cli.generating.comments import reason
 from bt_orchestrator.cli.generating.inputs import Inputs
 from bt_orchestrator.cli.generating.making import Made
 from bt_orchestrator.errors import counted
-from bt_orchestrator.planning.outcome import Generated, NotFound, NotMade
+from bt_orchestrator.planning.outcome import Generated, NotFound, NotMade, Price
 from bt_orchestrator.planning.outcome import Made as Fact
 from bt_orchestrator.report.pace_text import script_pace
 
@@ -39,12 +39,16 @@ def summary_lines(made: Made, inputs: Inputs, kept: Kept | None) -> Iterator[str
         yield f'  without --keep: {moved} elsewhere, {freely.per_item_s:.1f} s for each item'
 
 
-def explanation(made: Made) -> Iterator[str]:
-    """Yield a table of the tasks: where each is done, as what, and why there."""
+Prices = Mapping[str, Sequence[Price]]
+"""By operation: what each other component would cost."""
+
+
+def explanation(made: Made, prices: Prices) -> Iterator[str]:
+    """Yield a table of the tasks: where each is done, as what, and why there, and the prices."""
     headers = ('operation', 'section', 'component', 'capability', 'why')
     facts = [one for one in made.generated.made.values() if one.capability]
     rows = [
-        (one.operation, str(one.section), one.component, one.capability, reason(one))
+        (one.operation, str(one.section), one.component, one.capability, _why(one, prices))
         for one in facts
     ]
     widths = [max(map(len, column)) for column in zip(headers, *rows, strict=True)]
@@ -53,7 +57,14 @@ def explanation(made: Made) -> Iterator[str]:
         yield '  '.join(cells).rstrip()
 
 
-def plain(made: Made, inputs: Inputs, kept: Kept | None, file: str | None) -> Mapping[str, Any]:
+def _why(one: Fact, prices: Prices) -> str:
+    told = [f'{price.component}: {price.words}' for price in prices.get(one.operation, ())]
+    return '; '.join([one.why.value, *told]) if told else reason(one)
+
+
+def plain(
+    made: Made, inputs: Inputs, kept: Kept | None, file: str | None, prices: Prices
+) -> Mapping[str, Any]:
     """Return it as data that JSON can carry."""
     script, claim = made.generated.script, made.generated.claim
     found: dict[str, Any] = {
@@ -69,6 +80,11 @@ def plain(made: Made, inputs: Inputs, kept: Kept | None, file: str | None) -> Ma
         'pace': script_pace(script, inputs.cell).plain(),
         'tasks': [_task(task, one) for task, one in made.generated.made.items()],
     }
+    if prices:
+        found['prices'] = {
+            name: [{**vars(one), 'words': one.words} for one in ways]
+            for name, ways in prices.items()
+        }
     if kept is not None:
         freely = kept.freely.claim.per_item_s
         found['moved'] = list(kept.moved)

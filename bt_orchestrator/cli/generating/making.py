@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -12,7 +13,9 @@ from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.model.codec import digest, digest_of
 from bt_orchestrator.model.script import MadeFrom, Script
 from bt_orchestrator.planning.generate import generate
-from bt_orchestrator.planning.outcome import Generated, Judge, NotMade
+from bt_orchestrator.planning.outcome import Generated, Judge, NotMade, Price
+from bt_orchestrator.planning.prices import prices
+from bt_orchestrator.planning.problem import Problem
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.writing.script_text import write_script
 from bt_orchestrator.sim.pace_judge import PaceJudge
@@ -79,6 +82,14 @@ def _freely(found: Generated, inputs: Inputs, without: frozenset[str], judge: Ju
         if freely.script == found.script:
             return freely
     return found
+
+
+def prices_of(
+    made: Made, inputs: Inputs, without: frozenset[str]
+) -> Mapping[str, tuple[Price, ...]]:
+    """Return what each other component of each operation would cost."""
+    problem = Problem(inputs.cell, inputs.recipe, inputs.overrides, without)
+    return prices(problem, made.generated, judge_of(inputs))
 
 
 def judge_of(inputs: Inputs) -> PaceJudge:

@@ -13,7 +13,7 @@ from bt_orchestrator.cli.check import as_json, warn
 from bt_orchestrator.cli.generating import explanation
 from bt_orchestrator.cli.generating.file import fault_of, replace_file, standing
 from bt_orchestrator.cli.generating.inputs import Inputs, read_inputs
-from bt_orchestrator.cli.generating.making import Made, judge_of, make, plan
+from bt_orchestrator.cli.generating.making import Made, judge_of, make, plan, prices_of
 from bt_orchestrator.cli.generating.outages import (
     moved,
     outage_lines,
@@ -79,7 +79,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--explain',
         action='store_true',
-        help='say where each operation is done, and why; without -o in place of the script',
+        help='say where each operation is done, why, and what each other component would cost; '
+        'without -o in place of the script',
     )
     parser.add_argument('--json', action='store_true', help='all that is known as one JSON object')
     add_release_options(parser)
@@ -173,22 +174,28 @@ def _shown(
         print(made.text, end='')
         return 0
     kept = _kept(args, inputs, made, keep, without)
+    asked = args.explain and keep is None
+    prices = prices_of(made, inputs, without) if asked else {}
     if args.json:
         file = None if args.output is None else str(args.output)
-        print(json.dumps(explanation.plain(made, inputs, kept, file)))
+        print(json.dumps(explanation.plain(made, inputs, kept, file, prices)))
     else:
-        _tell(args, inputs, made, kept)
+        _tell(args, inputs, made, kept, prices)
     return 0
 
 
 def _tell(
-    args: argparse.Namespace, inputs: Inputs, made: Made, kept: explanation.Kept | None
+    args: argparse.Namespace,
+    inputs: Inputs,
+    made: Made,
+    kept: explanation.Kept | None,
+    prices: explanation.Prices,
 ) -> None:
     if args.output is not None:
         print(f'{args.output} written')
     print('\n'.join(explanation.summary_lines(made, inputs, kept)))
     if args.explain:
-        print('\n'.join(explanation.explanation(made)))
+        print('\n'.join(explanation.explanation(made, prices)))
 
 
 def _check(args: argparse.Namespace, made: Made) -> int:

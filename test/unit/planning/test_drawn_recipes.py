@@ -22,8 +22,9 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.generate import generate
-from bt_orchestrator.planning.outcome import Generated, Impossible, Limits, NotMade
+from bt_orchestrator.planning.outcome import Generated, Impossible, Limits, NotMade, Price, Why
 from bt_orchestrator.planning.plans import Plan, Plans
+from bt_orchestrator.planning.prices import prices
 from bt_orchestrator.planning.problem import Problem
 from bt_orchestrator.proof.pace import pace
 from bt_orchestrator.script.admission import admitted
@@ -181,6 +182,73 @@ def test_no_binding_is_faster_than_the_one_that_is_found() -> None:
     assert seen['tried'] > 10, seen
     assert seen['equal'] >= 0.99 * seen['tried'], seen
     assert seen['proven'] >= 0.9 * seen['tried'], seen
+
+
+def spread(plans: Plans, plan: Plan) -> Fraction:
+    """Return the work of all sections, where that above an even share counts twice."""
+    work: Counter[int] = Counter()
+    for choice in plans.of(plan):
+        work[choice.section] += choice.us
+    sections = {one.section for ways in plans.choices for one in ways}
+    unit = math.gcd(plans.move_us, *(m.us for w in plans.choices for c in w for m in c.members))
+    least = sum(min(one.us for one in ways) for ways in plans.choices)
+    share = least // unit // len(sections) * unit
+    return Fraction(sum(us + max(0, us - share) for us in work.values()))
+
+
+def component_of(plans: Plans, plan: Plan, operation: str) -> str:
+    members = (member for choice in plans.of(plan) for member in choice.members)
+    return next(one.component.name for one in members if one.operation.id == operation)
+
+
+def is_true(price: Price, why: Why, rest: list[tuple[Fraction, Fraction]]) -> bool:
+    """Judge a price by every plan in which the component does the operation.
+
+    :param rest: seconds for each item, and the spread, each more than that of the script
+    """
+    if price.reasons:
+        return price.is_impossible and not rest
+    best, own = min(rest), (Fraction(0), Fraction(0))
+    assert math.isclose(price.more_s, best[0], abs_tol=1e-6)
+    assert best[0] or not price.is_least or math.isclose(price.spread_s, best[1], abs_tol=1e-6)
+    if why is Why.PACE:
+        return best[0] > 0
+    return best > own if why is Why.SPREAD else why is Why.OVERRIDE or best >= own
+
+
+def test_every_price_is_true_and_every_reason() -> None:
+    """Held against every plan, each with the pace of rule 8.4."""
+    seen: Counter[str] = Counter()
+
+    @examples(25, 4000)
+    @given(SEEDS)
+    def holds(seed: int) -> None:
+        drawn = DrawnRecipe(seed, shares=False, holds=False, most_operations=8)
+        found = generated(drawn, Limits())
+        if not isinstance(found, Generated) or not found.claim.is_fastest:
+            return
+        problem = Problem(drawn.cell, drawn.recipe, drawn.overrides)
+        plans, own = problem.plans, found.claim
+        if not are_few(plans):
+            return
+        all_ = list(every(plans))
+        own_s, judge = own.pace.limit.per_item_us, PaceJudge(drawn.cell, TYPES, MemoryStore)
+        for name, ways in prices(problem, found, judge).items():
+            for price in ways:
+                rest = [
+                    (
+                        (us(problem, plan) - own_s) / 1_000_000,
+                        (spread(plans, plan) - round(own.spread_s * 1_000_000)) / 1_000_000,
+                    )
+                    for plan in all_
+                    if component_of(plans, plan, name) == price.component
+                ]
+                assert is_true(price, found.made[name].why, rest), (price, found.made[name])
+                seen[price.words.split()[0].rstrip('0123456789.')] += 1
+                seen[found.made[name].why.name] += 1
+
+    holds()
+    assert {'impossible:', '+', 'same', 'PACE', 'SPREAD'} <= {*seen}, seen
 
 
 def bindings(drawn: DrawnRecipe) -> list[dict[str, str]]:

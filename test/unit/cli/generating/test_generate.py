@@ -110,7 +110,7 @@ def test_why_each_operation_is_where_it_is(capsys: pytest.CaptureFixture[str]) -
     assert 'box: 4 tasks in 4 sections, fits cell glue_cell\n  an item every ' in text
     assert '\noperation  section  component  capability  why\n' in text
     assert '\nglue       2        robot_a    glue        any other' in text
-    assert 'robot_b could too\n' in text
+    assert 'makes the line slower; robot_b: +4 s\n' in text
     assert 'script: box' not in text
 
 
@@ -121,6 +121,10 @@ def test_all_that_is_known_for_programs(capsys: pytest.CaptureFixture[str]) -> N
     assert (glue['component'], glue['alternatives']) == ('robot_a', ['robot_b'])
     assert found['per_item_s'] == found['pace']['per_item_s'] == 3.0
     assert found['made_from']['version'] == 3
+    assert (found['bound_s'], found['gap']) == (3.0, 0.0)
+    assert 'prices' not in found
+    (price,) = json.loads(said(capsys, '--json', '--explain'))['prices']['glue']
+    assert (price['component'], price['more_s'], price['words']) == ('robot_b', 4.0, '+4 s')
 
 
 # --- files ------------------------------------------------------------------------------------

@@ -1,0 +1,79 @@
+"""The best plan of a model, recomputed by rule 8.4 or run by the engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.planning.line_model import LineModel, Solution
+from bt_orchestrator.planning.outcome import SAME_S, Judge, Limits, NotFound
+from bt_orchestrator.planning.problem import Problem
+from bt_orchestrator.proof.pace import Pace, pace
+
+_BIND = '`bind` operations that share a zone or a component otherwise, in the overrides'
+
+
+@dataclass(frozen=True)
+class Best:
+    """A plan as a script, with the time that it takes."""
+
+    solution: Solution
+    script: Script
+    pace: Pace
+    judged_s: float | None
+    bound_s: float
+    """The model has no plan that takes less time for each item."""
+
+    @property
+    def per_item_s(self) -> float:
+        """Seconds from one item to the next."""
+        return self.pace.per_item_s if self.judged_s is None else self.judged_s
+
+
+class Planner:
+    """Solves models of one problem."""
+
+    def __init__(self, problem: Problem, judge: Judge, limits: Limits) -> None:
+        self._problem, self._judge, self._limits = problem, judge, limits
+
+    def best(self, model: LineModel) -> Best | None:
+        """Return the best plan of a model; None: it has none.
+
+        What the model says of a plan may be only a bound, so the next plans are computed as well.
+
+        :raises NotFound: none was found
+        """
+        solution = first = model.best(self._limits.nodes)
+        if first is None:
+            return None
+        best: Best | None = None
+        for _ in range(self._limits.finalists):
+            if solution is None or solution.moved > first.moved:
+                break
+            if best is not None and best.per_item_s <= solution.bound_us / 1_000_000 + SAME_S:
+                break  # the others are no better
+            found = self._judged(solution, first.bound_us / 1_000_000)
+            if found is not None and (best is None or found.per_item_s < best.per_item_s - SAME_S):
+                best = found
+            model.exclude(solution.plan)
+            solution = self._next(model)
+        if best is None:
+            raise NotFound([f'the engine gets to the end with none of the best plans; {_BIND}'])
+        return best
+
+    def _next(self, model: LineModel) -> Solution | None:
+        try:
+            return model.best(self._limits.nodes)
+        except NotFound:
+            return None
+
+    def _judged(self, solution: Solution, bound_s: float) -> Best | None:
+        """Compute the pace of a plan anew; None: it gets stuck."""
+        script = self._problem.script(solution.plan)
+        found = pace(script, self._problem.cell)
+        if found is None:
+            return None
+        if not (found.not_counted and self._problem.plans.shared):
+            return Best(solution, script, found, None, bound_s)
+        judged_s = self._judge.pace_s(script)
+        return None if judged_s is None else Best(solution, script, found, judged_s, bound_s)
