@@ -57,7 +57,7 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'journal_failure': status.journal_failure,
         'disk_wait': status.disk_wait,
         'unauthenticated_role': role.value if role else '',
-        'initialization': wait_parts(status.initialization),
+        'initialization': wait_parts(status.initialization, status.holds),
         'offers': cell_offers(status),
         'add': add_offer(),
         'sections': [section.number for section in status.sections],

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from bt_orchestrator.doors.known import Ordered
-from bt_orchestrator.drawing.task_marks import held_tasks
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellDescription, CellStatus
@@ -32,7 +31,7 @@ def parts_of(
     :param node: full name of the tree node
     :param orders: those of jobs, as far as they are known, by job
     """
-    tasks = TaskParts(description, held_tasks(status.holds))
+    tasks = TaskParts(description, status.holds)
     parts: dict[str, object] = {
         'cell': cell_part(status, description, node),
         'now': now_part(status),

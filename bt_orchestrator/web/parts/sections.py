@@ -39,7 +39,7 @@ def section_part(
         'item': to_plain(section.item, whole=True),
         'job': section.job,
         'holds': [hold.id for hold in status.holds if hold.section == section.number],
-        'waits': wait_parts(section.waits),
+        'waits': wait_parts(section.waits, status.holds),
         'tasks': parts(job, section),
         'finished': finished
         and {
@@ -62,7 +62,7 @@ def belt_part(status: CellStatus, tasks: TaskParts) -> dict[str, object]:
     return {
         'moving': belt.moving,
         'running': tasks.in_flight(belt.running),
-        'waits': wait_parts(belt.waits),
+        'waits': wait_parts(belt.waits, status.holds),
     }
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from bt_orchestrator.drawing.line_state import Mark, TaskMark
 from bt_orchestrator.drawing.task_marks import (
     NEW,
-    HeldTasks,
     cycle_marks,
+    held_tasks,
     initialization_marks,
 )
 from bt_orchestrator.model.hold_words import held_words
@@ -28,11 +28,11 @@ _WAITS = (Mark.WAITING, Mark.FAILED)
 class TaskParts:
     """Makes the parts of tasks of one status."""
 
-    def __init__(self, description: CellDescription, held: HeldTasks) -> None:
+    def __init__(self, description: CellDescription, holds: Sequence[Hold]) -> None:
         self._nominal = {
             one.name: (one.durations_s, one.default_duration_s) for one in description.components
         }
-        self._held = held
+        self._holds, self._held = holds, held_tasks(holds)
 
     def of_section(self, section: SectionStatus, tasks: SectionList) -> list[Part]:
         """Return the whole list of a section, in its order."""
@@ -104,7 +104,7 @@ class TaskParts:
             'mark': mark.mark.name.lower(),
             'reason': held_words(hold) if hold else mark.reason,
             'hold': hold.id if hold else '',
-            'waits': wait_parts(waits) if mark.mark in _WAITS else [],
+            'waits': wait_parts(waits, self._holds) if mark.mark in _WAITS else [],
             'round': running.round if running else 0,
             'attempt': running.attempt if running else hold.attempt if hold else 0,
             'started': running.started if running else None,

@@ -1,13 +1,18 @@
-"""Waits as parts: with their structure, so that a browser can say them in its own language."""
+"""Waits as parts: as data, and in the words of each language."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
 
 from bt_orchestrator.model.codec import plain_but
+from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.model.status_words import task_label
 from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.report.wait_chains import Cause, Chain, causes, chains
+from bt_orchestrator.report.wait_chains import Root, causes, chains
+from bt_orchestrator.report.wait_links import Link
+from bt_orchestrator.web.wording import wordings
 
 _ORDINARY = frozenset(
     (
@@ -25,39 +30,55 @@ _ORDINARY = frozenset(
 """Kinds that belong to a line that works, and are shown quietly."""
 
 
-def wait_parts(waits: Iterable[Wait]) -> list[dict[str, object]]:
-    """Return waits, each sentence once."""
-    return [_wait_part(wait) for wait in {wait.reason: wait for wait in waits}.values()]
+def wait_parts(waits: Iterable[Wait], holds: Iterable[Hold]) -> list[dict[str, object]]:
+    """Return waits, each sentence once.
+
+    :param holds: all that there are
+    """
+    return [_wait_part(wait, holds) for wait in {wait.reason: wait for wait in waits}.values()]
 
 
-def _wait_part(wait: Wait) -> dict[str, object]:
+def _wait_part(wait: Wait, holds: Iterable[Hold]) -> dict[str, object]:
     return {
         **plain_but(wait, 'reason'),
         'words': wait.reason,
+        'said': _said(wait, holds),
         'is_ordinary': wait.kind in _ORDINARY,
     }
+
+
+def _said(wait: Wait, holds: Iterable[Hold]) -> dict[str, str]:
+    """Return what something waits for, in each language of the page."""
+    hold = next((hold for hold in holds if wait.name in (hold.id, hold.item)), None)
+    task, reason = (task_label(hold.task or '', hold.name), hold.reason) if hold else ('', '')
+    return _worded(wait, task, reason)
+
+
+@lru_cache(maxsize=1024)
+def _worded(wait: Wait, task: str, reason: str) -> dict[str, str]:
+    return {language: words.wait(wait, task, reason) for language, words in wordings().items()}
 
 
 def why_part(status: CellStatus) -> dict[str, object]:
     """Return the walk from each part that waits to its cause, and the causes, gravest first."""
     found = chains(status)
+    said = {wait.reason: _said(wait, status.holds) for wait in _waits(status)}
+
+    def plain(told: Link | Root) -> dict[str, object]:
+        return {**vars(told), 'said': said.get(told.words)}
+
     return {
-        'chains': list(map(_chain_part, found)),
-        'causes': list(map(_cause_part, causes(found, status.state))),
+        'chains': [
+            {'part': one.part, 'links': list(map(plain, one.links)), 'root': plain(one.root)}
+            for one in found
+        ],
+        'causes': [
+            {**plain(one.root), 'is_ordinary': one.is_ordinary, 'waiting': list(one.waiting)}
+            for one in causes(found, status.state)
+        ],
     }
 
 
-def _cause_part(cause: Cause) -> dict[str, object]:
-    return {
-        **vars(cause.root),
-        'is_ordinary': cause.is_ordinary,
-        'waiting': list(cause.waiting),
-    }
-
-
-def _chain_part(chain: Chain) -> dict[str, object]:
-    return {
-        'part': chain.part,
-        'links': [dict(vars(link)) for link in chain.links],
-        'root': dict(vars(chain.root)),
-    }
+def _waits(status: CellStatus) -> Iterator[Wait]:
+    yield from (wait for section in status.sections for wait in section.waits)
+    yield from (*status.belt.waits, *status.initialization)

@@ -15,7 +15,7 @@ from bt_orchestrator.drawing.status_marks import line_state
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.web.scripts.wording import wordings
+from bt_orchestrator.web.wording import wordings
 
 MOST_KEPT = 8
 """Drawings that need not be made again: of some scripts, as they are and live."""

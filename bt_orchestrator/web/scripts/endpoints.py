@@ -22,7 +22,7 @@ from bt_orchestrator.web.parts.tasks import TaskParts
 from bt_orchestrator.web.replies import Json, Problem
 from bt_orchestrator.web.scripts.drawing import Drawings
 from bt_orchestrator.web.scripts.shelf import Shelf, parameters
-from bt_orchestrator.web.scripts.wording import wordings
+from bt_orchestrator.web.wording import wordings
 
 _UNKNOWN = {404: 'no script with this digest is known here', 503: 'the message says why not now'}
 
@@ -129,7 +129,7 @@ class _Routes:
 
 
 def _plain(digest: str, script: Script, described: CellDescription | None) -> dict[str, Any]:
-    tasks = TaskParts(described or CellDescription('', 0, ''), {})
+    tasks = TaskParts(described or CellDescription('', 0, ''), ())
     queued = JobStatus('', script.name, JobWord.ALLOWED_TO_START, position=1)
     return {
         'name': script.name,

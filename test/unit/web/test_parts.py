@@ -224,3 +224,18 @@ def test_a_status_of_which_no_script_is_known_still_has_its_parts() -> None:
 )
 def test_a_task_is_named_as_its_script_names_it(task: str, name: str, label: str) -> None:
     assert task_label(task, name) == label
+
+
+def test_a_wait_is_said_in_each_language_with_the_hold_that_it_is_for() -> None:
+    run = Line(3, faults={'a2': '#1=abort'}).begin(THREE, 3)
+    run.go()
+    parts = page_parts(run)
+    said = [wait['said'] for wait in parts['section/1']['waits'] if wait['kind'] == 'hold']
+    assert said == [
+        {
+            'en': 'waiting for an answer to hold 1 (work: the controller gave up)',
+            'de': 'wartet auf Antwort auf Störung 1 (work: der Controller hat abgebrochen)',
+        }
+    ]
+    links = [link for chain in parts['why']['chains'] for link in chain['links']]
+    assert said[0] in [link['said'] for link in links]

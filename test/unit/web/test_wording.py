@@ -15,7 +15,7 @@ from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.web.scripts.drawing import Drawings
-from bt_orchestrator.web.scripts.wording import wordings
+from bt_orchestrator.web.wording import wordings
 
 GERMAN = wordings()['de']
 
@@ -32,8 +32,8 @@ def test_english_is_that_of_the_code_without_words_of_programs() -> None:
 @pytest.mark.parametrize(
     ('language', 'words'),
     [
-        ('en', 'waiting for answers to holds 1, 2, 3'),
-        ('de', 'wartet auf Antworten auf die Störungen 1, 2, 3'),
+        ('en', 'waiting for answers to holds 1, 2 and 3'),
+        ('de', 'wartet auf Antworten auf die Störungen 1, 2 und 3'),
     ],
 )
 def test_a_wait_for_several_holds_names_all(language: str, words: str) -> None:

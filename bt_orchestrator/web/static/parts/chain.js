@@ -62,9 +62,7 @@ function taskOf(component) {
 
 /** Why one part waits for the next, in the viewer's language as far as it is data. */
 export function linkWords(link) {
-  const here = part(link.part) ?? (link.part === 'initialization' ? initialization() : null);
-  const wait = link.kind !== 'hold' && here?.waits?.find((one) => one.words === link.words);
-  if (wait) return waitWords(wait);
+  if (link.said && link.kind !== 'hold') return waitWords(link);
   if (link.to?.startsWith('hold/')) return t('wait.hold', { name: apart(link.to)[1] });
   const component = link.kind === 'task' ? part(link.to || link.part) : null;
   if (component?.task)
@@ -111,10 +109,6 @@ function rootWords(root) {
 export function nameLink(key) {
   const to = partScreen(key);
   return to ? h('a', { href: to }, partName(key)) : h('span', { class: 'part' }, partName(key));
-}
-
-function initialization() {
-  return { waits: part('cell')?.initialization };
 }
 
 function apart(key) {

@@ -1,4 +1,4 @@
-"""The words of a drawing in the languages of the page, from the same files as all its words."""
+"""Words in the languages of the page, from the same files as all its words."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.wait import Wait, WaitKind
 
-_STRINGS = Path(__file__).parents[1] / 'static' / 'strings'
+_STRINGS = Path(__file__).parent / 'static' / 'strings'
 
 _FEW = 3
-"""Of more sections than these only their number is said, as in `static/core/waits.js`."""
+"""Of more sections than these only their number is said."""
+
+_OF_HOLDS = (WaitKind.HOLD, WaitKind.PAUSE)
 
 _NAMED = {
     WaitKind.JOB: ('name', 'job_named'),
@@ -31,9 +33,9 @@ _SKIPPED = 'skip_'
 
 
 @cache
-def wordings() -> Mapping[str, Wording]:
+def wordings() -> Mapping[str, PageWording]:
     """Return the words of each language of the page."""
-    found: dict[str, Wording] = {}
+    found: dict[str, PageWording] = {}
     for path in sorted(_STRINGS.glob('*.json')):
         words = json.loads(path.read_text(encoding='utf-8'))
         found[path.stem] = (EnglishWording if path.stem == 'en' else PageWording)(words)
@@ -63,12 +65,21 @@ class PageWording(Wording):
         """Name a state of a job."""
         return self._word('job_state', state)
 
-    def wait(self, wait: Wait) -> str:
-        """Say what something waits for, as `static/core/waits.js` does."""
+    def wait(self, wait: Wait, task: str = '', reason: str = '') -> str:
+        """Say what something waits for.
+
+        :param task: that is held, if one is waited for
+        :param reason: why it is held
+        """
         if wait.kind is WaitKind.CELL_STATE:
             return self._cell_state(wait.name)
         if wait.holds:
-            return self._word('wait', 'holds').format(names=', '.join(wait.holds))
+            *others, last = wait.holds
+            names = f'{", ".join(others)} {self._word("stands", "and")} {last}'
+            return self._word('wait', 'holds').format(names=names)
+        if task and wait.kind in _OF_HOLDS:
+            why = self._word('reason', reason)
+            return self._word('wait', 'hold_of').format(name=wait.name, task=task, reason=why)
         kind, sections = wait.kind.value, self._sections(wait.sections)
         by, key = _NAMED.get(wait.kind, ('', kind))
         if by and not getattr(wait, by):
@@ -128,7 +139,7 @@ class PageWording(Wording):
 class EnglishWording(PageWording):
     """English as the page has it: without the words of programs, such as reasons of holds."""
 
-    def wait(self, wait: Wait) -> str:
-        """Say what something waits for: in the node's sentence, if that names no hold."""
-        is_of_hold = wait.kind in (WaitKind.HOLD, WaitKind.PAUSE)
-        return super().wait(wait) if is_of_hold else wait.reason
+    def wait(self, wait: Wait, task: str = '', reason: str = '') -> str:
+        """Say what something waits for: in the node's sentence, if it is short and of no hold."""
+        is_own = wait.kind in _OF_HOLDS or len(wait.sections) > _FEW
+        return super().wait(wait, task, reason) if is_own else wait.reason
