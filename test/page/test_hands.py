@@ -50,6 +50,24 @@ def test_a_hold_is_answered_by_keyboard_alone(tmp_path: Path, sit: Sit) -> None:
         assert decided['reason'] == 'turned it'
 
 
+PHONE = {'width': 390, 'height': 844}
+
+_IN_SIGHT = """
+element => {
+  const { x, y, width, height } = element.getBoundingClientRect();
+  return element.contains(document.elementFromPoint(x + width / 2, y + height / 2));
+}
+"""
+
+_BROKEN = """
+() => [...document.querySelectorAll('dialog button')].filter((button) => {
+  const words = button.textContent.split(' ').length;
+  const lines = new Range();
+  lines.selectNodeContents(button);
+  return new Set([...lines.getClientRects()].map((one) => one.top)).size > words;
+}).map((one) => one.textContent)
+"""
+
 IN_DOUBT = ['component_3a.TASK_A#2=cancel', 'component_3b.TASK_A#2=cancel']
 
 
@@ -60,14 +78,17 @@ def answers_at(one: Stand) -> list[tuple[str, str]]:
 
 def test_holds_alike_are_answered_in_one_list(tmp_path: Path, sit: Sit) -> None:
     with stand(tmp_path, jobs=1, quantity=4, fail=IN_DOUBT, speed=8.0) as one:
-        tab = sit(one.port).open()
+        tab = sit(one.port, viewport=PHONE, locale='de-DE').open()
         tab.until(lambda: tab.count('article[data-hold]') == len(IN_DOUBT), 'both holds')
         tab.page.locator('[data-do="several"]').click()
         dialog = tab.page.locator('dialog[data-dialog="several"]')
         boxes = dialog.locator('[name="hold"]')
         assert [boxes.nth(n).is_checked() for n in range(boxes.count())] == [False, False]
         dialog.locator('[data-do="send"]').click()
-        dialog.locator('.field-warning:visible').first.wait_for()
+        warning = dialog.locator('.field-warning:visible').first
+        warning.wait_for()
+        assert warning.evaluate(_IN_SIGHT), 'no warning behind the buttons'
+        assert not tab.page.evaluate(_BROKEN), 'no word is broken'
         assert answers_at(one) == []
         for n in range(boxes.count()):
             boxes.nth(n).check()

@@ -80,6 +80,7 @@ async function openSeveral(holds, nameOf) {
     const lacks = !chosen.length ? t('several.none') : !answers.value() ? t('several.which') : '';
     text(warning, lacks);
     show(warning, lacks);
+    if (lacks) warning.scrollIntoView({ block: 'center' });
     if (lacks || !reason.isGiven()) return;
     isSending = true;
     judge();
@@ -97,7 +98,8 @@ async function openSeveral(holds, nameOf) {
 function holdRow(hold, name) {
   const box = h('input', { type: 'checkbox', name: 'hold', value: hold.id });
   const said = h('span', { class: 'several-said' }, tOr(`reason.${hold.reason}`, hold.reason));
-  const words = h('span', {}, h('strong', {}, name), ' ', hold.item, ' ', said);
+  const item = h('span', { class: 'several-item' }, hold.item ?? '');
+  const words = h('span', {}, h('strong', {}, name), ' ', item, ' ', said);
   let isSent = false;
   return {
     element: h('li', {}, h('label', {}, box, words)),
@@ -127,7 +129,7 @@ function answerField(offers) {
     element,
     element.firstChild,
     ...offers.map((offer, index) =>
-      h('label', {}, fields[index], h('span', {}, `${wordOf(offer)}: ${effectOf(offer)}`)),
+      h('label', {}, fields[index], h('span', {}, h('strong', {}, wordOf(offer)), ' ', effectOf(offer))),
     ),
   );
   return { element, value: () => fields.find((one) => one.checked)?.value ?? '' };
