@@ -21,7 +21,9 @@ from bt_orchestrator.cli.folders import (
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.planning_process import PlanningProcess
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.errors import counted
 from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.ports import Consequence
 from bt_orchestrator.report.tables import table
@@ -61,14 +63,15 @@ def run(args: argparse.Namespace) -> int:
     requests = [asked for text in args.requests for asked in _asked(text)]
     with open_door(args.node, args.timeout) as door:
         moment = door.moment()
+        left_out = max(0, door.queue(most=1).queued - QUEUE_SHOWN)
     folders = script_folders(args.trees), recipe_folders(args.recipes)
     planning = PlanningProcess(*folders, any_path=True)
     with contextlib.closing(planning):
         found = planning.what_if(moment, requests)
     if args.json:
-        print(json.dumps(_plain(found)))
+        print(json.dumps({**_plain(found), 'left_out': left_out}))
     else:
-        print('\n'.join(_lines(found)))
+        print('\n'.join(lines(found, left_out)))
     return 1 if found.refusals else 0
 
 
@@ -123,10 +126,18 @@ def _asked(text: str) -> Sequence[Asked]:
     return door.asked
 
 
-def _lines(found: Consequence) -> Iterator[str]:
+def lines(found: Consequence, left_out: int = 0) -> Iterator[str]:
+    """Yield a prediction as text.
+
+    :param left_out: how many jobs at the end of the queue are not in it
+    """
     yield from table(('job', 'ends in', 'would end in', 'change'), list(_rows(found)))
     yield from (f'{job}: the end is unknown, {why}' for job, why in found.unknown.items())
     yield from (f'would be refused: {refusal}' for refusal in found.refusals)
+    yield from found.notes
+    if left_out:
+        last = f'the last {counted(left_out, "job")} of the queue'
+        yield f'without {last}; a request about one of them is refused here, and not by the node'
 
 
 def _rows(found: Consequence) -> Iterator[tuple[str, ...]]:
@@ -154,4 +165,5 @@ def _plain(found: Consequence) -> dict[str, object]:
         'after': [one._asdict() for one in found.after],
         'refusals': list(found.refusals),
         'unknown': dict(found.unknown),
+        'notes': list(found.notes),
     }

@@ -38,6 +38,8 @@ class Consequence(NamedTuple):
     """Messages of the requests that would be refused, in order; empty: none."""
     unknown: Mapping[str, str] = {}
     """Why a job has no end after them, by its id."""
+    notes: Sequence[str] = ()
+    """What the node will look at in earnest, and could not be looked at, in sentences."""
 
 
 class WrongField(NamedTuple):

@@ -6,7 +6,9 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
+from typing import Any, cast
 
 from bt_orchestrator.asking.desk_here import DeskHere
 from bt_orchestrator.asking.handler import RequestHandler
@@ -15,9 +17,11 @@ from bt_orchestrator.errors import Refused, counted
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
+from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.requests import ADD, REQUEUE, Asked
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import (
     ActionTypes,
     CheckedOrder,
@@ -77,6 +81,7 @@ class EngineWhatIf:
                 jobs = [job.job for job in run.state.jobs.values()]
             self._generate([*choices_in(requests, jobs)])
         with closing(self._begin()) as now:
+            notes = tuple(_unlooked(now.state, requests))
             names_now = list(now.state.jobs)
             known_now_s = now.go_on(time.monotonic() + LONGEST_S)
         with closing(self._begin()) as then:
@@ -93,7 +98,7 @@ class EngineWhatIf:
             for one in after
             if one.ends_s is None
         }
-        return Consequence(before, after, refusals, unknown)
+        return Consequence(before, after, refusals, unknown, notes)
 
     def check(self, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order would be queued: it is read, and then the engine is asked."""
@@ -189,6 +194,16 @@ class EngineWhatIf:
 def _lost(run: RunOn) -> frozenset[str]:
     """Return the components that are out of service."""
     return frozenset(run.state.out_of_service)
+
+
+def _unlooked(state: CellState, requests: Sequence[Asked]) -> Iterator[str]:
+    """Say which ids cannot be looked up: the content of sealed parts stays with the node."""
+    added = (asked.arguments for asked in requests if asked.request == ADD)
+    given: Iterator[Any] = chain.from_iterable(cast('Any', one['orders']) for one in added)
+    names = [one.order for one in given if one.order and one.order not in state.order_ids]
+    if names and state.order_ids.sealed:
+        ids = listed(names, '')
+        yield f'whether {ids} was used before is not known here: the node alone has the oldest ids'
 
 
 def _with_mistakes(wrong: Sequence[WrongField]) -> CheckedOrder:

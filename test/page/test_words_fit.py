@@ -86,6 +86,9 @@ def test_the_table_of_expected_ends_breaks_no_word(held: Stand, sit: Sit) -> Non
     tab.until_news()
     tab.page.locator('[data-job="WO-1003"] [data-offer="job.next"]').click()
     tab.until(lambda: tab.count('dialog [data-what-if] table'), 'the table')
+    (why,) = tab.page.locator('dialog .what-if-why').all_inner_texts()
+    assert 'WO-1003' in why
+    assert 'hold 1' in why
     assert not broken(tab)
     assert tab.too_wide() == 0
 

@@ -78,7 +78,7 @@ def text_of_objects(objects: Iterable[Any]) -> str:
 def nearest(state: CellState, *, with_ids: bool = False) -> CellState:
     """Return what a virtual run has to know: of a long queue the first jobs, no past.
 
-    :param with_ids: and which order ids were used, as far as no sealed part has them
+    :param with_ids: and which order ids were used; of sealed parts only the names
     """
     near = copy.copy(state)
     near.jobs = LiveJobs(state.jobs.first(QUEUE_SHOWN))
@@ -86,7 +86,9 @@ def nearest(state: CellState, *, with_ids: bool = False) -> CellState:
     near.scripts = {name: script for name, script in state.scripts.items() if name in used}
     near.ended, near.order_ids, near.serials = {}, UsedIds(), UsedIds()
     if with_ids:
-        near.order_ids = UsedIds(state.order_ids.others, state.order_ids.runs)
+        near.order_ids = UsedIds(
+            state.order_ids.others, state.order_ids.runs, list(state.order_ids.sealed)
+        )
     else:
         for name in near.jobs:
             near.order_ids.add(name)

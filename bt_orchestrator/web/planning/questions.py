@@ -60,6 +60,7 @@ class Questions:
                 'after': _ends(found.after, moment),
                 'refusals': list(found.refusals),
                 'unknown': dict(found.unknown),
+                'notes': list(found.notes),
                 'left_out': max(0, queued - QUEUE_SHOWN),
                 'computed_s': round(time.monotonic() - began, 1),
             }

@@ -19,6 +19,7 @@ from bt_orchestrator.cli.generating.ordered import RecipeMaker
 from bt_orchestrator.model.commands import SetService
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
+from bt_orchestrator.model.judging.used_ids import FULL
 from bt_orchestrator.model.keeping.snapshot import nearest, state_to_plain, state_to_text
 from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.ports import CheckedOrder, Consequence, MadeScript, Moment
@@ -70,6 +71,24 @@ def test_an_id_that_was_used_before_is_refused_as_by_the_node() -> None:
         False,
         'order B was given before; choose another id',
     )
+
+
+def test_ids_that_the_node_alone_knows_are_named() -> None:
+    with running(3.0) as simulation:
+        simulation.state.order_ids.add('open')
+        asked = ask('queue.add', ann(), orders=[WorkOrder('test', 'old', 1)])
+        assert not asked_of(simulation, asked).notes
+        for number in range(FULL):
+            simulation.state.order_ids.add(f'old-{number}-x')
+        simulation.state.order_ids.add('open')
+        assert 'old-1-x' in simulation.state.order_ids
+        plain = json.loads(state_to_text(nearest(simulation.state, with_ids=True)))
+        moment = Moment(simulation.state.cell, plain, simulation.clock.now())
+        (note,) = EngineWhatIf(moment, TYPES).ask([asked]).notes
+        assert note.startswith('whether old was used before is not known here')
+        used = ask('queue.add', ann(), orders=[WorkOrder('test', 'open', 1)])
+        assert not EngineWhatIf(moment, TYPES).ask([used]).notes, 'it is refused'
+        assert not EngineWhatIf(moment, TYPES).ask([ask('job.next', ann(), job='B')]).notes
 
 
 def test_an_unknown_end_says_why() -> None:

@@ -2,6 +2,7 @@
 
 import { Refused, post } from '../core/api.js';
 import { children, h } from '../core/dom.js';
+import { withButtons } from '../core/requests.js';
 import { part } from '../core/store.js';
 import { about, duration, t } from '../core/text.js';
 import { shape } from '../core/shape.js';
@@ -90,6 +91,8 @@ export function whatIf(command) {
             table(same),
           )
         : null,
+      reasons(found).map((words) => h('p', { class: 'what-if-why hint' }, words)),
+      found.notes.map((note) => h('p', { class: 'hint' }, note)),
       found.left_out
         ? h('p', { class: 'hint' }, t('whatif.left_out', { count: found.left_out }))
         : null,
@@ -101,6 +104,14 @@ export function whatIf(command) {
 
 function heading() {
   return h('h3', {}, t('whatif.title'));
+}
+
+/** Why ends are unknown: the same reason is said once, with the jobs that it is of. */
+function reasons({ unknown }) {
+  const jobs = Object.groupBy(Object.keys(unknown), (job) => unknown[job]);
+  return Object.entries(jobs).map(([why, names]) =>
+    t('whatif.why', { jobs: names.join(', '), why: withButtons(why) }),
+  );
 }
 
 /** The due times that the command itself brings, by job. */
