@@ -16,7 +16,7 @@ class TaskSpan(NamedTuple):
 
     @property
     def seconds(self) -> float:
-        """How long it took; less than 0 if the wall clock was set back meanwhile."""
+        """How long it took."""
         return self.ended.time - self.started.time
 
 
@@ -29,13 +29,17 @@ class TaskSpans:
     def follow(self, event: e.Event) -> TaskSpan | None:
         """Take in the next event; returns the attempt that it ends.
 
-        A task may fail without an attempt, for instance because a result is missing.
+        A task may fail without an attempt, for instance because a result is missing. If the clock
+        is set, open starts get the time that the new clock would have shown.
         """
         if isinstance(event, e.TaskStarted):
             self._open[event.key] = event
         elif isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
             started = self._open.pop(event.key, None)
             return None if started is None else TaskSpan(started, event)
+        elif isinstance(event, e.ClockStepped) and event.seconds:
+            for key, one in self._open.items():
+                self._open[key] = one.stamped(one.seq, one.time + event.seconds)
         return None
 
     def open(self) -> Iterator[e.TaskStarted]:

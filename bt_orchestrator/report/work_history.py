@@ -19,7 +19,14 @@ MOST_TIMES = 20
 WORKS, WAITS, RESTS = 'works', 'waits', 'rests'
 """A goal is in flight; a cycle is in hand and none is; neither."""
 
-FOLLOWED = ('task.started', 'task.succeeded', 'task.failed', 'cycle.', 'component.state_changed')
+FOLLOWED = (
+    'task.started',
+    'task.succeeded',
+    'task.failed',
+    'cycle.',
+    'component.state_changed',
+    e.ClockStepped.event,
+)
 
 
 class Attempt(NamedTuple):
@@ -69,6 +76,8 @@ class WorkFold:
 
     def follow(self, event: e.Event) -> None:
         """Take in the next event; what is not about it changes nothing."""
+        if isinstance(event, e.ClockStepped):
+            self._clock_set(event)
         if self._since is None:
             self._since = event.time
         if isinstance(event, e.CycleEvent):
@@ -103,6 +112,16 @@ class WorkFold:
         if isinstance(event, e.TaskStarted):
             return event.component == self.component
         return self._spans.start_of(event) is not None
+
+    def _clock_set(self, event: e.ClockStepped) -> None:
+        """Give what goes on the time that the new clock would have shown at its begin."""
+        if self._since is not None:
+            self._since += event.seconds
+        self._spans.follow(event)
+        if self.cycles and (self.cycles[-1].ended is None or self.component is not None):
+            cycle = self.cycles[-1]
+            cycle.started += event.seconds
+            cycle.ended = None if cycle.ended is None else cycle.ended + event.seconds
 
     def _cycle(self, event: e.CycleEvent) -> None:
         self._pass_time(event.time)

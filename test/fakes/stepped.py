@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from hypothesis import strategies as st
 
@@ -33,5 +34,11 @@ def stepped(events: Iterable[e.Event], steps: Steps) -> list[e.Event]:
             ahead_s += seconds
             step = e.ClockStepped(seconds=seconds)
             found.append(step.stamped(len(found) + 1, event.time + ahead_s))
-        found.append(event.stamped(len(found) + 1, event.time + ahead_s))
+        found.append(_by_the_clock(event, ahead_s).stamped(len(found) + 1, event.time + ahead_s))
     return found
+
+
+def _by_the_clock(event: e.Event, ahead_s: float) -> e.Event:
+    if isinstance(event, e.TaskRetrying):
+        return replace(event, not_before=event.not_before + ahead_s)
+    return event

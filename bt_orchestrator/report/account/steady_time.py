@@ -48,12 +48,16 @@ class SteadyTime:
     A clock that is behind when a node starts was set back meanwhile, by that much at least.
     """
 
-    def __init__(self, since: int = 0, steps: Iterable[Sequence[int]] = ()) -> None:
+    def __init__(
+        self, since: int = 0, steps: Iterable[Sequence[int]] = (), ahead_us: int = 0
+    ) -> None:
         """Begin.
 
         :param since: steps up to this event are not taken out
         :param steps: those that are known
+        :param ahead_us: how far the clock is ahead before the first step
         """
+        self._ahead_us = ahead_us
         self.since = self.known = since
         """Steps up to this event are known."""
         self.steps = [Step(*one) for one in steps]
@@ -68,7 +72,7 @@ class SteadyTime:
             wall = us_of(event.time)
             by = self._step_us(event, wall)
             if by:
-                ahead = self.steps[-1].ahead_us if self.steps else 0
+                ahead = self.steps[-1].ahead_us if self.steps else self._ahead_us
                 at = max(wall - by - ahead, self.steps[-1].at_us if self.steps else -_FAR_US)
                 self.steps.append(Step(event.seq, at, by, wall - at))
             self.known, self._wall, self._wall_before = event.seq, wall, self._wall
@@ -76,11 +80,12 @@ class SteadyTime:
     def of(self, event: _E) -> _E:
         """Take in an event, and return it with steady time; a step is none any more."""
         self.follow(event)
-        if not self.steps or event.seq < self.steps[0].seq:
-            return event
-        if isinstance(event, e.ClockStepped):
+        ahead = self.ahead_of(event.seq)
+        if isinstance(event, e.ClockStepped) and event.seq > self.since:
             event = replace(event, seconds=0.0)
-        return event.stamped(event.seq, self.us(event) / US)
+        elif isinstance(event, e.TaskRetrying) and ahead:
+            event = replace(event, not_before=event.not_before - ahead / US)
+        return event.stamped(event.seq, (us_of(event.time) - ahead) / US) if ahead else event
 
     def us(self, event: e.Event) -> int:
         """Return when an event was that was taken in."""
@@ -89,12 +94,12 @@ class SteadyTime:
     def ahead_of(self, seq: int) -> int:
         """Return how far the clock was ahead at an event."""
         at = bisect_right(self.steps, seq, key=lambda step: step.seq)
-        return self.steps[at - 1].ahead_us if at else 0
+        return self.steps[at - 1].ahead_us if at else self._ahead_us
 
     def ahead_at(self, moment: int) -> int:
         """Return how far the clock was ahead from a moment on."""
         at = bisect_right(self.steps, moment, key=lambda step: step.at_us)
-        return self.steps[at - 1].ahead_us if at else 0
+        return self.steps[at - 1].ahead_us if at else self._ahead_us
 
     def clock_us(self, moment: int) -> int:
         """Return what the clock showed at a moment; where it was set: its new time."""
@@ -120,9 +125,7 @@ class SteadyTime:
     def when_shown(self, pieces: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
         """Return when the clock showed a time in some pieces: in order, what came twice twice."""
         pieces = list(pieces)
-        if not self.steps:
-            return pieces
-        aheads = [0, *(step.ahead_us for step in self.steps)]
+        aheads = [self._ahead_us, *(step.ahead_us for step in self.steps)]
         borders = [-_FAR_US, *(step.at_us for step in self.steps), _FAR_US]
         found = (
             (max(begin - ahead, since), min(end - ahead, until))
@@ -133,7 +136,8 @@ class SteadyTime:
 
     def up_to(self, seq: int) -> SteadyTime:
         """Return what is known of the steps up to an event, after which there are no more."""
-        found = SteadyTime(self.since, (step for step in self.steps if step.seq <= seq))
+        steps = (step for step in self.steps if step.seq <= seq)
+        found = SteadyTime(self.since, steps, self._ahead_us)
         found.known = _FAR_US
         return found
 

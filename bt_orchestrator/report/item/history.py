@@ -143,6 +143,15 @@ class Restart:
     """What it did not know; empty: it went on from its last event."""
 
 
+@dataclass(frozen=True)
+class ClockSet:
+    """The clock was set while the item was there."""
+
+    time: float
+    seconds: float
+    """By how much, forward; negative: back."""
+
+
 @dataclass
 class ItemHistory:
     """An item from its source cycle to its end."""
@@ -174,6 +183,8 @@ class ItemHistory:
     decisions: list[Decision] = field(default_factory=list)
     stays: list[Stay] = field(default_factory=list)
     restarts: list[Restart] = field(default_factory=list)
+    clock_set: list[ClockSet] = field(default_factory=list)
+    """All times are of the clock as it was when the item came, which nobody set."""
     idle: list[Waited] = field(default_factory=list)
     """What it waited for while it had no task to wait for; known once it has ended."""
 
@@ -190,4 +201,6 @@ class ItemHistory:
 def plain_item(history: ItemHistory) -> dict[str, Any]:
     """Return a record as data that JSON can carry."""
     plain: dict[str, Any] = to_plain(history, whole=True)
+    if not history.clock_set:
+        del plain['clock_set']
     return plain

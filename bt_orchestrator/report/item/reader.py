@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.report.account.planned import US
+from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.item.fold import ItemFold
-from bt_orchestrator.report.item.history import ItemHistory
+from bt_orchestrator.report.item.history import ClockSet, ItemHistory
 from bt_orchestrator.report.reading import Reading
 
 BEFORE = 1000
@@ -32,12 +35,30 @@ def item_history(reading: Reading, item: str) -> ItemHistory | None:
     for event in reading.events(Wanted(job=job, events=_OF_ORDER, before_seq=first)):
         fold.follow(event)
     around = Wanted(after_seq=max(0, first - 1 - BEFORE))
-    for event in reading.events(around):
+    steady = _steady_time(reading, around, first)
+    for event in map(steady.of, reading.events(around)):
         if event.seq > last and fold.history.ended is not None and event.seq > last + AFTER:
             break
         if not isinstance(event, e.OrderEvent) or event.seq > first:
             fold.follow(event)
+    _note_steps(fold.history, steady)
     return fold.history if fold.is_known else None
+
+
+def _steady_time(reading: Reading, around: Wanted, first: int) -> SteadyTime:
+    """Return the time that goes on as the clock did at an event."""
+    before = SteadyTime(around.after_seq)
+    for event in reading.events(replace(around, before_seq=first + 1)):
+        before.follow(event)
+    return SteadyTime(around.after_seq, ahead_us=-before.ahead_of(first))
+
+
+def _note_steps(history: ItemHistory, steady: SteadyTime) -> None:
+    begun, ended = history.started, history.ended
+    for step in steady.steps:
+        time = step.at_us / US
+        if begun is not None and begun < time and (ended is None or time <= ended):
+            history.clock_set.append(ClockSet(time, step.by_us / US))
 
 
 def _place(reading: Reading, item: str, job: str) -> tuple[int, int] | None:

@@ -21,6 +21,7 @@ from bt_orchestrator.report.item.history import (
     SUCCEEDED,
     Attempt,
     AtWork,
+    ClockSet,
     Decision,
     Held,
     ItemHistory,
@@ -29,6 +30,7 @@ from bt_orchestrator.report.item.history import (
 )
 
 TASK, HOLD, DECISION, RESTART, END = 'task', 'hold', 'decision', 'restart', 'end'
+CLOCK = 'clock'
 """Kinds of entries."""
 
 NOT_TOLD = 'something that the journal does not tell'
@@ -166,7 +168,7 @@ def _rest(history: ItemHistory, told_s: float) -> Iterator[TimeUse]:
 
 # --- entries ------------------------------------------------------------------------------------
 
-_RANKS = {RESTART: 1, HOLD: 2, DECISION: 3, TASK: 4, END: 5}
+_RANKS = {CLOCK: 1, RESTART: 1, HOLD: 2, DECISION: 3, TASK: 4, END: 5}
 
 
 def _rank(entry: Entry) -> int:
@@ -180,6 +182,7 @@ def _entries(history: ItemHistory) -> Iterator[Entry]:
     yield from map(_hold, history.holds)
     yield from map(_decision, history.decisions)
     yield from map(_restart, history.restarts)
+    yield from map(_clock_set, history.clock_set)
     if history.ended is not None:
         words = history.rejected if history.how == 'rejected' else ''
         yield Entry(history.ended, END, history.how, HOW[history.how], words=words)
@@ -270,6 +273,12 @@ def _restart(one: Restart) -> Entry:
     words = one.words or 'it went on from its last event'
     what = f'the orchestrator was started again, {silent} after its last event'
     return Entry(one.time, RESTART, '', what, words=words)
+
+
+def _clock_set(one: ClockSet) -> Entry:
+    way = 'back' if one.seconds < 0 else 'forward'
+    what = f'the clock was set {way} by {duration(abs(one.seconds))}'
+    return Entry(one.time, CLOCK, '', what, words='times here go on as if it had not been set')
 
 
 def _places(history: ItemHistory) -> Iterator[Chapter]:

@@ -9,7 +9,7 @@ from itertools import islice
 from statistics import median
 from typing import Any
 
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.events import ClockStepped, Event
 from bt_orchestrator.model.records import Record, Wanted
 from bt_orchestrator.model.status import CellDescription
 from bt_orchestrator.report.work_history import FOLLOWED, MOST_CYCLES, Cycle, WorkFold
@@ -85,7 +85,11 @@ def _last_events(look: Look, subject: Subject) -> list[Event]:
         if begun > MOST_CYCLES:
             break
     may_concern = subject.concerns(record.text for record in records)
-    found = (event_of(record) for record in records if may_concern(record.text))
+    found = (
+        event_of(record)
+        for record in records
+        if may_concern(record.text) or f'"{ClockStepped.event}"' in record.text
+    )
     return [event for event in found if event is not None]
 
 

@@ -11,8 +11,11 @@ from xml.etree import ElementTree as ET
 import pytest
 from fakes.journal_reading import journal_reading
 from fakes.line import Line, with_section
+from fakes.profiles import examples
+from fakes.stepped import Steps, drawn_steps, stepped
 from fakes.told_item import BEGIN, ITEM, ToldItem
 from fakes.virtual_run import VirtualRun
+from hypothesis import given
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.drawing.documents.item_page import Source, item_page
@@ -21,9 +24,11 @@ from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.report.causes import cause_of
 from bt_orchestrator.report.item.fold import ItemFold
-from bt_orchestrator.report.item.history import Attempt, Decision, ItemHistory
+from bt_orchestrator.report.item.history import Attempt, Decision, ItemHistory, plain_item
 from bt_orchestrator.report.item.reader import item_history
-from bt_orchestrator.report.item.story import Entry, chapters, time_uses
+from bt_orchestrator.report.item.story import CLOCK, Entry, chapters, time_uses
+from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 
 WAITING = """
 sections:
@@ -122,6 +127,44 @@ def test_all_of_its_time_is_accounted_for(told: ItemHistory) -> None:
     uses = time_uses(told)
     assert sum(use.seconds for use in uses) == pytest.approx(told.ended - told.started)
     assert 'something that the journal does not tell' not in ' '.join(use.words for use in uses)
+
+
+@examples(20, 300)
+@given(drawn_steps())
+def test_a_clock_that_is_set_changes_no_duration(journal: Path, steps: Steps) -> None:
+    with journal_reading(journal) as reading:
+        events = list(reading.events(Wanted()))
+        plain = item_history(reading, ITEM)
+    store = MemoryStore()
+    store.append(stepped(events, steps))
+    history = item_history(Reading(MemoryRecords(store)), ITEM)
+    assert plain is not None
+    assert history is not None
+    assert story(history) == story(plain)
+
+
+def story(history: ItemHistory) -> list[object]:
+    begun = history.started
+    assert begun is not None
+    entries = [
+        (one.kind, one.what, one.words, one.outcome, pytest.approx(one.time - begun, abs=1e-4))
+        for chapter in chapters(history)
+        for one in chapter.entries
+        if one.kind != CLOCK
+    ]
+    uses = [(use.words, use.kind, round(use.seconds, 4)) for use in time_uses(history)]
+    return [*entries, *uses]
+
+
+def test_a_step_of_the_clock_is_an_entry_of_the_story(journal: Path) -> None:
+    with journal_reading(journal) as reading:
+        events = list(reading.events(Wanted()))
+    store = MemoryStore()
+    store.append(stepped(events, [(60, -50.0)]))
+    history = item_history(Reading(MemoryRecords(store)), ITEM)
+    assert history is not None
+    assert [one.what for one in entries(history, CLOCK)] == ['the clock was set back by 50.0 s']
+    assert [one['seconds'] for one in plain_item(history)['clock_set']] == [-50.0]
 
 
 def test_what_an_item_waited_for_is_what_the_line_said_at_the_time() -> None:
