@@ -81,6 +81,11 @@ class AccountFold:
         return self._course.since
 
     @property
+    def has_begun(self) -> bool:
+        """Tell whether an event has come; what was before the first one is not recorded."""
+        return self._course.now is not None
+
+    @property
     def begun_us(self) -> int:
         """Up to when slots of books were taken in; else the first planned moment."""
         return self._begin

@@ -142,9 +142,10 @@ class _Going:
             return
         if time >= self._period.begin_us:
             self._first, self._last = self._first or event.seq, event.seq
+        is_first = not self._fold.has_begun
         self._fold.follow(event)
         self._heard_us = max(self._heard_us, time)
-        if self._fold.cause != self._cause:
+        if is_first or self._fold.cause != self._cause:
             self._cause, self._since_us = self._fold.cause, max(time, self._period.begin_us)
 
     def told(self, now: Now, time_us: int, paces: Paces, extent: Extent) -> Live:

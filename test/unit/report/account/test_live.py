@@ -11,6 +11,7 @@ from fakes.day import Day, at
 from fakes.hand_made_shift import LINE, SHIFTS, the_day
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.records import Damage, Extent, Page, Wanted
 from bt_orchestrator.report.account.account import account
 from bt_orchestrator.report.account.calendar import Now, shift_at
@@ -181,6 +182,16 @@ def test_what_the_line_waits_for_now(clock: str, loss: str | None, since: str | 
         assert stopped is not None
         assert (stopped.cause.loss.value, stopped.since_us) == (loss, us_of(at(since)))
     assert looked(live(), '23:00').stopped is None
+
+
+def test_time_before_the_first_event_is_not_lost_to_what_is_now() -> None:
+    day = Day()
+    day.note('07:20', e.OrchestratorStarted(cell='test_line', digest=digest(LINE.cell)))
+    found = live().look(journal(day.events, at('07:30')), at('07:30'))
+    assert found is not None
+    assert found.stopped is not None
+    lost = found.account.figures.times.lost_us[Loss.NO_ORDER]
+    assert (found.stopped.since_us, lost) == (us_of(at('07:20')), 600 * US)
 
 
 def test_a_period_without_shifts_grows_with_the_time() -> None:
