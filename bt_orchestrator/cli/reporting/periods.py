@@ -14,6 +14,7 @@ from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.plant.shifts import DAYS, Shifts
 from bt_orchestrator.report.account.account import of_job, whole
 from bt_orchestrator.report.account.calendar import (
+    changed_breaks,
     day_on,
     last_begun,
     planned_within,
@@ -71,7 +72,8 @@ def period_of(args: argparse.Namespace, reading: Reading) -> Period:
     planned = planned_within(shifts, *period.on_clock)
     if period.steady is not None:
         planned = Planned.of(period.steady.when_shown(planned.pieces))
-    return replace(period, planned=planned, zone=zone_of(shifts))
+    breaks = changed_breaks(shifts, *period.on_clock)
+    return replace(period, planned=planned, zone=zone_of(shifts), breaks=breaks)
 
 
 def _refuse_contradictions(args: argparse.Namespace) -> None:

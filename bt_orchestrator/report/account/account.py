@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from bt_orchestrator.errors import OrchestratorError
@@ -13,10 +13,11 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.records import Extent, Record, Wanted
 from bt_orchestrator.report.account.beginning import fold_with_books
 from bt_orchestrator.report.account.booked import booked, first_booked, last_booked, steady_time
+from bt_orchestrator.report.account.clock_words import break_words, old_step_words, step_words
 from bt_orchestrator.report.account.figures import LACKS, Figures, Paces, figures
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, FromBooks
 from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.planned import US, Planned, us_of
+from bt_orchestrator.report.account.planned import Planned, us_of
 from bt_orchestrator.report.account.steady_time import SteadyTime, Step
 from bt_orchestrator.report.reading import Reading
 
@@ -118,8 +119,9 @@ class Account:
             said.append(f'no performance and no OEE: for the pace of {named} the cell file {why}')
         if self.cell_differs:
             said.append('the pace is by a cell file that is not the one that the node ran with')
-        said += [_step_words(step, self.period, _OLD_BOOKS) for step in source.not_taken_out]
-        said += [_step_words(step, self.period, _MEANS) for step in source.steps]
+        said += [old_step_words(step, self.period) for step in source.not_taken_out]
+        said += [step_words(step, self.period) for step in source.steps]
+        said += [break_words(one, self.period) for one in self.period.changed_breaks]
         if shown.performance is not None and shown.performance > 1 and not self._lacks_time:
             said.append('quicker than the pace: the durations in the cell file are too long')
         scripts = shown.times.scripts
@@ -262,26 +264,6 @@ def whole(reading: Reading, journal: str) -> Period:
 
 def _moment(record: Record, steady: SteadyTime) -> int:
     return us_of(json.loads(record.text)['time']) - steady.ahead_of(record.seq)
-
-
-def _step_words(step: Step, period: Period, means: Mapping[str, str]) -> str:
-    """Say when the clock was set, and what that means for the figures."""
-    before, after = (replace(period, steady=None).when(one) for one in step.times_us)
-    way = 'back' if step.by_us < 0 else 'forward'
-    by = f'{abs(step.by_us) / US:.0f} s'
-    return f'the clock was set {way} by {by}, from {before} to {after}: {means[way]}'
-
-
-_MEANS = {
-    'back': 'the time that it showed twice passed twice, and counts twice',
-    'forward': 'the time that it skipped did not pass, and does not count',
-}
-_OLD_BOOKS = {
-    'back': 'the books of that time are of an older program, so the figures lack the time that '
-    'came twice',
-    'forward': 'the books of that time are of an older program: the skipped time counts as not '
-    'recorded',
-}
 
 
 def _span(period: Period) -> str:

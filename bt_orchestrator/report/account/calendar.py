@@ -9,7 +9,7 @@ from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
 from bt_orchestrator.model.plant.shifts import WHOLE_DAY, Hours, Shift, Shifts
-from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.period import ChangedBreak, Period
 from bt_orchestrator.report.account.planned import US, Planned, us_of
 
 _LOOK_BACK_DAYS = 8
@@ -83,6 +83,7 @@ def shift_on(shift: Shift, day: date, zone: tzinfo | None, until: float | None =
         end if until is None else min(end, us_of(until)),
         _planned(shift, day, zone),
         zone,
+        breaks=_changed(shift, day, zone),
     )
 
 
@@ -117,6 +118,18 @@ def planned_within(shifts: Shifts, begin: int, end: int) -> Planned:
     return Planned.of(pieces)
 
 
+def changed_breaks(shifts: Shifts, begin: int, end: int) -> tuple[ChangedBreak, ...]:
+    """Return the breaks between two moments in which the clocks change."""
+    zone = zone_of(shifts)
+    return tuple(
+        one
+        for day in _days(begin, end, zone)
+        for shift in shifts.shifts.values()
+        if day.weekday() in shift.days
+        for one in _changed(shift, day, zone)
+    )
+
+
 def _days(begin: int, end: int, zone: tzinfo | None) -> Iterator[date]:
     """Yield the days on which a shift may begin that touches a period."""
     day = datetime.fromtimestamp(begin / US, zone).date() - timedelta(days=1)
@@ -127,11 +140,25 @@ def _days(begin: int, end: int, zone: tzinfo | None) -> Iterator[date]:
 
 
 def _planned(shift: Shift, day: date, zone: tzinfo | None) -> Planned:
-    off = []
+    off = [span for _, span in _breaks(shift, day, zone)]
+    return Planned.of([_span(shift.hours, day, zone)], off)
+
+
+def _changed(shift: Shift, day: date, zone: tzinfo | None) -> tuple[ChangedBreak, ...]:
+    found = (
+        ChangedBreak(shift.name, begin, end, pause.minutes * 60 * US)
+        for pause, (begin, end) in _breaks(shift, day, zone)
+    )
+    return tuple(one for one in found if one.took_us != one.usual_us)
+
+
+def _breaks(
+    shift: Shift, day: date, zone: tzinfo | None
+) -> Iterator[tuple[Hours, tuple[int, int]]]:
+    """Yield the breaks with their begin and end."""
     for pause in shift.breaks:
         is_later = pause.begin_min < shift.hours.begin_min
-        off.append(_span(pause, day + timedelta(days=is_later), zone))
-    return Planned.of([_span(shift.hours, day, zone)], off)
+        yield pause, _span(pause, day + timedelta(days=is_later), zone)
 
 
 def _span(hours: Hours, day: date, zone: tzinfo | None) -> tuple[int, int]:

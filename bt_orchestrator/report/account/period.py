@@ -4,11 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from datetime import datetime, tzinfo
+from typing import NamedTuple
 
 from bt_orchestrator.report.account.planned import US, Planned
 from bt_orchestrator.report.account.steady_time import SteadyTime
 
 _DAY_US = 24 * 3600 * US
+
+
+class ChangedBreak(NamedTuple):
+    """A break that is longer or shorter than usual, as the clocks change in it."""
+
+    shift: str
+    begin_us: int
+    end_us: int
+    usual_us: int
+
+    @property
+    def took_us(self) -> int:
+        """How long it was."""
+        return self.end_us - self.begin_us
 
 
 @dataclass(frozen=True)
@@ -23,6 +38,8 @@ class Period:
     """In which times are told; None: that of the computer."""
     steady: SteadyTime | None = field(default=None, compare=False)
     """Its moments are of steady time; None: of the clock."""
+    breaks: tuple[ChangedBreak, ...] = ()
+    """Of its shifts, also later ones; by the clock."""
 
     @classmethod
     def all_planned(
@@ -40,6 +57,12 @@ class Period:
         begin, end = (spans[0][0], spans[-1][1]) if spans else (self.begin_us, self.begin_us)
         planned = Planned.of(steady.when_shown(self.planned.pieces))
         return replace(self, begin_us=begin, end_us=end, planned=planned, steady=steady)
+
+    @property
+    def changed_breaks(self) -> tuple[ChangedBreak, ...]:
+        """Breaks in it that were longer or shorter than usual."""
+        begin, end = self.on_clock
+        return tuple(one for one in self.breaks if begin <= one.begin_us < end)
 
     @property
     def on_clock(self) -> tuple[int, int]:

@@ -6,6 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 from bt_orchestrator.report.account.account import Account
+from bt_orchestrator.report.account.clock_words import clock_plain
 from bt_orchestrator.report.account.figures import Bar, Figures
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import US
@@ -22,6 +23,7 @@ def account_plain(account: Account) -> dict[str, Any]:
         'period': _period(account),
         'made_from': _source(account),
         'notes': list(account.notes()),
+        **clock_plain(account.period, account.source.steps),
         'oee': _oee(shown),
         'lack': None if shown.lack is None else shown.lack.value,
         'quantities': {'produced': shown.produced, 'good': shown.good},

@@ -40,6 +40,9 @@ def _rows(plain: dict[str, Any]) -> Iterator[Row]:
     yield from (Row('rate', name, seconds=seconds) for name, seconds in plain['rate'].items())
     if plain['lack'] is not None:
         yield Row('note', plain['lack'], detail=LACKS[Lack(plain['lack'])])
+    for name in ('clock_set', 'changed_breaks'):
+        for one in plain.get(name, ()):
+            yield Row('note', name, detail=one['from'], seconds=one['seconds'])
     for bar in plain['waterfall']:
         part = 'loss' if bar['loss'] else 'time'
         name = bar['loss'] or bar['title']

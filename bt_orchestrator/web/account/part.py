@@ -45,6 +45,15 @@ def shift_part(live: Live | None, why_not: str) -> dict[str, Any]:
         ],
         'stopped': _stopped(live),
         'damaged': account.source.unreadable,
+        'clock_set': [
+            {'seconds': _s(step.by_us), 'before': _s(before), 'after': _s(after)}
+            for step in account.source.steps
+            for before, after in [step.times_us]
+        ],
+        'breaks': [
+            {'begin': _s(one.begin_us), 'end': _s(one.end_us), 'usual_s': _s(one.usual_us)}
+            for one in period.changed_breaks
+        ],
         'why_not': why_not,
     }
 

@@ -10,13 +10,14 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
-from fakes.day import at
+from fakes.day import Day, at
 from fakes.hand_made_shift import LINE, SHIFTS, the_day
 from fakes.page_bench import PeopleBench
 from fakes.statuses import status
 
 from bt_orchestrator.drawing.account.page import account_page
 from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.model.events import ClockStepped
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Records
 from bt_orchestrator.report.account.account import account
@@ -144,6 +145,17 @@ def test_after_the_shift_it_says_when_the_next_one_begins(
     part = bench.look()
     assert (part['runs'], part['at'], part['stopped']) == (False, at('14:00'), None)
     assert part['next'] == {'shift': 'early', 'begin': at('06:00') + 24 * 3600}
+
+
+def test_a_clock_that_was_set_is_said(bench: ShiftBench) -> None:
+    part = bench.look()
+    assert (part['clock_set'], part['breaks']) == ([], [])
+    day = Day()
+    day.events = [one for one in the_day().events if one.time <= at('12:00')]
+    day.note('11:59:10', ClockStepped(seconds=-50.0))
+    bench.journal = day.records
+    step = {'seconds': -50.0, 'before': at('12:00'), 'after': at('11:59:10')}
+    assert bench.look()['clock_set'] == [step]
 
 
 def test_what_it_lacks_is_said(bench: ShiftBench) -> None:

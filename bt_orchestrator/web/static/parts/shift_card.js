@@ -153,8 +153,19 @@ function lackWords(shift) {
   if (!shift.has_pace) said.push(t('shift.no_pace'));
   if (shift.lack) said.push(t(`shift.lack_${shift.lack}`));
   if (shift.damaged) said.push(t('shift.damaged', { count: shift.damaged }));
+  said.push(...shift.clock_set.map(clockWords), ...shift.breaks.map(breakWords));
   if (shift.why_not) said.push(t('jobs.not_whole', { why: shift.why_not }));
   return said.join(' ');
+}
+
+function clockWords({ seconds: by, before, after }) {
+  const way = by < 0 ? 'shift.clock_back' : 'shift.clock_forward';
+  return t(way, { by: duration(Math.abs(by)), before: about(before), after: about(after) });
+}
+
+function breakWords({ begin, end, usual_s: usual }) {
+  const took = duration(end - begin);
+  return t('shift.break', { begin: about(begin), end: about(end), took, usual: duration(usual) });
 }
 
 /** Say what the time is lost to now; not what is over before anybody has read it. */

@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 from datetime import date, datetime
+from io import StringIO
 from zoneinfo import ZoneInfo
 
+import pytest
+from fakes.day import Day
+
+from bt_orchestrator.drawing.account.page import account_page
+from bt_orchestrator.model.events import OrchestratorStarted
+from bt_orchestrator.report.account.account import Account, account
 from bt_orchestrator.report.account.calendar import (
+    changed_breaks,
     last_begun,
     planned_within,
     shift_on,
     zone_of,
 )
+from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.plain import account_plain
 from bt_orchestrator.report.account.planned import US, Planned
+from bt_orchestrator.report.account.rows import write_csv
+from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 
 SHIFTS = parse_shifts(
@@ -47,6 +59,50 @@ def test_the_night_in_which_the_clocks_are_set_back_is_an_hour_longer() -> None:
     assert [night.planned.total_us / US / 3600 for night in nights] == [7.5, 8.5, 7.5]
     spring = shift_on(NIGHT, date(2026, 3, 28), ZONE, FAR)
     assert spring.planned.total_us / US / 3600 == 6.5
+
+
+WITH_MEAL = parse_shifts(
+    'shifts: {night: {from: 22:00, to: 06:00, breaks: [{from: 01:45, to: 03:00}]}}\n'
+    'zone: Europe/Berlin\n',
+    'shifts.yaml',
+)
+
+
+@pytest.mark.parametrize(
+    ('day', 'took', 'words'),
+    [
+        (date(2026, 10, 24), 8100, 'took 2:15:00 instead of 1:15:00: the clocks went back in it'),
+        (date(2026, 3, 28), 900, 'took 0:15:00 instead of 1:15:00: the clocks went forward in it'),
+    ],
+)
+def test_a_break_in_which_the_clocks_change_is_told(day: date, took: int, words: str) -> None:
+    night = WITH_MEAL.shifts['night']
+    period = shift_on(night, day, ZONE, FAR)
+    made = night_of(period)
+    assert [note for note in made.notes() if note.endswith(words)]
+    (plain,) = account_plain(made)['changed_breaks']
+    assert (plain['shift'], plain['seconds'], plain['usual_seconds']) == ('night', took, 4500.0)
+    (one,) = changed_breaks(WITH_MEAL, period.begin_us, period.end_us)
+    assert period.changed_breaks == (one,)
+    table = StringIO()
+    write_csv(made, table)
+    assert f'note,changed_breaks,,{plain["from"]},,{took}.0,' in table.getvalue()
+    page = account_page(made)
+    assert words in page
+    before = shift_on(night, day, ZONE, period.begin_us / US + 3600)
+    assert not before.changed_breaks, 'it has not begun'
+
+
+def test_other_breaks_are_not_told() -> None:
+    plain = account_plain(night_of(shift_on(NIGHT, date(2026, 5, 18), ZONE, FAR)))
+    assert 'changed_breaks' not in plain
+    assert 'clock_set' not in plain
+
+
+def night_of(period: Period) -> Account:
+    day = Day()
+    day.note(period.begin_us / US, OrchestratorStarted(cell='test_line', digest=''))
+    return account(Reading(day.records()), period, None)
 
 
 def test_the_last_one_that_has_begun() -> None:
