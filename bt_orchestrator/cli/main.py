@@ -31,7 +31,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'new-cell': ('new_cell', "the first cell file, script and work order of somebody's own cell"),
     'check': ('check', 'all mistakes of scripts and their cell, with places and hints'),
     'generate': ('generating.verb', 'the script of a recipe for a cell'),
-    'render': ('render', 'draw a script for review: SVG, PNG, PDF or DOT'),
+    'render': ('render', 'draw a script for review: SVG, PNG or PDF'),
     'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),
     'sim-cell': ('sim_cell', 'serve every component of a cell as a simulated ROS 2 action server'),
     'run': ('run', 'the tree node of a cell: takes orders and runs them'),

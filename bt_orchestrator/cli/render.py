@@ -14,7 +14,7 @@ from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.drawing.line import draw_line
-from bt_orchestrator.drawing.picture import FORMATS, Picture
+from bt_orchestrator.drawing.picture import DOT, FORMATS, Picture
 from bt_orchestrator.drawing.status_marks import line_state
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         required=True,
         type=Path,
         metavar='FILE',
-        help=f'what to write, its ending says how: {", ".join(ENDINGS)}',
+        help=f'the file to write, its ending is the format: {", ".join(ENDINGS)} (the tree)',
     )
     parser.add_argument(
         '--view',
@@ -84,7 +84,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
-    kind_of(args.output)
     _refuse_nonsense(args)
     return render(args, bootstrap.installed_types())
 
@@ -94,7 +93,7 @@ def render(args: argparse.Namespace, types: ActionTypes) -> int:
 
     :raises WrongUse: the file's ending names no format
     :raises Refused: there are mistakes
-    :raises CannotDraw: there is no working `dot`
+    :raises CannotDraw: CairoSVG (PNG and PDF of a line) or `dot` (a tree) is missing
     :raises CannotWrite: the file cannot be written
     :raises CannotRead: the file of a status cannot be read
     :raises NotThisLine: the status is of another cell
@@ -119,8 +118,13 @@ def render(args: argparse.Namespace, types: ActionTypes) -> int:
 def _refuse_nonsense(args: argparse.Namespace) -> None:
     """Refuse options that have no meaning together.
 
-    :raises WrongUse: there are such
+    :raises WrongUse: the options contradict each other, or the file's ending names no format
     """
+    if args.view == LINE and kind_of(args.output) == DOT:
+        raise WrongUse(
+            f'{args.output.name}: a line is drawn as .svg, .png or .pdf; .dot is for the '
+            f'behaviour tree (--view {TREE})'
+        )
     if args.view != LINE and (args.live or args.status is not None):
         raise WrongUse(f'--view {args.view} shows no state; leave it out')
     if args.every is not None and not args.live:

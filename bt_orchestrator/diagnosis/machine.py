@@ -62,13 +62,13 @@ def number(version: str) -> tuple[int, ...]:
 
 
 def dot(path: str | None = None) -> Check:
-    """Look for Graphviz, which makes PNG, PDF and pictures of the tree.
+    """Look for Graphviz, which draws the behaviour tree.
 
     :param path: folders to look in instead of PATH
     """
     found = shutil.which('dot', path=path)
     if found is None:
-        remedy = '`render` can write a line as .svg and .dot only; apt install graphviz'
+        remedy = '`render --view tree` can write .dot files only; apt install graphviz'
         return warn('dot', 'not found on PATH', remedy)
     said = subprocess.run([found, '-V'], capture_output=True, text=True, check=False)
     if said.returncode:

@@ -18,7 +18,7 @@ from bt_orchestrator.proof.pace import Pace
 MOST_LINES = 3
 """Lines of one argument on a card; the tooltip has all of it."""
 
-CARD_WIDTH = 190
+CARD_WIDTH = 196
 BADGE_WIDTH = 56
 """Points."""
 

@@ -114,8 +114,9 @@ def _entries(sheet: Sheet) -> Iterator[tuple[Entry, str]]:
             say('or at this bar, if the list has one'),
         )
     if sheet.state is not None:
-        yield _plain(say('dashed line')), say('the belt while it moves')
-        for sample, fill, meaning in legend_rows(sheet.wording):
+        if sheet.state.belt_moves:
+            yield _plain(say('dashed line')), say('the belt while it moves')
+        for sample, fill, meaning in legend_rows(sheet.state, sheet.wording):
             yield _sample(sample, fill), meaning
 
 

@@ -7,18 +7,16 @@ section's list below its slot, in several rows where the belt is long.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from contextlib import AbstractContextManager
 
 from bt_orchestrator.drawing.box import Box
-from bt_orchestrator.drawing.canvas import Canvas, LineLabel, Stroke
+from bt_orchestrator.drawing.canvas import LineLabel, Stroke
 from bt_orchestrator.drawing.card import ROUND_FILL, Sheet, details, rounds_words
-from bt_orchestrator.drawing.dot_canvas import DotCanvas
-from bt_orchestrator.drawing.label import Entry, Label, Text, one_entry
+from bt_orchestrator.drawing.label import LINE_HEIGHT, Entry, Label, Text, one_entry, wrapped
 from bt_orchestrator.drawing.legend import legend, title
 from bt_orchestrator.drawing.line_state import LineState, SectionMark
 from bt_orchestrator.drawing.mark import about_slot, slot_label
 from bt_orchestrator.drawing.page import FlagLine, Page
-from bt_orchestrator.drawing.picture import Picture
+from bt_orchestrator.drawing.picture import LinePicture
 from bt_orchestrator.drawing.plan import Column, Loop, Placed
 from bt_orchestrator.drawing.style import (
     BAR_FILL,
@@ -38,6 +36,8 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Dependency, Script
 from bt_orchestrator.proof.pace import pace
 
+IDLE_COLUMNS = 20
+
 INITIALIZATION = 'a section begins the first item of an order when its components are initialized'
 BELT_MOVES = 'moves every item by one slot, when every section has let it go'
 GROUP = 'these start together; the group ends when all of them ended'
@@ -54,8 +54,8 @@ def draw_line(
     wording: Wording = ENGLISH,
     *,
     is_bare: bool = False,
-) -> Picture:
-    """Draw a script as a process; every place is fixed, so Graphviz has nothing to lay out.
+) -> LinePicture:
+    """Draw a script as a process.
 
     :param state: the line at work, in the same words; None: the script alone
     :param is_bare: without title and legend
@@ -67,16 +67,15 @@ def draw_line(
         Box(0, 0, page.width, page.height),
         wording.say('script {name}', name=script.name),
     )
-    dot, svg = DotCanvas(script.name, size, about), SvgCanvas(size, about)
-    for canvas in (dot, svg):
-        _Drawing(sheet, page, canvas).whole()
-    return Picture(str(dot), 'neato', has_places=True, svg=str(svg))
+    canvas = SvgCanvas(size, about)
+    _Drawing(sheet, page, canvas).whole()
+    return LinePicture(str(canvas))
 
 
 class _Drawing:
     """Puts the parts of a page on a canvas."""
 
-    def __init__(self, sheet: Sheet, page: Page, canvas: Canvas) -> None:
+    def __init__(self, sheet: Sheet, page: Page, canvas: SvgCanvas) -> None:
         self._sheet = sheet
         self._page = page
         self._canvas = canvas
@@ -102,33 +101,33 @@ class _Drawing:
         if page.initialization_frame is not None:
             words = self._say('Initialization, per order')
             box = page.initialization_frame
-            with self._frame('initialization', words, box, [self._say(INITIALIZATION)]):
-                self._cards(page.initialization)
+            self._frame('initialization', words, box, [self._say(INITIALIZATION)])
+            self._cards(page.initialization)
         boxes = {one.task.id: one.box for one in page.initialization}
         for one in self._sheet.script.initialization_dependencies:
             self._arrow(boxes[one.upstream], boxes[one.downstream])
         words = self._say('Belt, after every beat')
-        with self._frame('belt', words, page.belt_frame, [self._say(BELT_MOVES)]):
-            self._cards([page.move])
+        self._frame('belt', words, page.belt_frame, [self._say(BELT_MOVES)])
+        self._cards([page.move])
 
     def section(self, column: Column) -> None:
         """Draw one section."""
         number = column.number
         name = f'section.{number}'
         box = self._page.frame(column)
-        with self._frame(name, self._heading(number), box, self._about(number)):
-            for count, group in enumerate(column.groups, 1):
-                self._group(f'{name}.group.{count}', group)
-            for loop in column.loops:
-                self._loop(f'repeat.{loop.repeat.name}', loop)
-            self._slot(column)
-            if column.release is not None:
-                self._release(f'{name}.release', column.release)
-            for count, join in enumerate(column.joins, 1):
-                self._join(f'{name}.join.{count}', join)
-            self._cards(column.cards)
-            if not column.cards:
-                self._idle(name, column.slot)
+        self._frame(name, self._heading(number), box, self._about(number))
+        for count, group in enumerate(column.groups, 1):
+            self._group(f'{name}.group.{count}', group)
+        for loop in column.loops:
+            self._loop(f'repeat.{loop.repeat.name}', loop)
+        self._slot(column)
+        if column.release is not None:
+            self._release(f'{name}.release', column.release)
+        for count, join in enumerate(column.joins, 1):
+            self._join(f'{name}.join.{count}', join)
+        self._cards(column.cards)
+        if not column.cards:
+            self._idle(name, column.slot)
         for loop in column.loops:
             self._back(f'repeat.{loop.repeat.name}.back', loop)
         for one, other in column.arrows:
@@ -176,23 +175,19 @@ class _Drawing:
         names = here or self._say('none')
         return [self._heading(number), self._say('components: {names}', names=names)]
 
-    def _frame(
-        self, name: str, words: str, box: Box, about: Sequence[str]
-    ) -> AbstractContextManager[None]:
+    def _frame(self, name: str, words: str, box: Box, about: Sequence[str]) -> None:
         heading = one_entry(Text(words, 13, bold=True), width=box.width - 12)
-        return self._canvas.frame(name, heading, box, SECTION_FILL, about)
+        self._canvas.frame(name, heading, box, SECTION_FILL, about)
 
     def _group(self, name: str, box: Box) -> None:
         heading = one_entry(Text(self._say('in parallel'), italic=True), width=box.width - 12)
-        with self._canvas.frame(name, heading, box, GROUP_FILL, [self._say(GROUP)]):
-            pass  # its members are drawn with the section, in the order of the list
+        self._canvas.frame(name, heading, box, GROUP_FILL, [self._say(GROUP)])
 
     def _loop(self, name: str, loop: Loop) -> None:
         self._names[loop.box] = f'task.{loop.repeat.tasks[0]}'
         words = f'\u21bb {rounds_words(loop.repeat, self._sheet.wording)}'
         heading = one_entry(Text(words, bold=True), width=loop.box.width - 12)
-        with self._canvas.frame(name, heading, loop.box, ROUND_FILL, [self._say(LOOP)]):
-            pass  # as in a group
+        self._canvas.frame(name, heading, loop.box, ROUND_FILL, [self._say(LOOP)])
         self._canvas.label(f'{name}.after', loop.after, loop.after_box, [self._say(LOOP)])
 
     def _back(self, name: str, loop: Loop) -> None:
@@ -230,8 +225,9 @@ class _Drawing:
         self._canvas.point(name, box, [self._say(GROUP)])
 
     def _idle(self, section: str, slot: Box) -> None:
-        label = one_entry(Text(self._say('no task: items pass'), colour=FAINT, italic=True))
-        below = slot.moved(0, slot.height + 4)
+        words = wrapped(self._say('no task: items pass'), IDLE_COLUMNS)
+        label = one_entry(*(Text(line, colour=FAINT, italic=True) for line in words))
+        below = slot.moved(0, slot.height + 4 + (len(words) - 1) * LINE_HEIGHT * 5)
         about = self._say('the script has no list for this section')
         self._canvas.label(f'{section}.idle', label, below, [about])
 

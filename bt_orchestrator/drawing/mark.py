@@ -108,9 +108,14 @@ def headlines(state: LineState, wording: Wording) -> list[Text]:
     ]
 
 
-def legend_rows(wording: Wording) -> Iterator[tuple[str, str, str]]:
-    """Yield sample, its colour, and meaning of each mark."""
+def legend_rows(state: LineState, wording: Wording) -> Iterator[tuple[str, str, str]]:
+    """Yield sample, its colour, and meaning of each mark that a drawing shows."""
+    shown = {task.mark for task in state.tasks.values()}
+    if any(section.is_rejected for section in state.sections.values()):
+        shown.add(Mark.REJECTED)
     for mark, meaning in MEANINGS.items():
+        if mark not in shown:
+            continue
         word = wording.mark(mark)
         for part in (wording.say('failed, '), wording.say('is ')):
             word = word.removeprefix(part)

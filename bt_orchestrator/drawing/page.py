@@ -59,8 +59,12 @@ class Page:
         self._turns = [
             self._lanes.route((r, len(row) - 1), (r + 1, 0)) for r, row in enumerate(rows[:-1])
         ]
-        self._place_header(sheet, legend_height)
-        self._place_rows(rows)
+        self._place_header(sheet)
+        self.width, self.height = self._place_rows(rows)
+        self.legend = Box(0, self.height + GAP, legend_width(sheet), legend_height)
+        if not sheet.is_bare:
+            self.width = max(self.width, self.legend.right)
+            self.height = self.legend.bottom
 
     def _route(self, sheet: Sheet, flag: Dependency) -> Route:
         start, end = (
@@ -68,8 +72,8 @@ class Page:
         )
         return self._lanes.route(start, end, label_width(flag))
 
-    def _place_header(self, sheet: Sheet, legend_height: float) -> None:
-        """Place initialization, the belt's move and the legend side by side."""
+    def _place_header(self, sheet: Sheet) -> None:
+        """Place initialization and the belt's move side by side."""
         top, left = self.title.bottom + GAP, 0.0
         tasks = initialization(sheet)
         self.initialization_frame: Box | None = None
@@ -82,19 +86,15 @@ class Page:
         move = Placed(task, label, Box(PADDING, TITLE, CARD_WIDTH, label.height))
         self.belt_frame = _around([move]).moved(left, top)
         self.move = _moved(move, left, top)
-        self.legend = (
-            self.belt_frame
-            if sheet.is_bare
-            else Box(self.belt_frame.right + GUTTER, top, legend_width(sheet), legend_height)
-        )
-        frames = [self.belt_frame, self.legend, self.initialization_frame or self.belt_frame]
+        frames = [self.belt_frame, self.initialization_frame or self.belt_frame]
         self._header_bottom = max(frame.bottom for frame in frames)
 
-    def _place_rows(self, rows: Sequence[Sequence[Column]]) -> None:
+    def _place_rows(self, rows: Sequence[Sequence[Column]]) -> tuple[float, float]:
+        """Place the sections; returns width and height of all above the legend."""
         self.columns: list[Column] = []
         self._tops: list[float] = []
         self._gutter_ends: dict[Place, float] = {}
-        top, widest = self._header_bottom, max(self.legend.right, self.title.right)
+        top, widest = self._header_bottom, max(self.belt_frame.right, self.title.right)
         for r, row in enumerate(rows):
             top += self._lanes.band(r)
             self._tops.append(top)
@@ -110,8 +110,7 @@ class Page:
             widest = max(widest, self._gutter_ends[last] if self._lanes.has_lines(last) else right)
             top += height
         self._tops.append(top + self._lanes.band(len(rows)))
-        self.width = widest
-        self.height = self._tops[-1] if self._lanes.has_lines_above(len(rows)) else top
+        return widest, self._tops[-1] if self._lanes.has_lines_above(len(rows)) else top
 
     def frame(self, one: Column) -> Box:
         """Return the frame of a section."""

@@ -3,33 +3,71 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import graphviz
 
 from bt_orchestrator.errors import OrchestratorError
 
-SVG, DOT = 'svg', 'dot'
+SVG, PNG, PDF, DOT = 'svg', 'png', 'pdf', 'dot'
 
-FORMATS = (SVG, 'png', 'pdf', DOT)
-"""Graphviz makes those that are neither SVG of our own nor DOT text."""
+FORMATS = (SVG, PNG, PDF, DOT)
+"""DOT is the text of a behaviour tree alone."""
+
+PIXELS_A_POINT = 2.0
+"""A PNG of 144 pixels an inch: sharp on paper and on screens."""
+
+CSS_PIXELS_A_POINT = 96 / 72
+"""CairoSVG writes so many by itself."""
 
 
 class CannotDraw(OrchestratorError):
-    """The program `dot` is missing, or failed."""
+    """The picture has no such format, or the program or library that makes it is missing."""
+
+
+class Picture(Protocol):
+    """A drawing. Equal scripts, cells and states give equal texts."""
+
+    def content(self, kind: str) -> bytes:
+        """Return the file in one of FORMATS.
+
+        :raises CannotDraw: the file cannot be made; the message says what to do
+        """
 
 
 @dataclass(frozen=True)
-class Picture:
-    """A drawing; equal scripts, cells and states give equal texts."""
+class LinePicture:
+    """The drawing of a line: SVG written here; CairoSVG makes PNG and PDF of it."""
+
+    svg: str
+
+    def content(self, kind: str) -> bytes:
+        """Return the file in one of FORMATS, except DOT.
+
+        :raises CannotDraw: CairoSVG is missing, and it is needed
+        """
+        if kind == SVG:
+            return self.svg.encode()
+        try:
+            import cairosvg  # here, because pages and most verbs start without it
+        except (ImportError, OSError) as error:
+            raise CannotDraw(
+                f'PNG and PDF need CairoSVG, which does not load ({error}); install it '
+                '(`apt install python3-cairosvg`, or `pip install cairosvg` and '
+                '`apt install libcairo2`), or ask for a .svg file'
+            ) from None
+        convert, scale = {
+            PNG: (cairosvg.svg2png, PIXELS_A_POINT / CSS_PIXELS_A_POINT),
+            PDF: (cairosvg.svg2pdf, 1.0),
+        }[kind]
+        return bytes(convert(self.svg.encode(), scale=scale))
+
+
+@dataclass(frozen=True)
+class TreePicture:
+    """The drawing of a behaviour tree: DOT text, which Graphviz lays out."""
 
     dot: str
-    """The drawing as DOT text."""
-    engine: str
-    """The layout program of Graphviz."""
-    has_places: bool = False
-    """Everything has its place in the DOT text; nothing is left to lay out."""
-    svg: str = ''
-    """The drawing as SVG; empty: Graphviz lays it out, and writes that too."""
 
     def content(self, kind: str) -> bytes:
         """Return the file in one of FORMATS.
@@ -38,22 +76,15 @@ class Picture:
         """
         if kind == DOT:
             return self.dot.encode()
-        if kind == SVG and self.svg:
-            return self.svg.encode()
-        return self._by_graphviz(kind)
-
-    def _by_graphviz(self, kind: str) -> bytes:
-        others = 'a .svg or .dot file' if self.svg else 'a .dot file'
         try:
-            source = graphviz.Source(self.dot, engine=self.engine)
-            return bytes(source.pipe(format=kind, neato_no_op=2 if self.has_places else None))
+            return bytes(graphviz.Source(self.dot).pipe(format=kind))
         except graphviz.ExecutableNotFound:
-            hint = f'install Graphviz (`apt install graphviz`), or ask for {others}'
             raise CannotDraw(
-                f'the program `dot` draws the picture and is missing; {hint}'
+                'the program `dot` draws the behaviour tree and is missing; install Graphviz '
+                '(`apt install graphviz`), or ask for a .dot file'
             ) from None
         except graphviz.CalledProcessError as error:
             said = error.stderr.decode(errors='replace').strip() if error.stderr else str(error)
             raise CannotDraw(
-                f'`dot` could not draw the picture: {said}; ask for {others}'
+                f'`dot` could not draw the picture: {said}; ask for a .dot file'
             ) from error

@@ -1,7 +1,7 @@
 """The layout of one section, and of the initialization, in points from the upper left corner.
 
-`dot` does not keep clusters in order, and the order of the belt is what a reviewer looks for
-first. So the places are worked out here; Graphviz draws.
+Graphviz does not keep clusters in order, and a reviewer looks for the order of the belt first: the
+layout is worked out here.
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from bt_orchestrator.model.script import Repeat, SectionList, Step, Task
 GAP = 24.0
 """Between the steps of a list, for an arrow."""
 PADDING = 10.0
-TITLE = 24.0
-GROUP_TITLE = 18.0
+TITLE = 28.0
+GROUP_TITLE = 20.0
 BAR = 20.0
 TRACK_GAP = 12.0
 MARGIN = 4.0
+IDLE_WIDTH = 110.0
+"""Of a section without tasks, unless its slot has to say what stands there."""
 LOOP_SIDE = 16.0
 """On both sides of the tasks of a repeat; the way back is on the right."""
 
@@ -121,7 +123,8 @@ class _Stacking:
         self._tasks = tasks
         self._number = number
         steps = tasks.steps if tasks else ()
-        self._inner = max(map(self._width, steps), default=CARD_WIDTH)
+        idle_width = IDLE_WIDTH if sheet.state is None else CARD_WIDTH
+        self._inner = max(map(self._width, steps), default=idle_width)
         self._slot = replace(self._bar(TITLE), height=BAR if sheet.state is None else SLOT_HEIGHT)
         self._bottom = self._slot.bottom
         self._cards: list[Placed] = []
@@ -162,7 +165,8 @@ class _Stacking:
         )
 
     def _bar(self, top: float) -> Box:
-        return Box(PADDING + (self._inner - CARD_WIDTH) / 2, top, CARD_WIDTH, BAR)
+        width = min(self._inner, CARD_WIDTH)
+        return Box(PADDING + (self._inner - width) / 2, top, width, BAR)
 
     def _group(self, step: Step) -> tuple[list[Box], list[Box]]:
         top, width = self._bottom + GAP, self._width(step)

@@ -1,9 +1,8 @@
-"""A canvas that writes SVG: no other program runs, and equal pictures are equal files."""
+"""The canvas of a line, as SVG: no other program runs, and equal pictures are equal files."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import Any
 
 from bt_orchestrator.drawing.box import Box, Point
@@ -22,12 +21,19 @@ from bt_orchestrator.drawing.svg import Svg
 BASELINE = 0.95
 """From the upper edge of a line to its baseline, as a part of the font size."""
 
+INDENT = 6.0
+"""Points from the left edge of a box to its text."""
+
 ROUND = 12.0
 """Radius of the corners of a frame."""
 
 
 class SvgCanvas:
-    """Implements `Canvas`. Frames lie below lines, and lines below text."""
+    """One picture. Frames lie below lines, and lines below text.
+
+    Names are unique in it, and are those of the parts in the file. `about` is shown, line by line,
+    when a reader points at a part.
+    """
 
     def __init__(self, size: Box, about: str) -> None:
         area = Box(
@@ -44,17 +50,12 @@ class SvgCanvas:
     def __str__(self) -> str:
         return str(self._page)
 
-    @contextmanager
-    def frame(
-        self, name: str, heading: Label, box: Box, fill: str, about: Sequence[str]
-    ) -> Iterator[None]:
-        """Draw a frame; what is drawn within the context lies on it."""
+    def frame(self, name: str, heading: Label, box: Box, fill: str, about: Sequence[str]) -> None:
+        """Draw a frame; parts that are drawn later lie on it."""
         part = _part(self._frames, name, about)
         _rect(part, box, fill=fill, stroke=RULE, rx=ROUND)
         width, height = heading.rows[0][0].width, _height(heading)
-        left = box.middle - width / 2
-        _table(part, heading, Box(left, box.top + HEADING - height / 2, width, height))
-        yield
+        _table(part, heading, Box(box.middle - width / 2, box.top + HEADING, width, height))
 
     def label(self, name: str, label: Label, box: Box, about: Sequence[str]) -> None:
         """Draw a table of text into a box."""
@@ -149,7 +150,7 @@ def _lines(part: Svg, entry: Entry, box: Box, centred: bool) -> None:
     """Write the lines of an entry, as a whole in the middle of its height."""
     top = box.centre - entry.content_height / 2 + ENTRY_PADDING
     for text in entry.texts:
-        at = {'x': box.middle, 'text_anchor': 'middle'} if centred else {'x': box.left + 3.0}
+        at = {'x': box.middle, 'text_anchor': 'middle'} if centred else {'x': box.left + INDENT}
         if text.text.strip():
             part.add('text', _kept(text.text), **at, y=top + BASELINE * text.size, **_font(text))
         top += text.height

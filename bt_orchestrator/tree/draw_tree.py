@@ -11,9 +11,8 @@ from py_trees.composites import Parallel, Selector, Sequence
 from py_trees.decorators import Decorator
 
 from bt_orchestrator.drawing.card import Sheet, details
-from bt_orchestrator.drawing.dot_label import dot_label, tooltip
 from bt_orchestrator.drawing.label import Entry, Label, Text
-from bt_orchestrator.drawing.picture import Picture
+from bt_orchestrator.drawing.picture import TreePicture
 from bt_orchestrator.drawing.style import FAINT, FONT, INK, PAPER
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
@@ -22,6 +21,7 @@ from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.tree.compile import CellTree
+from bt_orchestrator.tree.dot_label import dot_label, tooltip
 from bt_orchestrator.tree.leaf import ActionLeaf
 
 JOB = 'JOB'
@@ -92,7 +92,7 @@ class Compiled:
         raise AssertionError(f'a drawing waits for nothing, not for {key}')
 
 
-def draw_tree(script: Script, cell: Cell) -> Picture:
+def draw_tree(script: Script, cell: Cell) -> TreePicture:
     """Draw a script's behaviour tree, from the root on the left to the leaves on the right."""
     sheet = Sheet(script, cell)
     graph = graphviz.Digraph(sheet.script.name, graph_attr=_page(sheet))
@@ -103,7 +103,7 @@ def draw_tree(script: Script, cell: Cell) -> Picture:
         _add(graph, sheet, compiled.root, 'root')
     finally:
         compiled.close()
-    return Picture(str(graph.source), 'dot')
+    return TreePicture(str(graph.source))
 
 
 def _page(sheet: Sheet) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Pictures of scripts, drawn by the real `dot`."""
+"""Pictures of scripts, as files; the real `dot` draws trees."""
 
 from __future__ import annotations
 
@@ -72,11 +72,11 @@ def test_formats(ending: str, begins: bytes, view: str, tmp_path: Path) -> None:
 
 
 def test_without_dot(tmp_path: Path) -> None:
-    done = render('-o', tmp_path / 'picture.png', PATH='/nowhere')
+    done = render('-o', tmp_path / 'picture.png', '--view', 'tree', PATH='/nowhere')
     assert done.returncode == 1
     assert 'the program `dot` ' in done.stderr
     assert len(done.stderr.splitlines()) == 1
-    assert render('-o', tmp_path / 'picture.svg', PATH='/nowhere').returncode == 0
+    assert render('-o', tmp_path / 'picture.png', PATH='/nowhere').returncode == 0
 
 
 def test_an_unknown_ending_is_wrong_use(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ def test_a_picture_shows_the_state_and_follows_it_to_the_end_of_the_job(
     cell.connect()
     cell.run_small()
     cell.watch.until_held()  # told, and not only recorded
-    once, followed = cell.folder / 'once.dot', cell.folder / 'followed.dot'
+    once, followed = cell.folder / 'once.svg', cell.folder / 'followed.svg'
     words = ['render', str(cell.folder / 'small.yaml'), '--cell', str(cell.cell), '--live', '-o']
 
     assert run_verb(cell.folder, *words, str(once)) == (0, '', '')

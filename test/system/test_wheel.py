@@ -68,6 +68,6 @@ def test_it_checks_simulates_and_draws(environment: Path) -> None:
     cell = ('--cell', str(share / CELL))
     assert 'fits cell reference_cell' in program(environment, 'check', str(share / SCRIPT), *cell)
     assert 'total time' in program(environment, 'simulate', str(share / ORDER), *cell)
-    drawn = environment / 'drawn.dot'
+    drawn = environment / 'drawn.svg'
     program(environment, 'render', str(share / SCRIPT), *cell, '-o', str(drawn))
-    assert drawn.read_text() == (ROOT / SCRIPT).with_suffix('.dot').read_text()
+    assert drawn.read_text() == (ROOT / SCRIPT).with_suffix('.svg').read_text()

@@ -42,7 +42,7 @@ def test_the_files_work_as_they_are(
     monkeypatch.chdir(here / 'mine')
     cell = ('--cell', 'cell.yaml')
     assert check.check(options(check, 'first_product', *cell), TYPES) == 0
-    drawing = options(render, 'first_product', *cell, '-o', 'drawing.dot')
+    drawing = options(render, 'first_product', *cell, '-o', 'drawing.svg')
     assert render.render(drawing, TYPES) == 0
     assert simulate.simulate(options(simulate, 'order.yaml', *cell), TYPES) == 0
     assert '3       3         0' in capsys.readouterr().out

@@ -20,28 +20,38 @@ from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.status import CellStatus
 
 
-def rendered(*words: str | Path) -> int:
+def arguments(*words: str | Path) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
     add_arguments(parser)
-    args = parser.parse_args([*map(str, words), '--cell', str(REFERENCE_CELL)])
-    return render(args, FakeActionTypes())
+    return parser.parse_args([*map(str, words), '--cell', str(REFERENCE_CELL)])
 
 
-def test_dot_text_is_written_without_dot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv('PATH', '/nowhere')
-    output = tmp_path / 'process.DOT'
+def rendered(*words: str | Path) -> int:
+    return render(arguments(*words), FakeActionTypes())
+
+
+def test_a_line_is_written_as_the_shipped_picture(tmp_path: Path) -> None:
+    output = tmp_path / 'process.SVG'
     assert rendered('reference_process', '--trees', TREES, '-o', output) == 0
-    assert output.read_bytes() == (TREES / 'reference_process.dot').read_bytes()
+    assert output.read_bytes() == (TREES / 'reference_process.svg').read_bytes()
 
 
-def test_the_tree_is_another_view(tmp_path: Path) -> None:
+def test_a_line_has_no_dot_text(tmp_path: Path) -> None:
+    with pytest.raises(WrongUse, match=r'^x\.dot: a line is drawn as \.svg, .*--view tree'):
+        run(arguments('x', '-o', tmp_path / 'x.dot'))
+
+
+def test_the_tree_is_another_view_and_needs_no_dot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv('PATH', '/nowhere')
     output = tmp_path / 'tree.dot'
     assert rendered(TREES / 'reference_process.yaml', '--view', 'tree', '-o', output) == 0
     assert 'all turns complete' in output.read_text()
 
 
 def test_a_script_that_gets_stuck_is_drawn(tmp_path: Path) -> None:
-    output = tmp_path / 'stuck.dot'
+    output = tmp_path / 'stuck.svg'
     assert rendered(STUCK, '-o', output) == 0
     assert 'read_before_assemble' in output.read_text()
 
@@ -60,14 +70,14 @@ def test_mistakes_are_told_and_nothing_is_written(tmp_path: Path) -> None:
     bad = tmp_path / 'bad.yaml'
     bad.write_text(STUCK.read_text().replace('TASK_A', 'TASKA'))
     with pytest.raises(Refused) as refused:
-        rendered(bad, '-o', tmp_path / 'bad.dot')
+        rendered(bad, '-o', tmp_path / 'bad.svg')
     assert len(refused.value.findings) == 2
-    assert not (tmp_path / 'bad.dot').exists()
+    assert not (tmp_path / 'bad.svg').exists()
 
 
 def test_a_file_that_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(CannotWrite, match=r'^cannot write .*: No such file or .*; check the path'):
-        rendered(STUCK, '-o', tmp_path / 'nowhere' / 'x.dot')
+        rendered(STUCK, '-o', tmp_path / 'nowhere' / 'x.svg')
 
 
 # --- with a state -----------------------------------------------------------------------------
@@ -83,22 +93,19 @@ def test_a_file_that_cannot_be_written(tmp_path: Path) -> None:
 def test_options_that_mean_nothing_together(
     words: tuple[str, ...], what: str, tmp_path: Path
 ) -> None:
-    parser = argparse.ArgumentParser()
-    add_arguments(parser)
-    args = parser.parse_args(['x', '--cell', 'c', '-o', str(tmp_path / 'x.dot'), *words])
     with pytest.raises(WrongUse, match=what):
-        run(args)
+        run(arguments('x', '-o', tmp_path / 'x.svg', *words))
 
 
 def test_a_saved_status_is_drawn_and_the_file_replaced_at_once(tmp_path: Path) -> None:
-    saved, output = tmp_path / 'status.json', tmp_path / 'x.dot'
+    saved, output = tmp_path / 'status.json', tmp_path / 'x.svg'
     saved.write_text(json.dumps(to_plain(EMPTY, whole=True)))
     output.write_text('old')
     before = output.stat().st_ino
     assert rendered('reference_process', '--trees', TREES, '-o', output, '--status', saved) == 0
     assert 'Stopped, the belt rests, after event 0' in output.read_text()
     assert output.stat().st_ino != before
-    assert sorted(path.name for path in tmp_path.iterdir()) == ['status.json', 'x.dot']
+    assert sorted(path.name for path in tmp_path.iterdir()) == ['status.json', 'x.svg']
 
 
 @pytest.mark.parametrize(
@@ -116,7 +123,7 @@ def test_a_file_that_is_no_status_is_told(content: str | None, told: str, tmp_pa
     os.mkfifo(saved) if content is None else saved.write_bytes(content.encode('latin-1'))
     with pytest.raises(CannotRead, match=told):
         rendered(
-            'reference_process', '--trees', TREES, '-o', tmp_path / 'x.dot', '--status', saved
+            'reference_process', '--trees', TREES, '-o', tmp_path / 'x.svg', '--status', saved
         )
 
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 from fakes import statuses
-from fakes.dot_text import DotText
-from fakes.line import THREE, Line
+from fakes.line import Line
+from fakes.line_picture import DrawnLine
 
 from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.line_state import Mark
@@ -56,10 +56,13 @@ def status(*sections: SectionStatus, **about: Any) -> CellStatus:
     return statuses.status(**{**usual, **about})
 
 
-def drawn(state: CellStatus, text: str = SCRIPT) -> DotText:
+def drawn(state: CellStatus, text: str = SCRIPT) -> DrawnLine:
     line = Line()
     script = line.script(text)
-    return DotText(draw_line(script, line.cell, line_state(state, script, line.cell)).dot)
+    return DrawnLine(draw_line(script, line.cell, line_state(state, script, line.cell)).svg)
+
+
+MOVING = BeltStatus(moving=True, running=(statuses.task('index'),))
 
 
 def section_2(**about: Any) -> SectionStatus:
@@ -71,12 +74,12 @@ def section_2(**about: Any) -> SectionStatus:
 # --- tasks ------------------------------------------------------------------------------------
 
 
-def marks(picture: DotText) -> dict[str, str]:
+def marks(picture: DrawnLine) -> dict[str, str]:
     """Return the first line of every card."""
     return {
         name.removeprefix('task.'): picture.words(name)[0]
-        for name in picture.nodes
-        if name.startswith('task.')
+        for name in picture.parts
+        if name.startswith('task.') and '-' not in name
     }
 
 
@@ -143,17 +146,17 @@ def test_a_reason_stands_on_the_card_and_whole_in_its_tooltip() -> None:
     picture = drawn(status(section_2(waiting=[reason])))
     assert picture.words('task.look')[1].startswith('waiting for a component')
     assert picture.words('task.look')[2].endswith('\u2026')
-    assert picture.nodes['task.look']['tooltip'].startswith(f'now: \u2026 waits\n{reason}\n')
+    assert picture.about('task.look').startswith(f'now: \u2026 waits\n{reason}\n')
 
 
 def test_a_hold_says_what_may_be_answered() -> None:
     why = 'no reject: the item is rejected already'
     held = hold(section=2, item='WO-1/1', task='look', message='too late', answers_why=why)
     picture = drawn(status(section_2(), holds=[held]))
-    hint = picture.nodes['task.look']['tooltip']
+    hint = picture.about('task.look')
     assert 'timeout (too late); answer with retry | skip' in hint
     assert why in hint
-    assert 'BORDER="3"' in picture.nodes['task.look']['label']
+    assert picture.look('task.look').get('stroke-width') == '3'
 
 
 def test_a_hold_of_the_whole_cell_stands_at_the_top() -> None:
@@ -168,9 +171,9 @@ def test_cards_stay_where_they_are() -> None:
     before = drawn(status())
     long = ['a very long reason indeed ' * 8]
     moved = drawn(status(section_2(waiting=long), jobs=[job(), job(), job('WO-3')]))
-    cards = [name for name, of_node in before.nodes.items() if 'pos' in of_node]
-    assert len(cards) > 10
-    assert [before.place(name) for name in cards] == [moved.place(name) for name in cards]
+    cards = [name for name in before.parts if name.startswith('task.') and '-' not in name]
+    assert len(cards) == 8
+    assert [before.area(name) for name in cards] == [moved.area(name) for name in cards]
 
 
 # --- initialization and belt ------------------------------------------------------------------
@@ -198,11 +201,10 @@ def test_before_there_is_a_job_nothing_is_begun() -> None:
 
 
 def test_the_belt_while_it_moves() -> None:
-    belt = BeltStatus(moving=True, running=(statuses.task('index'),))
-    rests, moves = drawn(status()), drawn(status(belt=belt))
+    rests, moves = drawn(status()), drawn(status(belt=MOVING))
     assert moves.words('task.index')[0] == '\u25b6 running'
-    assert 'style' not in rests.edges['slot.1 -> slot.2']
-    assert moves.edges['slot.1 -> slot.2']['style'] == 'dashed'
+    assert rests.look('belt.1').get('stroke-dasharray') is None
+    assert moves.look('belt.1').get('stroke-dasharray') is not None
     assert 'Execute, the belt moves, after event 17' in moves.words('title')
     held = drawn(status(holds=[hold(job=None, task='index')]))
     assert held.words('task.index')[0] == '! HELD (hold 1)'
@@ -222,7 +224,7 @@ def test_slots_say_what_stands_there_and_what_is_done() -> None:
     )
     first = picture.words('slot.1')
     assert first == ['slot 1: empty', 'no cycle', 'waiting for the belt to move']
-    assert 'and more' in picture.nodes['slot.1']['tooltip']
+    assert 'and more' in picture.about('slot.1')
     assert picture.words('slot.2')[:2] == ['slot 2: WO-1/1', 'works on WO-1/1']
     assert picture.words('slot.3')[:2] == ['slot 3: (WO-1/2)', 'empty position']
 
@@ -232,7 +234,7 @@ def test_slots_say_what_is_wrong_with_their_items() -> None:
     picture = drawn(status(rejected))
     wrong = '\u2717 REJECTED, nonconforming'
     assert picture.words('slot.2')[:2] == ['slot 2: WO-1/1', wrong]
-    assert wrong in picture.nodes['slot.2']['tooltip']
+    assert wrong in picture.about('slot.2')
 
 
 def test_a_section_that_works_for_another_script_says_so() -> None:
@@ -245,8 +247,7 @@ def test_a_section_that_works_for_another_script_says_so() -> None:
 
 
 def test_flags_show_their_counts() -> None:
-    picture = drawn(status())
-    assert 'count 1 of 1' in picture.edges['task.look -> task.pack']['label']
+    assert 'count 1 of 1' in drawn(status()).words('flag.seen')
 
 
 def test_jobs_stand_below_the_title_and_more_are_counted() -> None:
@@ -257,12 +258,12 @@ def test_jobs_stand_below_the_title_and_more_are_counted() -> None:
     assert words[-1] == 'and 3 more jobs'
 
 
-def test_the_legend_explains_what_is_new() -> None:
-    with_state = drawn(status()).words('legend')
-    assert {'\u25b6 running', '! HELD', 'the belt while it moves'} <= set(with_state)
-    line = Line()
-    plain = DotText(draw_line(line.script(THREE), line.cell).dot).words('legend')
-    assert 'the belt while it moves' not in plain
+def test_the_legend_explains_the_marks_that_are_shown_and_no_others() -> None:
+    rests = drawn(status(section_2(running=[statuses.task('look')])))
+    assert '\u25b6 running' in rests.words('legend')
+    assert not {'! HELD', 'the belt while it moves'} & set(rests.words('legend'))
+    assert 'the belt while it moves' in drawn(status(belt=MOVING)).words('legend')
+    assert '! HELD' in drawn(status(holds=[hold(job=None, task='index')])).words('legend')
 
 
 # --- what is refused --------------------------------------------------------------------------

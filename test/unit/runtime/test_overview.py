@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from fakes.dot_text import DotText
 from fakes.line import THREE, Line, with_section
+from fakes.line_picture import DrawnLine
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.drawing.line import draw_line
@@ -86,7 +86,7 @@ def test_a_task_that_was_passed_says_how_it_ended(
     )
 
     state = line_state(status, run.state.script('J'), line.cell)
-    picture = DotText(draw_line(run.state.script('J'), line.cell, state).dot)
+    picture = DrawnLine(draw_line(run.state.script('J'), line.cell, state).svg)
     assert picture.words('task.look')[0].endswith(word)
 
 
@@ -143,9 +143,9 @@ def test_drawing_and_terminal_tell_the_finished_work() -> None:
     line = Line(faults={'a2': '#1=abort'}, seconds={'a1': 4.0})
     run = line.begin(with_section(2, '[{id: look, @a2, on_failure: continue}]'), 3).go(until=7.5)
     status, script = run.sim.status(), run.state.script('J')
-    dot = draw_line(script, line.cell, line_state(status, script, line.cell)).dot
-    assert DotText(dot).words('task.look')[0].endswith('failed, continued')
-    assert 'done with J/1' in dot
+    picture = draw_line(script, line.cell, line_state(status, script, line.cell))
+    assert DrawnLine(picture.svg).words('task.look')[0].endswith('failed, continued')
+    assert 'done with J/1' in picture.svg
     (row,) = (line for line in words.status_lines(status, None) if 'section 2' in line)
     assert (
         row.split('J/1', 1)[1]
