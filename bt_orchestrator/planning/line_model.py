@@ -267,23 +267,36 @@ class LineModel:
 
         :raises NotFound: none was found within this many nodes
         """
-        size, answers = self._model.size, list[Answer]()
-        stages = (self._moved_terms(), {self._time: 1}, self._spread, self._declared_terms())
-        for cost in stages:
-            answer = self._model.minimise(cost, nodes, answers[-1] if answers else None)
-            if answer is None:
-                return None
-            answers.append(answer)
-            self._model.at_most(cost, answer.cost)
-        self._model.forget(size)
-        moved, time, spread, last = answers
-        chosen = [key for key in self._keys if last.values[self._chosen[key]]]
-        unit_us = self._unit_us
+        size = self._model.size
+        try:
+            return self._staged(nodes)
+        finally:
+            self._model.forget(size)
+
+    def _staged(self, nodes: int) -> Solution | None:
+        stages = {
+            'moved': self._moved_terms(),
+            'time': {self._time: 1},
+            'spread': self._spread,
+            'declared': self._declared_terms(),
+        }
+        answers: dict[str, Answer] = {}
+        last: Answer | None = None
+        for name, cost in stages.items():
+            if cost:
+                last = self._model.minimise(cost, nodes, last)
+                if last is None:
+                    return None
+                answers[name] = last
+                self._model.at_most(cost, last.cost)
+        assert last is not None
+        plan = tuple(number for p, number in self._keys if last.values[self._chosen[p, number]])
+        spread = answers['spread']
         return Solution(
-            plan=tuple(number for _, number in chosen),
-            moved=moved.cost,
-            bound_us=time.bound * unit_us,
-            spread_us=spread.cost * unit_us,
+            plan=plan,
+            moved=sum(ways[number] for ways, number in zip(self._plans.moved, plan, strict=True)),
+            bound_us=answers['time'].bound * self._unit_us,
+            spread_us=spread.cost * self._unit_us,
             is_spread_least=spread.bound == spread.cost,
         )
 
@@ -303,6 +316,8 @@ class LineModel:
         away = {name: self._away(one) for name, one in asked.items()}
         while True:
             cost = {number: -1 for name, number in away.items() if name not in found}
+            if not cost:
+                break
             try:
                 answer = self._model.minimise(cost, nodes)
             except NotFound:
@@ -312,7 +327,7 @@ class LineModel:
                 break
             found |= new
         self._model.forget(size)
-        return found, answer is not None and not answer.bound
+        return found, not cost or (answer is not None and not answer.bound)
 
     def _away(self, one: Candidate) -> int:
         """Return a variable that is at most whether another component does an operation."""

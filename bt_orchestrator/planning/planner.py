@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from bt_orchestrator.model.script import Script
@@ -43,29 +44,33 @@ class Planner:
 
         :raises NotFound: none was found
         """
-        solution = first = model.best(self._limits.nodes)
-        if first is None:
-            return None
         best: Best | None = None
-        for _ in range(self._limits.finalists):
-            if solution is None or solution.moved > first.moved:
-                break
-            if best is not None and best.per_item_s <= solution.bound_us / 1_000_000 + SAME_S:
+        bound_s: float | None = None
+        for solution in self._solutions(model):
+            own_s = solution.bound_us / 1_000_000
+            bound_s = own_s if bound_s is None else bound_s
+            if best is None or own_s < best.per_item_s - SAME_S:
+                found = self._judged(solution, bound_s)
+                is_better = best is None or (found and found.per_item_s < best.per_item_s - SAME_S)
+                best = found if is_better else best
+            if best is not None and own_s >= best.per_item_s - SAME_S:
                 break  # the others are no better
-            found = self._judged(solution, first.bound_us / 1_000_000)
-            if found is not None and (best is None or found.per_item_s < best.per_item_s - SAME_S):
-                best = found
-            model.exclude(solution.plan)
-            solution = self._next(model)
-        if best is None:
+        if best is None and bound_s is not None:
             raise NotFound([f'the engine gets to the end with none of the best plans; {_BIND}'])
         return best
 
-    def _next(self, model: LineModel) -> Solution | None:
-        try:
-            return model.best(self._limits.nodes)
-        except NotFound:
-            return None
+    def _solutions(self, model: LineModel) -> Iterator[Solution]:
+        """Yield the best plan, and the next ones, each without those before."""
+        first = solution = model.best(self._limits.nodes)
+        for _ in range(self._limits.finalists):
+            if first is None or solution is None or solution.moved > first.moved:
+                return
+            yield solution
+            model.exclude(solution.plan)
+            try:
+                solution = model.best(self._limits.nodes)
+            except NotFound:
+                return
 
     def _judged(self, solution: Solution, bound_s: float) -> Best | None:
         """Compute the pace of a plan anew; None: it gets stuck."""

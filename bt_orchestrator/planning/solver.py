@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -83,8 +83,6 @@ class Model:
         :raises NotFound: no solution was found within this many nodes, or HiGHS is not installed
         """
         highs = _highs()
-        if not cost and begin is not None:
-            return replace(begin, cost=0, bound=0)
         solver = self._solver(highs, cost, nodes)
         if begin is not None:
             known = highs.HighsSolution()
