@@ -9,10 +9,10 @@ from pathlib import Path
 
 from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.model.codec import from_plain
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ordinary_file import read_ordinary
+from bt_orchestrator.screen.machine import read_status
 from bt_orchestrator.stop_signals import StopSignals
 
 LARGEST_FILE = 100_000_000
@@ -37,7 +37,7 @@ def saved_status(path: Path) -> CellStatus:
             f'{path} is not JSON: {error}; expected what status --json prints'
         ) from error
     try:
-        return from_plain(CellStatus, found)
+        return read_status(found)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise CannotRead(
             f'{path} holds no status of a cell ({error!r}); expected what status --json of this '

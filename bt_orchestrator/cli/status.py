@@ -9,8 +9,8 @@ from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.past_status import add_past_options, past_lines, status_at
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.screen.advice import Shell
+from bt_orchestrator.screen.machine import plain_status
 from bt_orchestrator.screen.words import status_lines
 
 
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     with open_door(args.node, args.timeout) as door:
         status = door.status()
     if args.json:
-        print(json.dumps(to_plain(status, whole=True)))
+        print(json.dumps(plain_status(status)))
     else:
         print('\n'.join(status_lines(status, Shell(args.node))))
     return 0
@@ -44,7 +44,7 @@ def _past(args: argparse.Namespace) -> int:
         raise WrongUse('status --at: name the journal and the cell, with --journal and --cell')
     past = status_at(args.at, args.journal, args.cell)
     if args.json:
-        print(json.dumps(to_plain(past.status, whole=True)))
+        print(json.dumps(plain_status(past.status)))
     else:
         print('\n'.join(past_lines(past)))
     return 0

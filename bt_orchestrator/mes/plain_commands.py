@@ -16,6 +16,8 @@ from bt_orchestrator.model.requests import (
     of_hold,
     of_word,
 )
+from bt_orchestrator.model.requests.reader import offer_words
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 
 
@@ -124,10 +126,11 @@ def verbs(about: About) -> tuple[Request, ...]:
 # --- holds --------------------------------------------------------------------------------------
 
 
-def answer_of(hold: str, answer: str, holds: Sequence[Hold]) -> Wanted:
+def answer_of(hold: str, answer: str, holds: Sequence[Hold], role: Role | None = None) -> Wanted:
     """Return the request that an answer to a hold, or a remark about it, stands for.
 
     :param holds: those there are
+    :param role: of the caller; None: not known
     :raises Unclear: says what is expected
     """
     found = next((one for one in holds if one.id == hold), None)
@@ -138,7 +141,7 @@ def answer_of(hold: str, answer: str, holds: Sequence[Hold]) -> Wanted:
     requests = (*of_hold(found.answers), ACKNOWLEDGE, COMMENT)
     request = next((one for one in requests if one.word == word), None)
     if request is None:
-        possible = ', '.join(found.answers) or 'none'
+        possible = offer_words(found.answers, role) or 'none'
         raise Unclear(
             [f'Answer: expected one that is possible now ({possible}); found {answer!r}']
         )

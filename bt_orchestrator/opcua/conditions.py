@@ -14,6 +14,7 @@ from asyncua import ua
 
 from bt_orchestrator.mes.alarms import Alarm, event_id
 from bt_orchestrator.model.requests import ACKNOWLEDGE
+from bt_orchestrator.model.requests.reader import role_words
 from bt_orchestrator.opcua.notices import Told
 
 TEXT, YES_NO, NODE = ua.VariantType.LocalizedText, ua.VariantType.Boolean, ua.VariantType.NodeId
@@ -152,6 +153,7 @@ def _fields(standing: Standing, place: Place) -> Mapping[str, ua.Variant]:
         'SuppressedOrShelved': ua.Variant(False, YES_NO),
         'Hold': ua.Variant(alarm.hold, WORD),
         'Answers': ua.Variant(list(alarm.answers), WORD, is_array=True),
+        'AnswerRoles': ua.Variant(role_words(alarm.answers), WORD, is_array=True),
         'ReasonNumber': ua.Variant(alarm.reason.number, ua.VariantType.Int32),
         'ControllerSaid': ua.Variant(alarm.controller_said, WORD),
         'LastFeedback': ua.Variant(alarm.last_feedback, WORD),

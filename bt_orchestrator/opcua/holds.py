@@ -31,6 +31,12 @@ FIELDS = (
     Argument('Hold', ua.VariantType.String, 'id of the hold, for AnswerHold; empty: it is none'),
     Argument('Answers', ua.VariantType.String, 'the answers that it takes now', is_list=True),
     Argument(
+        'AnswerRoles',
+        ua.VariantType.String,
+        'the roles that may give each of Answers, in its order',
+        is_list=True,
+    ),
+    Argument(
         'ReasonNumber', ua.VariantType.Int32, 'of its reason, as ID of PackML/Admin/StopReason'
     ),
     Argument(

@@ -10,6 +10,7 @@ from asyncua import ua
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.requests.reader import role_words
 from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, JobStatus
@@ -98,6 +99,9 @@ HOLD: Mapping[str, Shown] = {
     'Item': Shown(TEXT, 'id of its item'),
     'Task': Shown(TEXT, 'id of its task in the script'),
     'Answers': Shown(TEXT, 'the answers that are possible now', is_list=True),
+    'AnswerRoles': Shown(
+        TEXT, 'the roles that may give each of Answers, in its order', is_list=True
+    ),
     'Since': Shown(TIME, 'when it began'),
 }
 
@@ -208,9 +212,9 @@ def _job(name: str, job: JobStatus | None, status: CellStatus) -> Iterator[tuple
 
 
 def _hold(hold: Hold | None) -> Iterator[tuple[str, object]]:
-    values = ('', '', '', 0, '', '', [], None) if hold is None else (
+    values = ('', '', '', 0, '', '', [], [], None) if hold is None else (
         hold.id, hold_words(hold), hold.job or '', hold.section or 0, hold.item or '',
-        hold.task or '', list(hold.answers), moment(hold.since),
+        hold.task or '', list(hold.answers), role_words(hold.answers), moment(hold.since),
     )  # fmt: skip
     yield from ((f'OldestHold/{key}', value) for key, value in zip(HOLD, values, strict=True))
 

@@ -19,6 +19,7 @@ from bt_orchestrator.mes.plain_commands import (
 from bt_orchestrator.model.requests import ADD, RELEASE_SCRIPT, About, Request
 from bt_orchestrator.opcua.arguments import Argument
 from bt_orchestrator.opcua.bridge import Bridge
+from bt_orchestrator.opcua.callers import CALLER
 from bt_orchestrator.opcua.calls import reason_of
 from bt_orchestrator.opcua.space import Space
 
@@ -133,7 +134,8 @@ class SimpleCommands:
 
     async def _answer(self, hold: str, answer: str, reason: str) -> list[ua.Variant]:
         try:
-            wanted = answer_of(hold, answer, self._bridge.status.holds)
+            role = CALLER.get().role
+            wanted = answer_of(hold, answer, self._bridge.status.holds, role)
         except Unclear as error:
             return _told(Outcome(False, str(error)))
         return await self._ask(wanted, reason_of(reason, 'AnswerHold'))

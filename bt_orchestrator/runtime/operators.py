@@ -25,6 +25,7 @@ from bt_orchestrator.model.judging.serials import serial_in, too_long
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.requests import REMARKS
+from bt_orchestrator.model.requests.reader import offer_words
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.runtime.command_record import decided
 
@@ -97,7 +98,7 @@ def _offering(state: CellState, command: AnswerHold) -> Hold:
     if command.answer not in hold.answers:
         raise CommandRefused(
             f'{hold_name(hold)} can be answered with '
-            f'{", ".join(hold.answers)}; found {command.answer!r}'
+            f'{offer_words(hold.answers, command.by.role)}; found {command.answer!r}'
         )
     if command.results and (command.answer != MARK_DONE or hold.item is None):
         raise CommandRefused(

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from bt_orchestrator.model.alike import alike
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.packml import Cause, PackmlState
-from bt_orchestrator.model.requests import CELL, About, Request, of_hold
+from bt_orchestrator.model.requests import ADD, CELL, About, Request, of_hold
+from bt_orchestrator.model.requests.reader import (
+    allowed,
+    answers_of_others,
+    may_make,
+    who_may,
+)
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus
 
@@ -50,6 +57,8 @@ class Choice(NamedTuple):
     """The verb with its arguments, but for the reason."""
     effect: str = ''
     needs_reason: bool = True
+    who: str = ''
+    """Who may do it, where the reader may not; empty: the reader may."""
     is_complete: bool = True
     """Nothing in the words has to be filled in."""
 
@@ -58,18 +67,27 @@ class Choice(NamedTuple):
         return f'{self.words} {WHY}' if self.needs_reason else self.words
 
 
-def hold_advice(hold: Hold, shell: Shell) -> list[str]:
-    """Return what an operator can type about a hold, and what instead."""
-    commands = [shell.command(choice.text()) for choice in hold_choices(hold)]
-    others: Sequence[str] = hold.answers[1:]
+def hold_advice(hold: Hold, shell: Shell, role: Role | None = None) -> list[str]:
+    """Return what the reader can type about a hold, what instead, and what others may answer.
+
+    :param role: of the reader; None: not known
+    """
+    commands = [shell.command(choice.text()) for choice in hold_choices(hold, role)]
+    first, *others = [*allowed(hold.answers, role)] or ['']
     if others:
-        commands[1:] = [f'or {", ".join(others)} in place of {hold.answers[0]}']
-    return [*commands, *filter(None, [one_line(hold.answers_why)])]
+        commands[1:] = [f'or {", ".join(others)} in place of {first}']
+    of_others = answers_of_others(hold.answers, role)
+    return [*commands, *of_others, *filter(None, [one_line(hold.answers_why)])]
 
 
-def hold_choices(hold: Hold) -> tuple[Choice, ...]:
-    """Return the answers that a hold offers."""
-    return tuple(Choice(one.word, _typed(one, hold)) for one in of_hold(hold.answers))
+def hold_choices(hold: Hold, role: Role | None = None) -> tuple[Choice, ...]:
+    """Return the answers that a hold offers to the reader.
+
+    :param role: of the reader; None: not known
+    """
+    return tuple(
+        Choice(one.word, _typed(one, hold)) for one in of_hold(hold.answers) if may_make(one, role)
+    )
 
 
 def _typed(request: Request, hold: Hold) -> str:
@@ -91,33 +109,42 @@ def next_choices(status: CellStatus) -> tuple[Choice, ...]:
     return () if status.holds else tuple(_next_choices(status))
 
 
+def _of(request: Request, status: CellStatus) -> str:
+    """Name who may make a request, where the reader may not."""
+    return '' if may_make(request, status.unauthenticated_role) else who_may(request)
+
+
 def _next_choices(status: CellStatus) -> Iterator[Choice]:
     waits = any(job.state not in OVER for job in status.jobs)
     if status.state is PackmlState.ABORTED:
-        clear = CELL[Cause.CLEAR].word
+        clear, who = CELL[Cause.CLEAR].word, _of(CELL[Cause.CLEAR], status)
         shown = f'{clear} --as-shown {status.seq}'
-        yield Choice(clear, shown, 'if the belt is as shown here')
+        yield Choice(clear, shown, 'if the belt is as shown here', who=who)
         each = f'{clear} --belt 1=ITEM,2=empty'
-        yield Choice(clear, each, 'else: every slot as it really is', is_complete=False)
+        yield Choice(clear, each, 'else: every slot as it really is', who=who, is_complete=False)
     elif status.state is PackmlState.IDLE and waits:
-        yield _to_cell(CELL[Cause.START])
+        yield _to_cell(CELL[Cause.START], status)
     elif status.state in _WAITING_FOR_ORDERS:
         if not waits and not status.waits_for:
-            order, effect = 'submit ORDER.yaml', 'gives it a work order'
-            yield Choice('submit', order, effect, needs_reason=False, is_complete=False)
+            order, who = 'submit ORDER.yaml', _of(ADD, status)
+            effect = 'gives it a work order'
+            yield Choice('submit', order, effect, needs_reason=False, who=who, is_complete=False)
         if status.state is PackmlState.STOPPED or waits:
-            yield _to_cell(CELL[Cause.RESET])
+            yield _to_cell(CELL[Cause.RESET], status)
 
 
-def _to_cell(request: Request) -> Choice:
-    return Choice(request.word, request.word, request.effect)
+def _to_cell(request: Request, status: CellStatus) -> Choice:
+    return Choice(request.word, request.word, request.effect, who=_of(request, status))
 
 
 def alike_lines(status: CellStatus, shell: Shell) -> list[str]:
     """Return how holds that ask the same can be answered as a list."""
     lines = []
     for group in alike(status.holds):
-        answer, *others = group[0].answers_together
+        answers = allowed(group[0].answers_together, status.unauthenticated_role)
+        if not answers:
+            continue
+        answer, *others = answers
         ids = ','.join(hold.id for hold in group)
         instead = f' (or {", ".join(others)})' if others else ''
         command = shell.command(f'answer {ids} {answer} {WHY}')
@@ -127,4 +154,8 @@ def alike_lines(status: CellStatus, shell: Shell) -> list[str]:
 
 def next_lines(status: CellStatus, shell: Shell) -> list[str]:
     """Return what can be typed next, with what it does."""
-    return [f'{shell.command(one.text())}   {one.effect}' for one in next_choices(status)]
+    return [
+        f'{one.who} may: {command}   {one.effect}' if one.who else f'{command}   {one.effect}'
+        for one in next_choices(status)
+        for command in (shell.command(one.text()),)
+    ]

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from bt_orchestrator.model.branch import Branch
-from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.codec import from_plain, to_plain
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.requests.reader import allowed, roles_of
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen.viewer import Hearing
 
@@ -34,7 +36,7 @@ class JsonView:
         unstamped = _without_time(status)
         if unstamped != self._said:
             self._said = unstamped
-            self._print('status', status=to_plain(status, whole=True))
+            self._print('status', status=plain_status(status))
 
     def on_event(self, event: Event) -> None:
         """Print nothing: the status follows."""
@@ -56,6 +58,25 @@ class JsonView:
 
     def _print(self, kind: str, **about: object) -> None:
         self._say(json.dumps({'kind': kind, 'node': self._node, **about}, ensure_ascii=False))
+
+
+def plain_status(status: CellStatus) -> dict[str, Any]:
+    """Return a status for machines, with the answers to each hold that the reader may give."""
+    plain: dict[str, Any] = to_plain(status, whole=True)
+    for hold in plain['holds']:
+        answers = hold['answers']
+        mine, roles = allowed(answers, status.unauthenticated_role), roles_of(answers)
+        hold.update(zip(_OF_ROLES, (mine, roles), strict=True))
+    return plain
+
+
+_OF_ROLES = ('answers_allowed', 'answer_roles')
+
+
+def read_status(plain: Mapping[str, Any]) -> CellStatus:
+    """Return a status that was printed for machines."""
+    holds = [{k: v for k, v in one.items() if k not in _OF_ROLES} for one in plain['holds']]
+    return from_plain(CellStatus, {**plain, 'holds': holds})
 
 
 def _without_time(status: CellStatus) -> CellStatus:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.folds.holds import hold_of
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_choices, next_lines
@@ -24,11 +25,13 @@ class EventLines:
         self._say = say
         self._progress = Progress()
         self._is_first = True
+        self._role: Role | None = None
         self._next: list[str] = []
         self._notes: tuple[str, ...] = ()
 
     def on_status(self, status: CellStatus) -> None:
         """Say what can be typed where the cell has come to stand."""
+        self._role = status.unauthenticated_role
         if self._is_first:
             self._say_all(self._held(status))
         self._is_first = False
@@ -41,13 +44,14 @@ class EventLines:
         """Yield the holds that were raised before the first status."""
         for hold in status.holds:
             yield words.hold_text(hold)
-            yield from (f'  {text}' for text in hold_advice(hold, self._shell))
+            yield from (f'  {text}' for text in hold_advice(hold, self._shell, self._role))
 
     def on_event(self, event: e.Event) -> None:
         """Say what happened."""
         self._say_all(self._progress.follow(event))
         if isinstance(event, e.HoldRaised):
-            self._say_all(f'  {text}' for text in hold_advice(hold_of(event), self._shell))
+            advice = hold_advice(hold_of(event), self._shell, self._role)
+            self._say_all(f'  {text}' for text in advice)
 
     def on_notes(self, notes: Sequence[str]) -> None:
         """Say notes that are new."""

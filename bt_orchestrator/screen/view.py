@@ -13,7 +13,7 @@ from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
 from bt_orchestrator.model.status_words import job_count_words
 from bt_orchestrator.screen import words
-from bt_orchestrator.screen.advice import Shell, alike_lines, hold_advice, next_lines
+from bt_orchestrator.screen.advice import Shell, alike_lines, next_lines
 
 
 class Weight(IntEnum):
@@ -125,7 +125,7 @@ def cell_view(status: CellStatus, shell: Shell) -> CellView:
         jobs=tuple(_job(job, status) for job in status.jobs),
         unlisted_jobs=words.unlisted(status),
         holds=tuple(
-            HoldRow(words.hold_text(hold), tuple(hold_advice(hold, shell)))
+            HoldRow(words.hold_text(hold), tuple(words.advice(hold, status, shell)))
             for hold in status.holds
         ),
         next_lines=(*alike_lines(status, shell), *next_lines(status, shell)),

@@ -50,9 +50,14 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
         yield f'  flag {flag_count(flag)}'
     for hold in status.holds:
         yield f'  {hold_text(hold)}'
-        yield from (f'    {text}' for text in (hold_advice(hold, shell) if shell else ()))
+        yield from (f'    {text}' for text in advice(hold, status, shell))
     yield from (f'  alike: {text}' for text in (alike_lines(status, shell) if shell else ()))
     yield from (f'  next: {text}' for text in (next_lines(status, shell) if shell else ()))
+
+
+def advice(hold: Hold, status: CellStatus, shell: Shell | None) -> list[str]:
+    """Return what the reader of a status can type about a hold, and what others may answer."""
+    return hold_advice(hold, shell, status.unauthenticated_role) if shell else []
 
 
 def _cell_lines(status: CellStatus) -> Iterator[str]:

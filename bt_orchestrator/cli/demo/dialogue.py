@@ -86,5 +86,5 @@ def choices(status: CellStatus) -> tuple[Choice, ...]:
     """Return what a key can do: an answer to the first hold, or the next step of the cell."""
     offered: Sequence[Choice] = next_choices(status)
     if status.holds:
-        offered = hold_choices(status.holds[0])
-    return tuple(one for one in offered if one.is_complete)
+        offered = hold_choices(status.holds[0], status.unauthenticated_role)
+    return tuple(one for one in offered if one.is_complete and not one.who)

@@ -7,6 +7,7 @@ import pytest
 from bt_orchestrator.mes.plain_commands import Unclear, answer_of, command_of, order_of, verbs
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import REQUESTS, About
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 
 
@@ -79,6 +80,13 @@ def test_an_answer_is_one_that_is_possible_now() -> None:
         answer_of('3', 'reject', holds)
     with pytest.raises(Unclear, match=r'one that waits \(3, 4\); found .5.'):
         answer_of('5', 'retry', holds)
+
+
+def test_7_1_a_wrong_answer_is_told_those_of_the_role() -> None:
+    holds = [hold('3', 'retry', 'abort_job')]
+    expected = r'possible now \(retry; an engineer may also: abort_job\); found'
+    with pytest.raises(Unclear, match=expected):
+        answer_of('3', 'skip', holds, Role.OPERATE)
 
 
 def test_every_hold_takes_remarks() -> None:

@@ -141,8 +141,10 @@ def test_other_answers_are_told_and_what_was_acknowledged_stays_so() -> None:
     scene.show(hold())
     scene.part.hear(decided('acknowledge'))
     scene.take()
-    scene.show(hold(answers=('retry',)))
-    assert [one.fields['Answers'].Value for one in scene.told] == [['retry']]
+    scene.show(hold(answers=('retry', 'abort_job')))
+    (told,) = scene.told
+    assert told.fields['Answers'].Value == ['retry', 'abort_job']
+    assert told.fields['AnswerRoles'].Value == ['operate or engineer', 'engineer']
     assert scene.take() == [(True, True, 'because')]
 
 

@@ -60,7 +60,10 @@ def test_a_held_job_is_seen_answered_and_ends(scene: Scene) -> None:
         assert await reader.value('Simple/CurrentJob/Planned') == 4
         hold = await reader.wait('Simple/OldestHold/ID', bool)
         assert await reader.value('Simple/OldestHold/Job') == 'WO-1'
-        assert 'retry' in await reader.value('Simple/OldestHold/Answers')
+        answers = await reader.value('Simple/OldestHold/Answers')
+        assert (answers[0], answers[-1]) == ('retry', 'abort_job')
+        roles = await reader.value('Simple/OldestHold/AnswerRoles')
+        assert (roles[0], roles[-1]) == ('operate or engineer', 'engineer')
         said = await reader.value('Simple/OldestHold/Message')
         assert 'section 4' in said
         assert 'aborted' in said

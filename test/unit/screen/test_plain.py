@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 from fakes import statuses
@@ -10,6 +11,7 @@ from fakes import statuses
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.screen import machine, plain, words
 from bt_orchestrator.screen.advice import Shell
@@ -47,6 +49,29 @@ def raised() -> e.HoldRaised:
 def branch(status: Outcome) -> Branch:
     leaf = Branch('work', status, '', is_decorator=False, children=())
     return Branch('cell', Outcome.RUNNING, '', is_decorator=False, children=(leaf,))
+
+
+def test_7_1_every_view_offers_the_answers_of_its_role() -> None:
+    about = {'holds': [statuses.hold(answers=('retry', 'abort_job'))]}
+    status = statuses.status(unauthenticated_role=Role.OPERATE, **about)
+    said: list[str] = []
+    lines = EventLines(NODE, said.append)
+    lines.on_status(status)
+    assert said[1:] == [
+        '  bt-orchestrator answer 1 retry --reason "WHY"',
+        '  an engineer may also: abort_job',
+    ]
+    said.clear()
+    lines.on_event(replace(raised(), answers=('retry', 'abort_job')))
+    assert said[-1] == '  an engineer may also: abort_job'
+    said.clear()
+    JsonView('/node', said.append).on_status(status)
+    printed = json.loads(said[0])['status']
+    (hold,) = printed['holds']
+    assert machine.read_status(printed) == status
+    assert hold['answers'] == ['retry', 'abort_job']
+    assert hold['answers_allowed'] == ['retry']
+    assert hold['answer_roles'] == {'retry': ['operate', 'engineer'], 'abort_job': ['engineer']}
 
 
 def test_the_first_status_is_told_and_then_only_what_changes() -> None:

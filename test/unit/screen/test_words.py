@@ -12,6 +12,7 @@ from fakes import statuses
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.packml import VERBS, PackmlState, possible_in
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.status import CellStatus, ComponentStatus
 from bt_orchestrator.model.status_words import job_count_words
 from bt_orchestrator.model.stop_reason import StopReason
@@ -202,6 +203,67 @@ def test_why_a_component_can_be_sent_nothing(component: ComponentStatus, said: s
 )
 def test_what_an_operator_types_about_a_hold(about: dict[str, Any], advice: list[str]) -> None:
     assert hold_advice(statuses.hold(**about), NODE) == advice
+
+
+SIX = ('retry', 'mark_done', 'skip', 'reject', 'abort_job')
+
+
+@pytest.mark.parametrize(
+    ('role', 'answers', 'advice'),
+    [
+        (
+            Role.OPERATE,
+            SIX,
+            [
+                'bt-orchestrator answer 1 retry --reason "WHY"',
+                'or mark_done, skip, reject in place of retry',
+                'an engineer may also: abort_job',
+            ],
+        ),
+        (
+            Role.ENGINEER,
+            SIX,
+            [
+                'bt-orchestrator answer 1 retry --reason "WHY"',
+                'or mark_done, skip, reject, abort_job in place of retry',
+            ],
+        ),
+        (
+            Role.VIEW,
+            SIX,
+            [
+                'an operator or an engineer may: retry, mark_done, skip, reject',
+                'an engineer may: abort_job',
+            ],
+        ),
+        (
+            Role.OPERATE,
+            ('abort_job', 'retry'),
+            ['bt-orchestrator answer 1 retry --reason "WHY"', 'an engineer may also: abort_job'],
+        ),
+        (Role.OPERATE, ('remove_item',), ['an engineer may: remove_item']),
+    ],
+)
+def test_7_1_a_reader_is_offered_the_answers_of_the_role(
+    role: Role, answers: tuple[str, ...], advice: list[str]
+) -> None:
+    hold = statuses.hold(answers=answers)
+    assert hold_advice(hold, NODE, role) == advice
+    status = statuses.status(state=PackmlState.HELD, holds=[hold], unauthenticated_role=role)
+    shown = list(words.status_lines(status, NODE))
+    assert [line.strip() for line in shown if line.strip() in advice] == advice
+    (row,) = cell_view(status, NODE).holds
+    assert list(row.advice) == advice
+
+
+def test_7_1_the_next_command_names_who_may_give_it() -> None:
+    status = statuses.status(state=PackmlState.ABORTED, unauthenticated_role=Role.OPERATE)
+    said = [line.strip() for line in words.status_lines(status, NODE)]
+    clear = 'bt-orchestrator clear --as-shown 7 --reason "WHY"   if the belt is as shown here'
+    assert f'next: an engineer may: {clear}' in said
+    status = statuses.status(state=PackmlState.STOPPED, unauthenticated_role=Role.OPERATE)
+    said = [line.strip() for line in words.status_lines(status, NODE)]
+    assert 'next: bt-orchestrator reset --reason "WHY"   gets the cell ready to start' in said
 
 
 def test_a_node_of_another_name_stands_in_the_command() -> None:
