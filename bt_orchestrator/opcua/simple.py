@@ -171,7 +171,7 @@ def _values(status: CellStatus) -> Iterator[tuple[str, object]]:
     yield from _job('CurrentJob', min(running, key=_began, default=None), status)
     yield from _job('NextJob', queued[0] if queued else None, status)
     yield from _job('LastJob', max(over, key=_ended, default=None), status)
-    yield from _hold(min(status.holds, key=lambda hold: hold.since, default=None))
+    yield from _hold(next(iter(status.holds), None))
 
 
 def _began(job: JobStatus) -> float:

@@ -61,7 +61,7 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'offers': cell_offers(status),
         'add': add_offer(),
         'sections': [section.number for section in status.sections],
-        'holds': [hold.id for hold in sorted(status.holds, key=lambda hold: hold.since)],
+        'holds': [hold.id for hold in status.holds],
         'jobs': [job.id for job in status.jobs],
         'queued': status.queued,
         'components': [component.name for component in description.components],

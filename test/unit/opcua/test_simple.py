@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from asyncua import ua
-from fakes.statuses import NOW_S, job, status
+from fakes.statuses import NOW_S, hold, job, status
 from opcua_reader import Reader, reading
 from opcua_stand import opcua_stand
 from web.stand_cell import FAIL, StandCell
@@ -211,6 +211,11 @@ def test_the_server_says_what_it_is(scene: Scene) -> None:
         assert (await cell.read_browse_name()).Name == 'reference_cell'
 
     reading(scene.url, look)
+
+
+def test_the_oldest_hold_is_the_first_raised_also_after_a_set_clock() -> None:
+    holds = (hold('1', since=3600.0), hold('2', since=60.0))
+    assert dict(simple._values(status(holds=holds)))['OldestHold/ID'] == '1'
 
 
 def test_good_items_are_the_packed_ones_that_conform() -> None:

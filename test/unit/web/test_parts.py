@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from fakes.line import THREE, Line, with_initialization, with_section
-from fakes.page_parts import marks, page_parts, status_of
+from fakes.page_parts import NODE, marks, page_parts, scripts_of, status_of
+from fakes.statuses import hold
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.status_words import task_label
+from bt_orchestrator.runtime.overview import description_of
+from bt_orchestrator.web.parts import parts_of
 
 LISTED = with_section(
     2,
@@ -33,7 +37,7 @@ def check_parts(run: VirtualRun) -> None:
     cell = parts['cell']
     assert (cell['state'], cell['since']) == (status.state.value, status.state_since)
     assert cell['sections'] == [one.number for one in status.sections]
-    assert set(cell['holds']) == {hold.id for hold in status.holds}
+    assert cell['holds'] == [hold.id for hold in status.holds], 'as they were raised'
     assert cell['jobs'] == [job.id for job in status.jobs]
     assert parts['now']['seq'] == status.seq
     assert parts['belt']['moving'] == status.belt.moving
@@ -239,3 +243,10 @@ def test_a_wait_is_said_in_each_language_with_the_hold_that_it_is_for() -> None:
     ]
     links = [link for chain in parts['why']['chains'] for link in chain['links']]
     assert said[0] in [link['said'] for link in links]
+
+
+def test_holds_are_listed_as_they_were_raised_also_after_a_set_clock() -> None:
+    run = Line().begin(LISTED, 1)
+    told = replace(status_of(run), holds=(hold('1', since=3600.0), hold('2', since=60.0)))
+    parts = parts_of(told, description_of(run.state.cell), scripts_of(run), NODE)
+    assert parts['cell']['holds'] == ['1', '2']

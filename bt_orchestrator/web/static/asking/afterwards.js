@@ -55,5 +55,5 @@ function myPause() {
   const mine = partsOf('hold/')
     .map(([, hold]) => hold)
     .filter((hold) => hold.is_pause && hold.owner === who().name);
-  return mine.sort((one, other) => other.since - one.since)[0];
+  return mine.sort((one, other) => other.id - one.id)[0];
 }
