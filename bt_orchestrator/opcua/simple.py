@@ -142,7 +142,7 @@ class Simple:
 
     def show(self, status: CellStatus) -> None:
         """Show a new status."""
-        for path, value in _values(status):
+        for path, value in values(status):
             self._space.values.put(self._space.node(f'{TOP}/{path}'), value, status.stamp)
 
     def hear(self, event: Event) -> None:
@@ -152,7 +152,8 @@ class Simple:
         """The next status tells all."""
 
 
-def _values(status: CellStatus) -> Iterator[tuple[str, object]]:
+def values(status: CellStatus) -> Iterator[tuple[str, object]]:
+    """Yield the values of a status by the paths of their nodes."""
     running = [job for job in status.jobs if job.started_at is not None and job.state not in OVER]
     yield 'State', status.state.value
     yield 'StateSince', moment(status.state_since)
@@ -187,7 +188,7 @@ def _job(name: str, job: JobStatus | None, status: CellStatus) -> Iterator[tuple
     end = found.ended_at
     if end is None and found.expected_end_s is not None:
         end = round(status.stamp + found.expected_end_s)
-    values = (
+    told = (
         found.id,
         found.script,
         found.recipe,
@@ -208,15 +209,15 @@ def _job(name: str, job: JobStatus | None, status: CellStatus) -> Iterator[tuple
         None if found.started_at is None else moment(found.started_at),
         None if end is None else moment(end),
     )
-    yield from ((f'{name}/{key}', value) for key, value in zip(JOB, values, strict=True))
+    yield from ((f'{name}/{key}', value) for key, value in zip(JOB, told, strict=True))
 
 
 def _hold(hold: Hold | None) -> Iterator[tuple[str, object]]:
-    values = ('', '', '', 0, '', '', [], [], None) if hold is None else (
+    told = ('', '', '', 0, '', '', [], [], None) if hold is None else (
         hold.id, hold_words(hold), hold.job or '', hold.section or 0, hold.item or '',
         hold.task or '', list(hold.answers), role_words(hold.answers), moment(hold.since),
     )  # fmt: skip
-    yield from ((f'OldestHold/{key}', value) for key, value in zip(HOLD, values, strict=True))
+    yield from ((f'OldestHold/{key}', value) for key, value in zip(HOLD, told, strict=True))
 
 
 NO_JOB = JobStatus('', '', OVER[0])

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.jobs.counting import MISSING, counts_of
+from bt_orchestrator.model.jobs.counting import GOOD, MISSING, counts_of, kind_of
 from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.jobs.job_record import (
     REMOVED,
@@ -106,12 +106,14 @@ def _item_removed(job: JobRecord, event: e.ItemRemoved) -> None:
     is_marked = bool(_item_of(job, event.item, event.time).nonconforming)
     for name in counts_of(event.how, is_nonconforming=is_marked):
         _count(job, name)
-    _end_item(job, event, event.how)
+    item = _end_item(job, event, event.how)
+    item.good = kind_of(event.how, is_nonconforming=is_marked) == GOOD
 
 
-def _end_item(job: JobRecord, event: e.ItemEvent, how: str) -> None:
+def _end_item(job: JobRecord, event: e.ItemEvent, how: str) -> ItemRecord:
     item = _item_of(job, event.item, event.time)
     item.ended, item.how = event.time, how
+    return item
 
 
 def _item_of(job: JobRecord, name: str, time: float) -> ItemRecord:

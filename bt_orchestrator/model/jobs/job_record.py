@@ -84,6 +84,9 @@ class ItemRecord:
     """The last one that was read; empty: none."""
     lots: Mapping[str, str] = field(default_factory=dict)
     """What goes into it, by name."""
+    good: bool | None = None
+    """Whether it was packed and not nonconforming as it left; None: it is on the line, or was an
+    empty position."""
 
 
 @dataclass

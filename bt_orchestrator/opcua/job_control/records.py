@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Sequence
 from contextlib import closing
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from asyncua import ua
 
@@ -107,7 +107,7 @@ class Records:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadInvalidArgument)
         first = names.index(after) + 1 if after else 0
         wanted = items[first : first + min(most or ITEMS, MOST_ITEMS)]
-        texts = list(fitting(map(_text_of, wanted), EVENTS_BYTES, len))
+        texts = list(fitting(map(json_of, map(item_plain, wanted)), EVENTS_BYTES, len))
         return [
             ua.Variant(texts, TEXT, is_array=True),
             ua.Variant(first + len(texts) >= len(items), YES_NO),
@@ -169,8 +169,10 @@ class Records:
             seq = page.events[-1].seq
 
 
-def _text_of(item: ItemRecord) -> str:
-    return json_of(to_plain(item, whole=True))
+def item_plain(item: ItemRecord) -> dict[str, Any]:
+    """Return what is told of an item, as JSON carries it."""
+    plain: dict[str, Any] = to_plain(item, whole=True)
+    return plain
 
 
 _ENDS = (e.JobCompleted, e.JobAborted, e.JobRemoved)

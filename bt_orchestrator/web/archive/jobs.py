@@ -106,6 +106,7 @@ def _item(item: ItemRecord) -> dict[str, Any]:
     return {
         'id': item.item,
         'how': item.how,
+        'good': item.good,
         'started': item.started,
         'ended': item.ended,
         'nonconforming': list(item.nonconforming),

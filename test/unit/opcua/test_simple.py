@@ -220,6 +220,6 @@ def test_the_oldest_hold_is_the_first_raised_also_after_a_set_clock() -> None:
 
 def test_good_items_are_the_packed_ones_that_conform() -> None:
     shown = job(packed=6, nonconforming=1, good=5, started=6, started_at=NOW_S)
-    told = dict(simple._values(status(jobs=(shown,))))
+    told = dict(simple.values(status(jobs=(shown,))))
     names = ('Packed', 'Good', 'Nonconforming')
     assert [told[f'CurrentJob/{name}'] for name in names] == [6, 5, 1]

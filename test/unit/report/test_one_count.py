@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from fakes.drawn.lines import lines
@@ -24,11 +25,14 @@ from bt_orchestrator.mes.job_response import JobResponse, response_of, response_
 from bt_orchestrator.model.codec import from_record, to_plain
 from bt_orchestrator.model.jobs.job_record import all_counts, record_of
 from bt_orchestrator.model.status import CellStatus, ListedJob
+from bt_orchestrator.opcua.job_control.records import item_plain
+from bt_orchestrator.opcua.simple import values as simple_values
 from bt_orchestrator.report.account.figures import Paces, figures
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold
 from bt_orchestrator.report.account.planned import Planned, us_of
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.runtime.overview import Overview
+from bt_orchestrator.web.parts.jobs import NOT_KNOWN, job_part
 
 pytestmark = pytest.mark.timeout(24 * 3600)
 
@@ -42,6 +46,16 @@ QUANTITIES = {
     'NonconformingQuantity': 'nonconforming',
     'ScrapQuantity': 'rejected',
 }
+
+SIMPLE = {
+    'Packed': 'packed',
+    'Good': 'good',
+    'Rejected': 'rejected',
+    'Nonconforming': 'nonconforming',
+}
+"""Nodes of a job in the flat part of OPC UA."""
+
+_ID = re.compile('(Current|Next|Last)Job/ID').fullmatch
 
 MARKED = """
 sections:
@@ -75,7 +89,11 @@ def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
         yield 'response', job.id, quantities(response_of(ListedJob(job)))
         if (booked := book.get(job.id)) is not None:
             yield 'response by events', job.id, quantities(response_of(booked))
-        counter.show(_only(status, job.id))
+        alone = _only(status, job.id)
+        yield 'OPC UA, Simple', job.id, simple(alone, job.id)
+        part = job_part(job, status, None, cast('Any', None), NOT_KNOWN)
+        yield 'page', job.id, {word: part[word] for word in SIMPLE.values()}
+        counter.show(alone)
         (count,) = counter.counts
         yield (
             'PackML',
@@ -87,6 +105,7 @@ def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
         )
     for record in fold.jobs.values():
         yield 'history', record.job, all_counts(record.counts)
+        yield 'items', record.job, by_item(map(item_plain, record.items.values()))
         if (response := response_of_record(record)) is not None:
             yield 'response by the journal', record.job, quantities(response)
     for ended in state.ended.values():
@@ -96,6 +115,25 @@ def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
 def _only(status: CellStatus, job: str) -> CellStatus:
     jobs = tuple(replace(one, position=0) for one in status.jobs if one.id == job)
     return replace(status, jobs=jobs)
+
+
+def simple(status: CellStatus, job: str) -> Numbers:
+    """Return what the nodes of the job say, in place of the current, next or last one."""
+    shown = dict(simple_values(status))
+    (place,) = (path[: -len('ID')] for path, value in shown.items() if value == job and _ID(path))
+    return {word: shown[place + name] for name, word in SIMPLE.items()}
+
+
+def by_item(items: Iterator[dict[str, Any]]) -> Numbers:
+    """Count what `GetItems` and the page say of each item."""
+    found = list(items)
+    return {
+        'good': sum(one['good'] is True for one in found),
+        'packed': sum(one['how'] == 'packed' for one in found),
+        'rejected': sum(one['how'] == 'rejected' for one in found),
+        'produced': sum(one['good'] is not None for one in found),
+        'nonconforming': sum(one['how'] == 'packed' and not one['good'] for one in found),
+    }
 
 
 def quantities(response: JobResponse) -> Numbers:

@@ -16,7 +16,7 @@ from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stands import StandCause, Stands
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.opcua.simple import _values as opcua_values
+from bt_orchestrator.opcua.simple import values as opcua_values
 from bt_orchestrator.report.wait_chains import causes, chains
 from bt_orchestrator.runtime.overview import Overview, description_of
 from bt_orchestrator.screen import words
