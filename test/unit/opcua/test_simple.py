@@ -215,7 +215,7 @@ def test_the_server_says_what_it_is(scene: Scene) -> None:
 
 def test_the_oldest_hold_is_the_first_raised_also_after_a_set_clock() -> None:
     holds = (hold('1', since=3600.0), hold('2', since=60.0))
-    assert dict(simple._values(status(holds=holds)))['OldestHold/ID'] == '1'
+    assert dict(simple.values(status(holds=holds)))['OldestHold/ID'] == '1'
 
 
 def test_good_items_are_the_packed_ones_that_conform() -> None:
