@@ -68,19 +68,22 @@ class Deadlines:
 
     def next_ns(self) -> int | None:
         """Return the earliest time; None when nothing waits."""
-        while self._heap and self._heap[0][2].callback is None:
-            heapq.heappop(self._heap)
+        heap = self._heap
+        while heap and heap[0][2].callback is None:
+            heapq.heappop(heap)
             self._cancelled -= 1
-        return self._heap[0][0] if self._heap else None
+        return heap[0][0] if heap else None
 
     def pop_due(self, now_ns: int) -> Callback | None:
         """Take out the first callback whose time has come; None when there is none."""
-        earliest_ns = self.next_ns()
-        if earliest_ns is None or earliest_ns > now_ns:
-            return None
-        deadline = heapq.heappop(self._heap)[2]
-        callback, deadline.callback = deadline.callback, None
-        return callback
+        heap = self._heap
+        while heap and heap[0][0] <= now_ns:
+            deadline = heapq.heappop(heap)[2]
+            callback, deadline.callback = deadline.callback, None
+            if callback is not None:
+                return callback
+            self._cancelled -= 1
+        return None
 
     def forget_one(self) -> None:
         """Note that a deadline was cancelled (called by the deadline itself)."""

@@ -36,14 +36,14 @@ def apply(state: CellState, event: e.Event) -> None:
 
     :raises AssertionError: the event cannot have happened in this state
     """
-    assert event.seq == state.seq + 1, f'event {event.seq} after {state.seq}'
-    kind = type(event)
+    kind, seq = type(event), event.seq
+    assert seq == state.seq + 1, f'event {seq} after {state.seq}'
     fold = _FOLDS.get(kind)
     assert fold is not None, f'no fold for {kind.__name__} at event {state.seq}'
     fold(event, state)
-    state.seq, state.time = event.seq, event.time
+    state.seq, state.time = seq, event.time
     if kind in ON_THE_BELT:
-        state.belt_seq = event.seq
+        state.belt_seq = seq
     if state.holds and kind in CHANGE_ANSWERS:
         holds.offer_anew(state)
 

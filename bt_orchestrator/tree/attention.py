@@ -13,7 +13,7 @@ from typing import Any
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.events.tasks import TASK_EVENTS
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.tree.sharing import Concern, Part, Parts, Sharing
+from bt_orchestrator.tree.sharing import BELT, Concern, Part, Parts, Sharing
 from bt_orchestrator.tree.turns import Turns
 
 Notice = Callable[[Any], None]
@@ -39,6 +39,7 @@ class Attention:
         self._state = state
         self._turns = turns
         self._bits = {part: 1 << place for place, part in enumerate(order)}
+        self._belt_bit = self._bits[BELT]
         self._all: Parts = (1 << len(self._bits)) - 1
         self.due: Parts = 0
         self.stale: Parts = 0
@@ -107,6 +108,20 @@ class Attention:
         self._concerns[event.job, event.task] = concern
         return concern
 
+    def _ends(self) -> Parts:
+        """Return the parts that check the whole line: for ends of jobs, and ends of turns.
+
+        A source in a cycle, and a belt that moves, do not look at other parts.
+        """
+        state, sharing = self._state, self.sharing
+        ends = 1 if sharing.prepares else 0  # the initialization is the first part
+        if not state.indexing:
+            ends |= self._belt_bit
+        for number in sharing.sources:
+            if state.sections[number].cycle is None:
+                ends |= self._bits[number]
+        return ends
+
     def _flag(self, event: e.FlagEvent) -> None:
         self.due |= self.sharing.flag(event.flag)
 
@@ -115,7 +130,7 @@ class Attention:
 
     def _cycle(self, event: e.CycleEvent) -> None:
         self._turns.touch(event.section)
-        self.due |= self._bits[event.section] | self.sharing.ends
+        self.due |= self._bits[event.section] | self._ends()
 
     def _belt(self, _: e.Event) -> None:
         """Mark parts with possible work for an item; all others just wait for the belt."""
@@ -129,12 +144,12 @@ class Attention:
             else:
                 self._idle.append(number)
             coming = there
-        self.due |= self.sharing.ends
+        self.due |= self._ends()
 
     def _slot(self, event: e.ItemPlaced | e.ItemMissing | e.ItemRemoved | e.PositionEnded) -> None:
         assert event.section is not None
         self._turns.touch(event.section)
-        self.due |= self.sharing.ends | self._bits[event.section]
+        self.due |= self._ends() | self._bits[event.section]
         self.due |= self._bits.get(event.section + 1, 0)
         for number, section in self._state.sections.items():
             if section.cycle is not None and section.cycle.item == event.item:

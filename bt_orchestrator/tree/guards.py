@@ -34,9 +34,11 @@ class Guard(Wrapper, Waiter):
     def run(self) -> Status:
         """Wait RUNNING with the reason, or tick the child and return its status."""
         wait = self.waits_for()
-        self.note(wait)
+        if wait is not self.wait:
+            self.note(wait)
         if wait is None:
-            return super().run()
+            self.status = status = self.decorated.run()
+            return status
         invalidate(self.children)
         self.status = Status.RUNNING
         return self.status

@@ -50,7 +50,8 @@ class ActionLeaf(TaskWaiter, Ticked):
 
     def _report(self, progress: TaskState) -> Status:
         if progress.phase is Phase.RUNNING:
-            self.feedback_message = self._running(progress.attempt)
+            further = self.subject.state.round(self.subject.key)
+            self.feedback_message = self._running(progress.attempt, further)
             return Status.RUNNING
         if progress.phase is Phase.HELD:
             hold = self.subject.state.holds[progress.hold or '']
@@ -129,6 +130,7 @@ class ActionLeaf(TaskWaiter, Ticked):
             recorder.record([occupied])
             return Status.RUNNING
         self._begin_job()
+        further = self.subject.state.round(key)
         started = e.TaskStarted(
             **key._asdict(),
             name=task.name,
@@ -139,10 +141,10 @@ class ActionLeaf(TaskWaiter, Ticked):
             args=self._args(),
             server=recorder.server(task.component),
             uptime=recorder.uptime,
-            round=self.subject.state.round(key),
+            round=further,
         )
         recorder.record([started])
-        self.feedback_message = self._running(attempt)
+        self.feedback_message = self._running(attempt, further)
         return Status.RUNNING
 
     def _begin_job(self) -> None:
@@ -151,8 +153,8 @@ class ActionLeaf(TaskWaiter, Ticked):
         if job is not None and not job.started and not job.ending:
             self.subject.recorder.record([e.JobStarted(job=job.job.id)])
 
-    def _running(self, attempt: int) -> str:
-        words = again_words(self.subject.state.round(self.subject.key), attempt)
+    def _running(self, attempt: int, further: int) -> str:
+        words = again_words(further, attempt)
         where = f'running at {self.subject.task.action}'
         return f'{where}, {words}' if words else where
 

@@ -93,6 +93,7 @@ class Page(InOrder):
             for behaviour in child.iterate():
                 detach(behaviour)
         self.remove_all_children()
+        self.current_child = None
 
 
 def detach(behaviour: Behaviour) -> None:

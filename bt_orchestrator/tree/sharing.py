@@ -45,8 +45,10 @@ class Sharing:
         self._scripts: dict[str, Script] = {}
         self._uses_of: dict[str, _Uses] = {}
         self._uses: _Uses = {}
-        self.ends: Parts = 0
-        """The parts that check the whole line: ends of jobs, ends of turns."""
+        self.sources: frozenset[int] = frozenset()
+        """The sections that begin items."""
+        self.prepares = False
+        """A script has an initialization."""
         self._put_together()
 
     def enter(self, digest: str, script: Script) -> None:
@@ -97,9 +99,8 @@ class Sharing:
         for uses in self._uses_of.values():
             for use, parts in uses.items():
                 self._uses[use] = self._uses.get(use, 0) | parts
-        self.ends = self._bits[INITIALIZATION] | self._bits[BELT]
-        for script in self._scripts.values():
-            self.ends |= self._bits[script.source]
+        self.sources = frozenset(script.source for script in self._scripts.values())
+        self.prepares = any(script.initialization for script in self._scripts.values())
 
 
 def uses_of(script: Script, bits: Mapping[Part, int]) -> _Uses:

@@ -76,7 +76,8 @@ class _Composite(Ticked, composites.Composite):
         """Set the status; INVALID: abandon the branch."""
         if new_status is INVALID:
             self.current_child = None
-        super().stop(new_status)
+            invalidate(self.children)
+        self.status = new_status
 
 
 class InOrder(_Composite, composites.Sequence):
@@ -90,13 +91,13 @@ class InOrder(_Composite, composites.Sequence):
 
     def run(self) -> Status:
         """Tick the children without a lasting success, until one has to wait."""
-        children, before = self.children, self._at
-        if self.status is not RUNNING:
-            before = 0
-            if self.status is not INVALID:
-                invalidate(children)
-        status = SUCCESS
-        for at in range(before if self._all_last else 0, len(children)):
+        children, before, first, status = self.children, 0, 0, SUCCESS
+        if self.status is RUNNING:
+            before = self._at
+            first = before if self._all_last else 0
+        elif self.status is not INVALID:
+            invalidate(children)
+        for at in range(first, len(children)):
             child = children[at]
             if child.status is not SUCCESS or not child.lasting:
                 status = child.run()
@@ -104,9 +105,7 @@ class InOrder(_Composite, composites.Sequence):
                     break
         if at < before:
             invalidate(children[at + 1 : before + 1])
-        self._at = at
-        self.current_child = child
-        self.status = status
+        self._at, self.current_child, self.status = at, child, status
         return status
 
 
@@ -159,5 +158,9 @@ class FirstOf(_Composite, composites.Selector):
 def invalidate(behaviours: Iterable[Ticked]) -> None:
     """Stop branches that are not ticked now."""
     for one in behaviours:
-        if one.status is not INVALID:
+        if one.status is INVALID:
+            continue
+        if one.children:
             one.stop(INVALID)
+        else:
+            one.status = INVALID

@@ -42,4 +42,4 @@ class Turns:
             else:
                 self._owing.pop(number, None)
         self._touched.clear()
-        return {number: self._owing[number] for number in sorted(self._owing)}
+        return dict(sorted(self._owing.items()))
