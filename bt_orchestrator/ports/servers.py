@@ -75,6 +75,9 @@ class ActionGateway(Servers, Protocol):
         An acceptance alone does not call it: what it changes (`task.adopted`) can wait.
         """
 
+    def prepare(self, request: GoalRequest) -> None:
+        """Do what can be done ahead for a goal that `send` may follow for; nothing is sent."""
+
     def send(self, request: GoalRequest) -> Goal:
         """Send one goal; returns at once, whatever the server does.
 

@@ -17,6 +17,9 @@ class Writing(Protocol[_Result_co]):
     def has_ended(self, within_s: float = 0.0) -> bool:
         """Tell whether it has ended, successfully or not; wait at most `within_s` for that."""
 
+    def lasts(self, seconds: float) -> bool:
+        """Wait so long at most; tell whether it still goes on. Nobody is woken for this."""
+
     def result(self) -> _Result_co:
         """Return its result once it has ended, or raise its error."""
 

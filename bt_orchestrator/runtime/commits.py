@@ -17,6 +17,9 @@ log = logging.getLogger(__name__)
 AT_ONCE_S = 0.02
 """How long a settle waits for its commit; nearly every commit ends within it."""
 
+AT_DISK_S = 0.0002
+"""A commit that still goes on after this time is at the disk and needs no processor."""
+
 SLICE_S = 0.02
 """Longest time to continue waiting commands in one settle, before other work."""
 
@@ -37,12 +40,18 @@ class Commits:
         clock: Clock,
         wake: Callable[[], None],
         patience_s: float,
+        meanwhile: Callable[[Sequence[Event]], None],
     ) -> None:
+        """Begin without any.
+
+        :param meanwhile: called with the events of a commit while it is at the disk
+        """
         self._store = store
         self._writer = writer
         self._clock = clock
         self._wake = wake
         self._patience_s = patience_s
+        self._meanwhile = meanwhile
         self._at_once_s = patience_s
         self._writing: Writing[None] | None = None
         self._began = 0.0
@@ -104,6 +113,8 @@ class Commits:
         """
         assert self._writing is not None
         is_first_look = self._overdue is None and not self._is_handing_out
+        if is_first_look and self._writing.lasts(AT_DISK_S):
+            self._meanwhile(self.events)
         if self._writing.has_ended(self._at_once_s if is_first_look else 0.0):
             return True
         if self.waited_s >= self._patience_s:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
@@ -90,7 +90,8 @@ class Flights:
             elif isinstance(news, SeenContest):
                 self._ledger.record(contests.seen(self._ledger.state, news))
             else:
-                self._confirm(news)
+                if self._unconfirmed:
+                    self._confirm(news)
                 if news.end is not None:
                     self._end(news, news.end)
         expired, self._expired = self._expired, []
@@ -192,13 +193,20 @@ class Flights:
         passed = (ago_s, self._ledger.now - running.sent)
         return is_same and all(s is not None and 0.0 <= s < remembered_s for s in passed)
 
+    # --- during the commit ------------------------------------------------------------------
+
+    def prepare(self, events: Iterable[e.Event]) -> None:
+        """Let the gateway prepare the goals that are sent once these events are durable."""
+        for event in events:
+            if isinstance(event, e.TaskStarted):
+                self._gateway.prepare(_request_of(event))
+
     # --- after the commit -------------------------------------------------------------------
 
     def follow(self, event: e.Event) -> None:
         """Carry out a durable event of `CARRIED_OUT`: send a goal, or cancel one."""
         if isinstance(event, e.TaskStarted):
-            request = GoalRequest(event.goal, event.component, event.name, event.args)
-            self._goals[event.goal] = (event.key, self._gateway.send(request))
+            self._goals[event.goal] = (event.key, self._gateway.send(_request_of(event)))
             self._watch(event.key)
         elif isinstance(event, e.OrchestratorStarted):
             for key in self._taken_over:
@@ -258,6 +266,10 @@ class Flights:
         self._timers.pop(uuid, None)
         self._expired.append(uuid)
         self._wake()
+
+
+def _request_of(event: e.TaskStarted) -> GoalRequest:
+    return GoalRequest(event.goal, event.component, event.name, event.args)
 
 
 def _of_reading(state: CellState, reading: StateReading) -> Iterator[e.Event]:

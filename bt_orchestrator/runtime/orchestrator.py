@@ -94,7 +94,8 @@ class Orchestrator:
         self.flights = Flights(self._ledger, gateway, clock, wake)
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)
-        self._commits = Commits(store, writer or AtOnce(), clock, wake, patience_s)
+        writer = writer or AtOnce()
+        self._commits = Commits(store, writer, clock, wake, patience_s, self.flights.prepare)
         self._settling = False
         self._look_for_ends = True
         """An event has occurred that may have ended a job."""

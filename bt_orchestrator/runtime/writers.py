@@ -88,6 +88,12 @@ class Writing(Generic[_T]):
             self._has_ended = self._under_way.acquire(blocking=False)
         return self._has_ended
 
+    def lasts(self, seconds: float) -> bool:
+        """Wait so long at most; tell whether it still goes on. Nobody is woken for this."""
+        if not self._has_ended:
+            self._has_ended = self._under_way.acquire(timeout=seconds)
+        return not self._has_ended
+
     def result(self) -> _T:
         """Return the result of the write, or raise its error."""
         assert self._has_ended, 'it has not ended'

@@ -52,6 +52,9 @@ class VirtualGateway:
         """Name the function to call when there is something new."""
         self._news.listen(wake)
 
+    def prepare(self, request: GoalRequest) -> None:
+        """Do nothing: in virtual time nothing takes time."""
+
     def send(self, request: GoalRequest) -> VirtualGoal:
         """Send one goal."""
         client = self._clients[request.component]

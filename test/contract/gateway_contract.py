@@ -66,6 +66,14 @@ class GatewayContract(ABC):
         assert end.status is GoalStatus.SUCCEEDED
         assert end.result == {'task_result': True, 'item_present': True, 'measurement': 1.5}
 
+    def test_a_prepared_goal_is_sent_once_and_not_before(self, bench: Bench) -> None:
+        request = goal_request('other')
+        bench.gateway.prepare(request)
+        bench.run_for(2 * TASK_S)
+        busy = bench.gateway.send(goal_request('other'))
+        assert _end_of(bench, busy).status is GoalStatus.SUCCEEDED  # nothing else was there
+        assert _end_of(bench, bench.gateway.send(request)).status is GoalStatus.SUCCEEDED
+
     def test_late_is_still_success(self, bench: Bench) -> None:
         goal = _send(bench, 'late')
         began = bench.now

@@ -173,9 +173,12 @@ def test_2_5_before_a_goal_and_not_before_a_decision_the_graph_is_gone_through(
     assert not looks
     bench.gateway.send(goal_request('arm'))
     assert len(looks) == 1
+    prepared = goal_request('arm')
+    bench.gateway.prepare(prepared)
+    assert len(looks) == 2
     monkeypatch.setattr(rivals, 'LOOK_S', 60.0)  # it is young enough
-    bench.gateway.send(goal_request('arm'))
-    assert len(looks) == 1
+    bench.gateway.send(prepared)
+    assert len(looks) == 2
 
 
 def end_of(bench: RosBench, goal: RosGoal) -> GoalStatus:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from itertools import chain
 from typing import Any
@@ -64,6 +65,7 @@ class ActionLink:
         )
         self._server = SeenServer(self._clients)
         self._goals = OpenGoals(self._clients, news)
+        self._prepared: dict[str, RosGoal] = {}
         self._rivals = Rivals(self._clients, partial(fresh_node, RIVALS_FRESH_S))
         self._strangers = Strangers(self._clients, self._goals)
         self._follower = GoalFollower(self._clients, self._goals, self._rivals, self._logger)
@@ -115,9 +117,21 @@ class ActionLink:
         """Tell whether there is anything that `poll` or `watch` has to look after."""
         return self.is_waiting or self._goals.any_sent
 
+    def prepare(self, request: GoalRequest) -> None:
+        """Do ahead what takes long of a goal that may be sent in a moment: nothing is sent.
+
+        What fails here fails again, and is told, when the goal is sent.
+        """
+        with suppress(Exception):
+            self._rivals.look()
+            goal = RosGoal(request, self)
+            goal.message = self._message(request)
+            self._prepared[request.id] = goal
+
     def send(self, request: GoalRequest) -> RosGoal:
         """Send a goal, or let it wait for the server."""
-        return self._open(RosGoal(request, self))
+        prepared = self._prepared.pop(request.id, None)
+        return self._open(RosGoal(request, self) if prepared is None else prepared)
 
     def adopt(self, request: GoalRequest) -> RosGoal:
         """Take over a goal that an earlier process sent (semantics 9.2)."""
@@ -195,12 +209,16 @@ class ActionLink:
             self._watch.begin(goal)
 
     def _request(self, goal: RosGoal) -> None:
-        message = self._class.Goal()
-        fill(message, goal.request.args)
-        if self._type.has_task_field:
-            fill(message, {TASK: self._task_value(goal.request.task)})
+        message = goal.message or self._message(goal.request)
         answered = partial(self._follower.on_response, goal)
         goal.question = self._client.send(message, goal.id, answered)
+
+    def _message(self, request: GoalRequest) -> Any:
+        message = self._class.Goal()
+        fill(message, request.args)
+        if self._type.has_task_field:
+            fill(message, {TASK: self._task_value(request.task)})
+        return message
 
     def _task_value(self, task: str) -> Any:
         if task not in self._type.constants:

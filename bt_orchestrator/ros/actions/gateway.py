@@ -72,6 +72,10 @@ class RosGateway:
         """Name the function to call when there is something new; it is called in callbacks."""
         self._news.listen(wake)
 
+    def prepare(self, request: GoalRequest) -> None:
+        """Look for rivals, and make the message, of a goal that `send` may follow for."""
+        self._links[request.component].prepare(request)
+
     def send(self, request: GoalRequest) -> RosGoal:
         """Send one goal."""
         link = self._links[request.component]

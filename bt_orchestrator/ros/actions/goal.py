@@ -35,6 +35,7 @@ class RosGoal:
         'heard_s',
         'id',
         'listed',
+        'message',
         'next_check_s',
         'question',
         'refused',
@@ -53,6 +54,8 @@ class RosGoal:
         self.cancel_requested = False
         self.refused = False
         """True once the server said no, and is asked whether it has the UUID already."""
+        self.message: Any = None
+        """The request's goal message, if it was made ahead."""
         self.question: Question | None = None
         """The request; None: nothing was sent."""
         self.listed = False

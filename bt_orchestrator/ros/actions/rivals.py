@@ -56,9 +56,14 @@ class Rivals:
         return self.look() if self._clients.current.status.publishers > 1 else self._names
 
     def look(self) -> tuple[str, ...]:
-        """Return all servers that are there now, if there are several; else nothing."""
+        """Return all servers that are there now, if there are several; else nothing.
+
+        How many tell their status is asked each time; the graph is gone through if the last look
+        is too old.
+        """
         now = time.monotonic()
-        if now - self._looked_s >= LOOK_S:
+        is_news = not self._names and self._clients.current.status.publishers > 1
+        if is_news or now - self._looked_s >= LOOK_S:
             self._looked_s = now
             self._look(now)
         return self._names

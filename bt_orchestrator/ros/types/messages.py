@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 from bt_orchestrator.model.action_type import FieldType, MessageType
@@ -59,7 +60,8 @@ def to_plain(message: Any) -> dict[str, Any]:
     A byte becomes a number, an array a list. Floats that are no numbers stay so (nan, inf), and
     every nan becomes `math.nan`, so that equal messages have equal values.
     """
-    return {name: _plain(getattr(message, name)) for name in message.get_fields_and_field_types()}
+    kind: Any = type(message)
+    return {name: convert(getattr(message, name)) for name, convert in _table(kind)}
 
 
 def field_value(message: Any, path: Sequence[str]) -> Any:
@@ -133,9 +135,30 @@ def _check_encodable(text: str, place: str) -> None:
         raise ValueError(f'{place} is not a valid text: {error.reason}') from error
 
 
+@cache
+def _table(kind: Any) -> Sequence[tuple[str, Callable[[Any], Any]]]:
+    """Return how each field of a generated message class becomes plain, made once."""
+    fields = message_type(kind).fields
+    return [(name, _conversion(fields[name])) for name in kind.get_fields_and_field_types()]
+
+
+def _conversion(field: FieldType) -> Callable[[Any], Any]:
+    if field.is_array:
+        return _plain
+    return {'float': _number, 'bool': _same, 'int': _same, 'str': _same}.get(field.kind, _plain)
+
+
+def _same(value: Any) -> Any:
+    return value
+
+
+def _number(value: Any) -> Any:
+    return value if value == value else math.nan  # noqa: PLR0124 - nan is not equal to itself
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, float):
-        return math.nan if math.isnan(value) else value
+        return _number(value)
     if isinstance(value, (bool, int, str)):
         return value
     if isinstance(value, bytes):

@@ -51,6 +51,10 @@ class Gateway(VirtualGateway):
     def __init__(self, line: Line, clock: VirtualClock) -> None:
         super().__init__(line.cell, TYPES, clock)
         self.goals: list[VirtualGoal] = []
+        self.prepared: list[GoalRequest] = []
+
+    def prepare(self, request: GoalRequest) -> None:
+        self.prepared.append(request)
 
     def send(self, request: GoalRequest) -> VirtualGoal:
         self.goals.append(super().send(request))
@@ -132,11 +136,12 @@ def test_9_1_nothing_goes_before_its_commit_has_ended() -> None:
         assert not answer.is_there
         assert len(plant.told) == told
         assert plant.orchestrator.kept_seq == kept == len(list(plant.disk.read()))
+    assert len(plant.gateway.prepared) == 1, 'once, while the disk works'
     assert plant.orchestrator.state.seq > kept
     assert 'the disk has not taken the last' in plant.orchestrator.disk_wait
     plant.disk_answers()
     assert answer.value.accepted
-    assert plant.gateway.goals
+    assert [goal.request for goal in plant.gateway.goals] == plant.gateway.prepared
     assert not plant.orchestrator.disk_wait
     assert [event.seq for event in plant.told] == [event.seq for event in plant.disk.read()]
     assert plant.orchestrator.kept_seq == plant.orchestrator.state.seq

@@ -30,5 +30,18 @@ def test_2_5_a_server_that_was_seen_without_a_name_gets_it(
     assert several.look() == ('/copy_of_press', '/press'), 'a name that was known stays'
 
 
+def test_2_5_a_second_server_that_tells_its_status_is_seen_though_the_look_is_young(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(rivals, 'LOOK_S', 60.0)
+    both = [endpoint('press', 1), endpoint('copy_of_press', 2)]
+    status = SimpleNamespace(publishers=1, publishers_info=lambda: both)
+    client = SimpleNamespace(status=status, count_servers=lambda: status.publishers)
+    several = Rivals(cast('Any', SimpleNamespace(current=client)), lambda: cast('Any', None))
+    assert several.look() == ()
+    status.publishers = 2
+    assert several.look() == ('/copy_of_press', '/press')
+
+
 def endpoint(node: str, number: int) -> SimpleNamespace:
     return SimpleNamespace(node_name=node, node_namespace='/', endpoint_gid=bytes([number] * 16))
