@@ -11,6 +11,7 @@ from typing import Any
 
 from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Cell, OnFailure
 from bt_orchestrator.model.condition import Condition
+from bt_orchestrator.model.frozen import worked_out
 from bt_orchestrator.model.reference import Reference, Template, references
 
 INDEX = 'index'
@@ -120,10 +121,10 @@ class Step:
     tracks: tuple[tuple[Task, ...], ...]
     """Each track is run in order, side by side with the others."""
 
-    @property
-    def tasks(self) -> Iterator[Task]:
+    @worked_out
+    def tasks(self) -> tuple[Task, ...]:
         """All tasks, in the order written."""
-        return (task for track in self.tracks for task in track)
+        return tuple(task for track in self.tracks for task in track)
 
     @cached_property
     def requires_conveyor(self) -> bool:
@@ -167,10 +168,10 @@ class SectionList:
     steps: tuple[Step, ...]
     release: Release = Release.END_OF_CYCLE
 
-    @property
-    def tasks(self) -> Iterator[Task]:
+    @worked_out
+    def tasks(self) -> tuple[Task, ...]:
         """All tasks, in the order written."""
-        return (task for step in self.steps for task in step.tasks)
+        return tuple(task for step in self.steps for task in step.tasks)
 
     @cached_property
     def turn_steps(self) -> int:

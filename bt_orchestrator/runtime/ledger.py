@@ -76,14 +76,14 @@ class Ledger:
         return None if up is None else up.seconds
 
     def record(self, events: Iterable[Event]) -> None:
-        """Stamp and apply events, in order, each before the next one is taken."""
+        """Stamp and apply new events, in order, each before the next one is taken."""
         state, now = self.state, self._wall.now
         for event in events:
-            stamped = event.stamped(state.seq + 1, now)
-            apply(state, stamped)
-            self._pending.append(stamped)
+            event.stamp(state.seq + 1, now)
+            apply(state, event)
+            self._pending.append(event)
             for notice in self._noticing[type(event)]:
-                notice(stamped)
+                notice(event)
 
     def look_at_clock(self) -> None:
         """Read the time that stamps events from now on; record it if the wall clock was set.

@@ -44,7 +44,7 @@ class Attention:
         self.due: Parts = 0
         self.stale: Parts = 0
         """The parts that restart from their first child."""
-        self._idle: list[int] = []
+        self.idle: list[int] = []
         self._notices = self._table()
         self.sharing = Sharing(state.cell, self._bits)
         """Updated by the code that compiles branches."""
@@ -57,7 +57,7 @@ class Attention:
 
         In a line of 200 sections that is most of them, twice per beat. One may still be due.
         """
-        idle, self._idle = self._idle, []
+        idle, self.idle = self.idle, []
         return idle
 
     def everywhere(self) -> None:
@@ -134,7 +134,7 @@ class Attention:
 
     def _belt(self, _: e.Event) -> None:
         """Mark parts with possible work for an item; all others just wait for the belt."""
-        self._idle.clear()
+        self.idle.clear()
         coming = False
         for number, section in self._state.sections.items():
             there = section.slot is not None
@@ -142,7 +142,7 @@ class Attention:
                 self._turns.touch(number)
                 self.due |= self._bits[number]
             else:
-                self._idle.append(number)
+                self.idle.append(number)
             coming = there
         self.due |= self._ends()
 

@@ -37,15 +37,14 @@ class CellRoot(AtOnce):
         Parts that become due behind the present one belong to this tick, others to the next.
         """
         attention, ahead = self._attention, -1
-        idle = attention.take_idle()
-        if idle:
-            self._tell(idle)
+        if attention.idle:
+            self._tell(attention.take_idle())
         while todo := attention.due & ahead:
             bit = todo & -todo
             ahead = -bit << 1
             attention.due ^= bit
             part = self._parts[bit]
-            if attention.stale & bit:
+            if attention.stale and attention.stale & bit:
                 attention.stale ^= bit
                 part.stop(Status.INVALID)
             part.run()

@@ -34,12 +34,13 @@ class Turns:
         feeding = feeding_job(self._state)
         if feeding is not None:
             self._touched.add(feeding.job.script.source)
-        self._touched.update(self._owing)
+        state, owing = self._state, self._owing
+        self._touched.update(owing)
         for number in self._touched:
-            owed = owes_turn(self._state, self._state.sections[number])
+            owed = owes_turn(state, state.sections[number])
             if owed is not None:
-                self._owing[number] = owed
-            else:
-                self._owing.pop(number, None)
+                owing[number] = owed
+            elif number in owing:
+                del owing[number]
         self._touched.clear()
-        return dict(sorted(self._owing.items()))
+        return dict(sorted(owing.items())) if len(owing) > 1 else owing

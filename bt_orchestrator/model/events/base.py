@@ -42,6 +42,12 @@ class Event:
     time: float = 0.0
     """Seconds since the epoch in a real run, from 0 in a virtual one."""
 
+    def stamp(self, seq: int, time: float) -> None:
+        """Make a new event a recorded one, as `stamped` without a copy."""
+        fields = vars(self)
+        assert not fields['seq'], f'{fields} is recorded already'
+        fields['seq'], fields['time'] = seq, time
+
     def stamped(self: _E, seq: int, time: float) -> _E:
         """Return a copy that is recorded."""
         copy = object.__new__(type(self))

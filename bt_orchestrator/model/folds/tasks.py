@@ -24,11 +24,12 @@ def task_started(event: e.TaskStarted, state: CellState) -> None:
         server=event.server,
         sent_up=_up(event, state),
     )
-    state.tasks[event.key] = state.running[event.key] = started
-    _forget_done(state, event.key)  # until it succeeds its effect is unknown
-    state.reserved[event.component] = event.key
-    for zone in _zones(state, event.key):
-        state.zones[zone] = event.key
+    key = event.key
+    state.tasks[key] = state.running[key] = started
+    _forget_done(state, key)  # until it succeeds its effect is unknown
+    state.reserved[event.component] = key
+    for zone in _zones(state, key):
+        state.zones[zone] = key
 
 
 def task_adopted(event: e.TaskAdopted, state: CellState) -> None:
