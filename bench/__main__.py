@@ -50,6 +50,7 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('dispatch', 'dispatch_normal', 'polling', 'wrap', 'cpu', 'watcher'): lambda: (
             ros_rows.dispatch(in_turns, 3 if quick else 20)
         ),
+        ('own_part',): lambda: ros_rows.own_part(in_turns, 3 if quick else 20),
         ('readers', 'readers_cpu'): lambda: reader_rows.readers(
             rounds, *((3, 2_000) if quick else (20, 50_000))
         ),

@@ -18,7 +18,8 @@ from bench.chain import PLAIN
 from bench.counted_node import FILE
 from bench.recipe_files import OPERATIONS, able_cell_text, write_recipe
 from bench.rows import Row, percentile
-from bench.stand import TASKS_A_CYCLE, Measured, Stand, stand
+from bench.stamped import FILE as STAMPS
+from bench.stand import TASKS_A_CYCLE, WARM_UP, Measured, Stand, stand
 from bench.tail import until
 from bt_orchestrator.node_parameters import EVENTS, SINGLE
 
@@ -70,6 +71,39 @@ def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
     }
     yield Row('cpu', p50.cpu(OURS, CHAIN_LEAN), {**others, **cpu_ms})
     yield Row('watcher', p50.sequence(WATCHED, OURS))
+
+
+def own_part(rounds: int, cycles: int) -> Iterator[Row]:
+    """Compare what we do from the end of a wait to the first goal with what the chain does.
+
+    A cold durable write of the same round is taken off: the chain keeps nothing.
+    """
+    ours, chain, writes = [], [], []
+    with stand() as here:
+        for number in range(rounds):
+            for is_ours in (True, False) if number % 2 else (False, True):
+                found = ours if is_ours else chain
+                found.append(_p50(_stamped(here, cycles, is_ours=is_ours)))
+            writes.append(_cold_write_s(here.folder))
+    ratios = [(own - write) / plain for own, write, plain in zip(ours, writes, chain, strict=True)]
+    notes = {
+        'ours, p50, ms': _p50(ours) * 1e3,
+        'chain, p50, ms': _p50(chain) * 1e3,
+        'cold durable write, p50, ms': _p50(writes) * 1e3,
+    }
+    yield Row('own_part', ratios, notes)
+
+
+def _stamped(here: Stand, cycles: int, *, is_ours: bool) -> list[float]:
+    """Return the times of the turns behind the warm-up."""
+    file = here.folder / here.name('stamps')
+    os.environ[STAMPS] = str(file)
+    if is_ours:
+        here.ours(cycles, 'FULL', SINGLE, program='bench.stamped')
+    else:
+        here.by_hand('stamped', SINGLE, cycles)
+    taken_s: list[float] = json.loads(file.read_text())
+    return taken_s[len(taken_s) * WARM_UP // (WARM_UP + cycles) :]
 
 
 def _cold_write_s(folder: Path) -> float:

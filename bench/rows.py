@@ -43,6 +43,9 @@ TARGETS = {
         'dispatch p50, ours / rclpy chain on the same executor, NORMAL', 1.35, 1.15
     ),
     'wrap': Target('cycle wrap p50, ours / rclpy chain on the same executor, FULL', 1.6, 1.3),
+    'own_part': Target(
+        'own part, wait to first goal, less a cold durable write / chain', 2.5, 1.5
+    ),
     'polling': Target('dispatch p50, 100 ms polling tree / ours'),
     'polling_fast': Target('dispatch p50, 10 ms polling tree / ours'),
     'cpu': Target('CPU per task with the forecast, ours / chain, same executor', 1.3, 1.1),

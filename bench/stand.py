@@ -94,14 +94,17 @@ class Stand:
         *,
         watched: bool = False,
         recipes: Iterator[str] | None = None,
+        program: str = 'bt_orchestrator',
     ) -> Measured:
         """Let a tree node drive the line.
 
         :param recipes: what is ordered meanwhile, one after another; None: nothing
+        :param program: the module that Python runs
         """
         journal = self.folder / f'{self.name("journal")}.sqlite3'
         options = ['--journal', str(journal), '--journal-synchronous', synchronous]
-        with self.node([*options, '--executor', executor]) as node, watcher(watched):
+        words = [*options, '--executor', executor]
+        with self.node(words, program) as node, watcher(watched):
             tail = self.tail()
             self.submit('WO-1', WARM_UP + cycles if recipes is None else ENDLESS)
             tail.until_ended(WARM_UP * TASKS_A_CYCLE)
