@@ -78,7 +78,9 @@ def own_part(rounds: int, cycles: int) -> Iterator[Row]:
 
     A cold durable write of the same round is taken off: the chain keeps nothing.
     """
-    ours, chain, writes = [], [], []
+    ours: list[float] = []
+    chain: list[float] = []
+    writes: list[float] = []
     with stand() as here:
         for number in range(rounds):
             for is_ours in (True, False) if number % 2 else (False, True):

@@ -71,4 +71,6 @@ if __name__ == '__main__':
     _stamps = Stamps()
     stamp(_stamps)
     atexit.register(lambda: Path(os.environ[FILE]).write_text(json.dumps(_stamps.taken_s)))
-    sys.exit(main() if sys.argv[1] == 'run' else chain.main())
+    if sys.argv[1] == 'run':
+        sys.exit(main())
+    chain.main()
