@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
 
-from bt_orchestrator.asking.commands import Arguments, command
+from bt_orchestrator.asking.commands import Arguments, asked_by_word, prepared
 from bt_orchestrator.asking.comparing import made_anew
 from bt_orchestrator.asking.orders import (
     Told,
@@ -24,7 +24,7 @@ from bt_orchestrator.asking.rest import rest_of
 from bt_orchestrator.errors import CommandRefused, NotRead, Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.commands import Answer, Command, OrderAnswer, RefusedRequest
+from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job
@@ -73,10 +73,12 @@ class RequestHandler:
         """Carry out a request of the table."""
         reads = self._reads.get(asked.request.name)
         if reads is not None:
-            return await reads(asked.arguments, asked.by)
-        return await self.give(
-            asked.request.about, asked.request.word, asked.by, **asked.arguments
-        )
+            return await reads(asked.arguments, asked.sender)
+        try:
+            asked = prepared(asked, self._engine.state, self._types)
+        except CommandRefused as why:
+            return await self._refuse(asked.request.word, asked.sender, str(why))
+        return await self._engine.carry_out(asked)
 
     async def carry_out_named(self, name: str, arguments: str, by: By) -> Answer:
         """Carry out a request that came as texts; refuse one that the table does not have.
@@ -91,13 +93,12 @@ class RequestHandler:
         return await self.carry_out(asked)
 
     async def give(self, about: About, word: str, by: By, **given: Any) -> Answer:
-        """Carry out a request that came as words and reads no orders; refuse unknown words."""
-        state = self._engine.state
+        """Carry out a request that came as a word and reads no orders; refuse unknown words."""
         try:
-            asked: Command = command(about, word, by, given, state, self._types)
+            asked = asked_by_word(about, word, by, given, self._engine.state)
         except CommandRefused as why:
-            asked = RefusedRequest(word, by, str(why))
-        return await self._engine.carry_out(asked)
+            return await self._refuse(word, by, str(why))
+        return await self.carry_out(asked)
 
     async def add(
         self, orders: Sequence[AskedOrder], by: By, position: int | None, *, held: bool

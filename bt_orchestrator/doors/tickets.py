@@ -118,7 +118,7 @@ class _Kept:
             asked.request.name,
             dict(asked.arguments),
         )
-        return same and mine.by.who == asked.by.who
+        return same and mine.sender.who == asked.sender.who
 
 
 class Tickets:
@@ -304,7 +304,7 @@ def _of_record(found: Iterable[Recorded], asked: Asked | None = None) -> Outcome
     events = tuple(found)
     for event in events:
         word = event.answer if isinstance(event, OperatorDecided) else event.command
-        if asked is not None and (event.who, word) != (asked.by.who, asked.request.word):
+        if asked is not None and (event.who, word) != (asked.sender.who, asked.request.word):
             raise TicketTaken('this ticket is of another command; make a new one')
     refusals = [event.message for event in events if isinstance(event, OperatorRefused)]
     messages = refusals or [

@@ -2,53 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.cell_commands import CellCommand
-from bt_orchestrator.model.jobs.job_commands import JobCommand
-
-
-@dataclass(frozen=True)
-class AnswerHold:
-    """Answer a hold (semantics 7.1)."""
-
-    hold: str
-    answer: str
-    """One of the answers that the hold offers."""
-    by: By
-    results: Mapping[str, Any] = field(default_factory=dict)
-    """Of `mark_done`: result fields of the task, for references of later tasks (semantics 6.3)."""
-
-
-@dataclass(frozen=True)
-class RemoveItem:
-    """Record that an item was taken off the belt by hand (semantics 7.1)."""
-
-    item: str
-    by: By
-
-
-@dataclass(frozen=True)
-class SetService:
-    """Take a component out of service, or bring it back (semantics 7.5)."""
-
-    component: str
-    in_service: bool
-    by: By
-
-
-@dataclass(frozen=True)
-class ReleaseScript:
-    """Let jobs of a generated script start (semantics 6.10)."""
-
-    digest: str
-    by: By | None = None
-    """None: the plan of a virtual run, in which nobody is there to release it."""
-    cell_digest: str = ''
-    """Of the cell that it was generated for, if that is to be compared."""
+from bt_orchestrator.model.jobs.job_commands import OfOrders
+from bt_orchestrator.model.packml import Cause
+from bt_orchestrator.model.requests import CELL, Asked
 
 
 @dataclass(frozen=True)
@@ -81,18 +40,16 @@ class RefusedRequest:
     """The message for each job, if they differ."""
 
 
-OnRecord = (
-    AnswerHold
-    | RemoveItem
-    | SetService
-    | ReleaseScript
-    | CellCommand
-    | JobCommand
-    | RefusedRequest
-)
+OnRecord = Asked | OfOrders | RefusedRequest
 """Commands that are recorded with their sender."""
 
 Command = OnRecord | FoundTwin | Shutdown
+
+
+def cancels_all(command: Command) -> bool:
+    """Tell whether a command cancels every goal."""
+    is_abort = isinstance(command, Asked) and command.request is CELL[Cause.ABORT]
+    return is_abort or isinstance(command, Shutdown)
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import logging
 from collections.abc import Mapping
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell_commands import Abort
-from bt_orchestrator.model.commands import Answer, Command, Shutdown
+from bt_orchestrator.model.commands import Answer, Command, cancels_all
+from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.ports import ActionGateway, Goal
 
 log = logging.getLogger(__name__)
@@ -49,11 +49,11 @@ class Breakdown:
 
     def answer(self, command: Command) -> Answer:
         """Cancel every goal, or refuse."""
-        if not isinstance(command, (Abort, Shutdown)):
+        if not cancels_all(command):
             return Answer(accepted=False, message=self.message)
         done = self._cancel_all()
-        by = f' by {command.by}' if isinstance(command, Abort) else ''
-        log.error('%s%s, off the record: %s', type(command).__name__, by, done)
+        what = f'Abort by {command.by}' if isinstance(command, Asked) else 'Shutdown'
+        log.error('%s, off the record: %s', what, done)
         return Answer(
             accepted=True,
             message=f'{done}; this is not on record: {self._failure}. Make room or mend the file, '

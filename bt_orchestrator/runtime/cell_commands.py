@@ -2,32 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.belt_statement import corrections
-from bt_orchestrator.model.cell_commands import (
-    Abort,
-    CellCommand,
-    Clear,
-    Pause,
-    Reset,
-    Resume,
-    Start,
-    Stop,
-)
 from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.limits import PAUSES
 from bt_orchestrator.model.packml import VERBS, Cause, refusal
 from bt_orchestrator.model.pauses import PAUSED, release_command
+from bt_orchestrator.model.requests import CELL, Asked
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.runtime.command_record import decided
-from bt_orchestrator.runtime.ledger import Ledger
+from bt_orchestrator.runtime.deciding import Decided, decides
 from bt_orchestrator.runtime.lifecycle import transition
 from bt_orchestrator.runtime.operators import released_with
 
@@ -35,36 +24,32 @@ RESUME = VERBS[Cause.UNHOLD]
 """What ends a pause."""
 
 
-def carry_out(command: CellCommand, ledger: Ledger) -> str:
-    """Carry out a command and return the answer's words.
-
-    :raises CommandRefused: it is not possible now; nothing was recorded
-    """
-    state = ledger.state
-    why = refusal(state.packml, command.cause)
+@decides(*CELL.values())
+def _command(state: CellState, asked: Asked, _: float) -> Decided:
+    """Command the cell, if its state allows it."""
+    cause = next(cause for cause, request in CELL.items() if request is asked.request)
+    why = refusal(state.packml, cause)
     if why is not None:
         raise CommandRefused(why)
-    follows = list(_FOLLOWS[type(command)](state, command))
-    ledger.record([*decided(command), *follows])
-    return _ANSWERS[type(command)](state)
+    if cause in _MOVES:
+        return _MOVES[cause], [transition(state.packml, cause, str(asked.by))]
+    message, follows = _ACTS[cause](state, asked)
+    return message, list(follows)
 
 
-# --- the events of each command; these functions change nothing -------------------------------
+# --- words and events of each command -----------------------------------------------------------
+
+_MOVES: Mapping[Cause, str] = {
+    Cause.RESET: 'the cell gets ready',
+    Cause.START: 'the cell starts',
+    Cause.STOP: 'the cell finishes the cycles in hand and stops',
+}
+"""Commands that only change the state of the cell, with their answers."""
+
+_Act = tuple[str, Iterator[e.Event]]
 
 
-def _reset(state: CellState, command: Reset) -> Iterator[e.Event]:
-    yield transition(state.packml, command.cause, str(command.by))
-
-
-def _start(state: CellState, command: Start) -> Iterator[e.Event]:
-    yield transition(state.packml, command.cause, str(command.by))
-
-
-def _stop(state: CellState, command: Stop) -> Iterator[e.Event]:
-    yield transition(state.packml, command.cause, str(command.by))
-
-
-def _pause(state: CellState, command: Pause) -> Iterator[e.Event]:
+def _pause(state: CellState, asked: Asked) -> _Act:
     """Raise a hold for this pause; whether the cell becomes Held follows from the stop reason.
 
     :raises CommandRefused: the maximum number of pauses is in effect
@@ -75,65 +60,74 @@ def _pause(state: CellState, command: Pause) -> Iterator[e.Event]:
             f'{standing} pauses stand already, and more are not kept; each of them keeps the '
             'cell from starting anything until it is released with resume'
         )
-    yield e.HoldRaised(
+    hold = e.HoldRaised(
         hold=state.next_hold,
         reason=PAUSED,
-        message=str(command.by),
+        message=str(asked.by),
         answers=(RESUME,),
-        owner=command.by.who or 'unknown',
+        owner=asked.sender.who or 'unknown',
     )
+    return f'the cell starts nothing more until hold {hold.hold} is over', iter([hold])
 
 
-def _resume(state: CellState, command: Resume) -> Iterator[e.Event]:
-    for hold in _to_release(state, command):
-        yield e.HoldReleased(hold=hold.id)
+def _resume(state: CellState, asked: Asked) -> _Act:
+    released = [hold.id for hold in _to_release(state, asked)]
+    return _after_resume(state, released), (e.HoldReleased(hold=hold) for hold in released)
 
 
-def _abort(state: CellState, command: Abort) -> Iterator[e.Event]:
-    emergency, words = StopReason.EMERGENCY, str(command.by)
-    yield e.StopReasonChanged(stop_reason=emergency.value, reason=words)
-    yield transition(state.packml, command.cause, words)
+def _abort(state: CellState, asked: Asked) -> _Act:
+    number = len(state.running)
+    message = f'{number} goal{"s are" if number != 1 else " is"} being cancelled'
+    return message, _events_of_abort(state, str(asked.by))
+
+
+def _events_of_abort(state: CellState, words: str) -> Iterator[e.Event]:
+    yield e.StopReasonChanged(stop_reason=StopReason.EMERGENCY.value, reason=words)
+    yield transition(state.packml, Cause.ABORT, words)
     yield from effects.cancelled(state, state.running, ABORT)
 
 
-def _clear(state: CellState, command: Clear) -> Iterator[e.Event]:
-    for gone in corrections(state, command.belt):
+def _clear(state: CellState, asked: Asked) -> _Act:
+    message = 'the belt is confirmed; the cell stops, reset and start let it go on'
+    return message, _events_of_clear(state, asked)
+
+
+def _events_of_clear(state: CellState, asked: Asked) -> Iterator[e.Event]:
+    for gone in corrections(state, asked['belt']):
         yield gone
         yield from released_with(state, gone.item)
-    yield e.StopReasonChanged(stop_reason='', reason=str(command.by))
-    yield transition(state.packml, command.cause, str(command.by))
+    yield e.StopReasonChanged(stop_reason='', reason=str(asked.by))
+    yield transition(state.packml, Cause.CLEAR, str(asked.by))
 
 
-_FOLLOWS: Mapping[type[CellCommand], Callable[[CellState, Any], Iterator[e.Event]]] = {
-    Reset: _reset,
-    Start: _start,
-    Stop: _stop,
-    Pause: _pause,
-    Resume: _resume,
-    Abort: _abort,
-    Clear: _clear,
+_ACTS: Mapping[Cause, Callable[[CellState, Asked], _Act]] = {
+    Cause.HOLD: _pause,
+    Cause.UNHOLD: _resume,
+    Cause.ABORT: _abort,
+    Cause.CLEAR: _clear,
 }
 
 
 # --- owners of pauses -------------------------------------------------------------------------
 
 
-def _to_release(state: CellState, command: Resume) -> list[Hold]:
+def _to_release(state: CellState, asked: Asked) -> list[Hold]:
     """Return the pauses that the command releases.
 
     :raises CommandRefused: there are none, or others have requested them
     """
     if not state.pauses:
-        raise CommandRefused(f'the cell is not paused; {_instead(state)}')
-    if command.hold is not None:
-        chosen = [hold for hold in state.pauses if hold.id == command.hold]
+        raise CommandRefused(f'the cell is not paused; {_instead(state, state.holds)}')
+    named = asked.arguments.get('hold')
+    if named is not None:
+        chosen = [hold for hold in state.pauses if hold.id == named]
     else:
-        chosen = [hold for hold in state.pauses if _is_meant(hold, command)]
+        chosen = [hold for hold in state.pauses if _is_meant(hold, asked)]
     if chosen:
         return chosen
     there = '; '.join(map(_pause_in_words, state.pauses))
-    if command.hold is not None:
-        raise CommandRefused(f'there is no pause {command.hold}; {there}')
+    if named is not None:
+        raise CommandRefused(f'there is no pause {named}; {there}')
     if all(hold.must_be_named for hold in state.pauses):
         raise CommandRefused(f'nothing was released; {there}')
     raise CommandRefused(
@@ -142,15 +136,24 @@ def _to_release(state: CellState, command: Resume) -> list[Hold]:
     )
 
 
-def _is_meant(hold: Hold, command: Resume) -> bool:
+def _is_meant(hold: Hold, asked: Asked) -> bool:
     """Tell whether a command that names no pause refers to this one."""
     if hold.must_be_named:
         return False
-    return command.everyones or hold.owner in ('', command.by.who or 'unknown')
+    everyones = asked.arguments.get('everyones', False)
+    return everyones or hold.owner in ('', asked.sender.who or 'unknown')
 
 
-def _instead(state: CellState) -> str:
-    waiting = ', '.join(f'hold {hold}' for hold in state.holds)
+def _after_resume(state: CellState, released: Collection[str]) -> str:
+    still = [hold for hold in state.pauses if hold.id not in released]
+    if still:
+        return 'still paused: ' + '; '.join(map(_pause_in_words, still))
+    holds = [hold for hold in state.holds if hold not in released]
+    return f'no longer paused; {_instead(state, holds)}' if holds else 'the cell goes on'
+
+
+def _instead(state: CellState, holds: Iterable[str]) -> str:
+    waiting = ', '.join(f'hold {hold}' for hold in holds)
     return f'it waits for answers to {waiting}' if waiting else f'it is {state.packml.value}'
 
 
@@ -158,32 +161,3 @@ def _pause_in_words(hold: Hold) -> str:
     if not hold.must_be_named:
         return hold_name(hold)
     return f'{hold_name(hold)}, which only its number releases: {release_command(hold.id)}'
-
-
-# --- answers ----------------------------------------------------------------------------------
-
-
-def _after_resume(state: CellState) -> str:
-    if state.pauses:
-        return 'still paused: ' + '; '.join(map(_pause_in_words, state.pauses))
-    if state.holds:
-        return f'no longer paused; {_instead(state)}'
-    return 'the cell goes on'
-
-
-def _after_abort(state: CellState) -> str:
-    number = len(state.running)
-    return f'{number} goal{"s are" if number != 1 else " is"} being cancelled'
-
-
-_ANSWERS: Mapping[type[CellCommand], Callable[[CellState], str]] = {
-    Reset: lambda _: 'the cell gets ready',
-    Start: lambda _: 'the cell starts',
-    Stop: lambda _: 'the cell finishes the cycles in hand and stops',
-    Pause: lambda state: (
-        f'the cell starts nothing more until hold {list(state.holds)[-1]} is over'
-    ),
-    Resume: _after_resume,
-    Abort: _after_abort,
-    Clear: lambda _: 'the belt is confirmed; the cell stops, reset and start let it go on',
-}

@@ -8,26 +8,9 @@ from typing import Any
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.commands import (
-    AnswerHold,
-    OnRecord,
-    RefusedRequest,
-    ReleaseScript,
-    RemoveItem,
-    SetService,
-)
-from bt_orchestrator.model.jobs.job_commands import (
-    AddJobs,
-    ControlJob,
-    MoveJob,
-    RequeueJob,
-    RunNext,
-    StopAfter,
-    UpdateJob,
-)
+from bt_orchestrator.model.commands import OnRecord, RefusedRequest
+from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.requests import ADD
-from bt_orchestrator.model.wish import STOP_AFTER
-from bt_orchestrator.runtime.requested import request_of
 
 
 def decided(command: OnRecord) -> Iterator[e.Event]:
@@ -81,27 +64,8 @@ def _each(command: OnRecord, why: CommandRefused) -> list[tuple[str, str]]:
 
 
 def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
-    """Return the command's word, and the hold, job, item, component or script that it concerns."""
-    request = request_of(command)
-    match command:
-        case AnswerHold(hold, word):
-            about = {'hold': hold}
-        case RemoveItem(item):
-            word, about = '', {'item': item}
-        case SetService(component):
-            word, about = '', {'component': component}
-        case ReleaseScript(script):
-            word, about = '', {'digest': script}
-        case ControlJob(word, name):
-            about = {'job': name}
-        case MoveJob(name) | RunNext(name) | RequeueJob(name):
-            word, about = '', {'job': name}
-        case UpdateJob(job):
-            word, about = '', {'job': job.id}
-        case RefusedRequest(word):
-            about = {}
-        case StopAfter(after):
-            word, about = STOP_AFTER + after, {}
-        case _:
-            word, about = '', {}
-    return request.word if request is not None else word, about
+    """Return the command's word, and the field of its record that names its subject."""
+    if isinstance(command, RefusedRequest):
+        return command.verb, {}
+    request = command.request
+    return request.word, {request.recorded: command.subject} if request.subject else {}

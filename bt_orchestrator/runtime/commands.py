@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell_commands import CellCommand
-from bt_orchestrator.model.commands import (
-    AnswerHold,
-    Command,
-    FoundTwin,
-    RefusedRequest,
-    ReleaseScript,
-    RemoveItem,
-    SetService,
-    Shutdown,
-)
+from bt_orchestrator.model.commands import Command, FoundTwin, RefusedRequest, Shutdown
 from bt_orchestrator.model.failures import ABORT, SHUTDOWN
 from bt_orchestrator.model.limits import TWINS
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
 from bt_orchestrator.model.pauses import TWIN
+from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.runtime import cell_commands, job_queue, operators, releases, service
+from bt_orchestrator.runtime.command_record import decided
+from bt_orchestrator.runtime.deciding import DECIDERS, not_allowed
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.lifecycle import transition
-from bt_orchestrator.runtime.requested import not_allowed
+
+DECIDING = (cell_commands, job_queue, operators, releases, service)
+"""The modules with the deciders of all requests."""
 
 
 def answer_to(command: Command, ledger: Ledger) -> str:
@@ -39,24 +36,12 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     why_not = not_allowed(command, ledger.state)
     if why_not is not None:
         raise CommandRefused(why_not)
-    if isinstance(command, AnswerHold):
-        ledger.record(operators.answer(ledger.state, command, ledger.now))
-        return f'hold {command.hold}: {command.answer}'
-    if isinstance(command, RemoveItem):
-        ledger.record(operators.remove(ledger.state, command))
-        return f'{command.item} is off the belt'
-    if isinstance(command, SetService):
-        message, changes = service.carry_out(command, ledger.state)
-        ledger.record(changes)
-        return message
-    if isinstance(command, ReleaseScript):
-        message, changes = releases.carry_out(command, ledger.state)
-        ledger.record(changes)
-        return message
-    if isinstance(command, CellCommand):
-        return cell_commands.carry_out(command, ledger)
     if isinstance(command, RefusedRequest):
         raise CommandRefused(command.message, command.each)
+    if isinstance(command, Asked):
+        message, events = DECIDERS[command.request.name](ledger.state, command, ledger.now)
+        ledger.record(chain(decided(command), events))
+        return message
     message, events = job_queue.carry_out(command, ledger.state, ledger.now)
     ledger.record(events)
     return message

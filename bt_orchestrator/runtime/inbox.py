@@ -7,46 +7,22 @@ import dataclasses
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.allowance import Allowances
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.cell_commands import Abort, Clear, Pause, Reset, Resume, Start, Stop
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.commands import (
     Answer,
-    AnswerHold,
     Command,
     FoundTwin,
     OnRecord,
     RefusedRequest,
-    ReleaseScript,
-    SetService,
     Shutdown,
 )
-from bt_orchestrator.model.jobs import job_control
-from bt_orchestrator.model.jobs.job_commands import (
-    AddJobs,
-    ControlJob,
-    MoveJob,
-    RequeueJob,
-    RunNext,
-    StopAfter,
-    UpdateJob,
-)
 from bt_orchestrator.model.limits import COMMANDS, COMMANDS_OF_ONE, NAME, ORIGIN, REASON, WHO
-from bt_orchestrator.model.requests import REMARKS
+from bt_orchestrator.model.requests import Asked, Why
 from bt_orchestrator.model.texts import readable, text_fault
 from bt_orchestrator.runtime.command_record import refused
 from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.refusals import Refusals, sender_of
-
-_MUST_WAIT = (
-    *(AddJobs, UpdateJob, RequeueJob, MoveJob, RunNext, StopAfter, ReleaseScript),
-    *(Resume, Reset, Start, Clear),
-)
-"""Commands that can be repeated without limit, so their rate is limited. A stop, pause or answer
-is refused until one of these undoes it, so it is never delayed; a remark about a hold may wait."""
-
-_UNDO = (job_control.START.verb, job_control.RESUME.verb)
-"""The same among the commands to a job."""
 
 _LONGEST = {'who': WHO, 'origin': ORIGIN, 'reason': REASON}
 
@@ -83,23 +59,13 @@ class Inbox:
         if command.by is None:
             return answer_to(command, self._ledger)
         sender, now = sender_of(command.by), self._ledger.steady
-        if _must_wait(command):
+        if not isinstance(command, RefusedRequest) and command.request.is_limited:
             _check_left(command.by, self._allowances.left(sender, now))
         before = self._ledger.state.seq
         message = answer_to(command, self._ledger)
         written = sum(len(to_text(event)) for event in self._ledger.pending_after(before))
         self._allowances.use(sender, written, now)
         return message
-
-
-def _must_wait(command: OnRecord) -> bool:
-    if isinstance(command, ControlJob):
-        return command.verb in _UNDO
-    if isinstance(command, AnswerHold):
-        return command.answer in REMARKS
-    if isinstance(command, SetService):
-        return command.in_service
-    return isinstance(command, _MUST_WAIT)
 
 
 def _check_left(by: By, left: float) -> None:
@@ -114,13 +80,13 @@ def _check_left(by: By, left: float) -> None:
 
 def _as_may_be_recorded(command: OnRecord) -> OnRecord:
     """Return a command of an emergency with readable words: it must not fail because of them."""
-    if not isinstance(command, (Abort, Pause, Stop)):
+    if not isinstance(command, Asked) or command.request.why is not Why.AFTERWARDS:
         return command
     by = dataclasses.replace(
-        command.by,
-        who=readable(command.by.who),
-        origin=readable(command.by.origin),
-        reason=readable(command.by.reason),
+        command.sender,
+        who=readable(command.sender.who),
+        origin=readable(command.sender.origin),
+        reason=readable(command.sender.reason),
     )
     return dataclasses.replace(command, by=by)
 
@@ -128,8 +94,8 @@ def _as_may_be_recorded(command: OnRecord) -> OnRecord:
 def _check_texts(command: OnRecord) -> None:
     """Refuse a command with a text that is too long to record, or shows other than it says."""
     said = {} if command.by is None else vars(command.by)
-    names = {field.name: getattr(command, field.name) for field in dataclasses.fields(command)}
-    for name, text in {**names, **said}.items():
+    given = command.arguments if isinstance(command, Asked) else vars(command)
+    for name, text in {**given, **said}.items():
         longest = _LONGEST.get(name, NAME)
         if isinstance(text, str) and len(text) > longest:
             raise CommandRefused(

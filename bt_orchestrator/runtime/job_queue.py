@@ -4,33 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import singledispatch
 
 from bt_orchestrator.errors import CommandRefused, counted
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import job_word
-from bt_orchestrator.model.jobs.job_commands import (
-    AddJobs,
-    ControlJob,
-    JobCommand,
-    MoveJob,
-    RequeueJob,
-    RunNext,
-    StopAfter,
-    UpdateJob,
-)
+from bt_orchestrator.model.jobs.job_commands import AddJobs, OfOrders, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.job_control import lacks_words
 from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.jobs.needs import awaited_when_stopped, items_wait_words
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
-from bt_orchestrator.model.requests import COMMANDED, About, of_word
+from bt_orchestrator.model.requests import JOB, MOVE, NEXT, STOP_AFTERS, Asked
 from bt_orchestrator.model.state import CellState, JobState
-from bt_orchestrator.model.wish import AFTER, NEVER, way_to_work
+from bt_orchestrator.model.wish import AFTER, NEVER, STOP_AFTER, way_to_work
 from bt_orchestrator.runtime import listed_jobs, orders
 from bt_orchestrator.runtime.command_record import decided
+from bt_orchestrator.runtime.deciding import Decided, decides
 from bt_orchestrator.runtime.lifecycle import transition
 
 Events = Iterator[e.Event]
@@ -39,27 +30,22 @@ _AWAITS = 'it waits for its start,'
 _ENDS = 'ends when its items on the line are finished'
 
 
-def carry_out(command: JobCommand, state: CellState, now: float) -> tuple[str, list[e.Event]]:
+def carry_out(command: OfOrders, state: CellState, now: float) -> Decided:
     """Return the answer and the events.
 
     :raises CommandRefused: it cannot be carried out now
     """
-    message, events = _carry_out(command, state, now)
     if isinstance(command, AddJobs):
-        return message, events  # each job has its own record
+        return _add(command, state, now)  # each job has its own record
+    of_one = _update if isinstance(command, UpdateJob) else _requeue
+    message, events = of_one(command, state, now)  # type: ignore[arg-type]
     return message, [*decided(command), *events]
-
-
-@singledispatch
-def _carry_out(command: JobCommand, state: CellState, _: float) -> tuple[str, list[e.Event]]:
-    raise AssertionError(f'{state.cell.name} knows no command {type(command).__name__}')
 
 
 # --- orders ---------------------------------------------------------------------------------
 
 
-@_carry_out.register
-def _add(command: AddJobs, state: CellState, now: float) -> tuple[str, list[e.Event]]:
+def _add(command: AddJobs, state: CellState, now: float) -> Decided:
     if command.position is not None:
         _check_position(command.position, state.jobs.waiting + 1)
     queued = orders.queue(
@@ -83,8 +69,7 @@ def _how(queued: e.JobQueued) -> str:
     return f'{queued.job} is queued{how}{early}{lacks}'
 
 
-@_carry_out.register
-def _update(command: UpdateJob, state: CellState, now: float) -> tuple[str, list[e.Event]]:
+def _update(command: UpdateJob, state: CellState, now: float) -> Decided:
     new = command.job
     allowed(state, job_control.UPDATE, new.id)
     changed = orders.change(
@@ -96,8 +81,7 @@ def _update(command: UpdateJob, state: CellState, now: float) -> tuple[str, list
     return '\n'.join([f'{new.id} is updated', *lacks]), changed
 
 
-@_carry_out.register
-def _requeue(command: RequeueJob, state: CellState, _: float) -> tuple[str, list[e.Event]]:
+def _requeue(command: RequeueJob, state: CellState, _: float) -> Decided:
     """Stop a job and queue its rest, both or neither: whatever is wrong is found before."""
     job = allowed(state, job_control.REQUEUE, command.job)
     rest = replace(command.rest, quantity=job.cycles_left)
@@ -130,18 +114,18 @@ def standing(state: CellState) -> Iterator[str]:
 # --- places ---------------------------------------------------------------------------------
 
 
-@_carry_out.register
-def _move(command: MoveJob, state: CellState, _: float) -> tuple[str, list[e.Event]]:
-    _check_queued(state, command.job)
-    _check_position(command.position, state.jobs.waiting)
-    moved = e.JobMoved(job=command.job, position=command.position)
-    return f'{command.job} is at position {command.position}', [moved]
+@decides(MOVE)
+def _move(state: CellState, asked: Asked, _: float) -> Decided:
+    name, position = asked['job'], asked['position']
+    _check_queued(state, name)
+    _check_position(position, state.jobs.waiting)
+    return f'{name} is at position {position}', [e.JobMoved(job=name, position=position)]
 
 
-@_carry_out.register
-def _run_next(command: RunNext, state: CellState, _: float) -> tuple[str, list[e.Event]]:
-    job = _check_queued(state, command.job)
-    name = command.job
+@decides(NEXT)
+def _run_next(state: CellState, asked: Asked, _: float) -> Decided:
+    name = asked['job']
+    job = _check_queued(state, name)
     events: list[e.Event] = [e.JobMoved(job=name, position=1)]
     if job.held:
         events.append(e.JobReleased(job=name))
@@ -156,22 +140,6 @@ def _lacks(job: JobState) -> Iterator[str]:
 
 
 # --- methods of a job -----------------------------------------------------------------------
-
-
-@_carry_out.register
-def _control(command: ControlJob, state: CellState, _: float) -> tuple[str, list[e.Event]]:
-    method, answer, act = _method(command.verb)
-    job = allowed(state, method, command.job)
-    events = list(act(state, job, command.by.deciding(command.verb)))
-    more = _after_release(state, job) if method is job_control.START else ()
-    return '\n'.join([f'{command.job} {answer}', *more]), events
-
-
-def _method(verb: str) -> _Control:
-    request = of_word(About.JOB, verb)
-    if request is None or request.word not in CONTROLS:
-        raise CommandRefused(f'unknown command {verb!r}; one of {", ".join(COMMANDED)}')
-    return CONTROLS[request.word]
 
 
 def _hold(_: CellState, job: JobState, __: str) -> Events:
@@ -238,22 +206,33 @@ CONTROLS: Mapping[str, _Control] = {
 """By the command's word: the method, the answer, and the function that does it."""
 
 
+@decides(*(request for method, request in JOB if method.verb in CONTROLS))
+def _control(state: CellState, asked: Asked, _: float) -> Decided:
+    word, name = asked.request.word, asked['job']
+    method, answer, act = CONTROLS[word]
+    job = allowed(state, method, name)
+    events = list(act(state, job, asked.sender.deciding(word)))
+    more = _after_release(state, job) if method is job_control.START else ()
+    return '\n'.join([f'{name} {answer}', *more]), events
+
+
 # --- the line runs empty --------------------------------------------------------------------
 
 
-@_carry_out.register
-def _stop_after(command: StopAfter, state: CellState, _: float) -> tuple[str, list[e.Event]]:
-    if command.after == NEVER:
-        if state.stop_after is None:
-            raise CommandRefused('there is nothing to take back: no stop was asked for')
-        return 'the line goes on', [e.QueueStopCancelled()]
-    if command.after not in AFTER:
-        known = ', '.join((*AFTER, NEVER))
-        raise CommandRefused(f'a stop is after one of {known}; found {command.after!r}')
+@decides(STOP_AFTERS[NEVER])
+def _go_on(state: CellState, _: Asked, __: float) -> Decided:
+    if state.stop_after is None:
+        raise CommandRefused('there is nothing to take back: no stop was asked for')
+    return 'the line goes on', [e.QueueStopCancelled()]
+
+
+@decides(*(STOP_AFTERS[after] for after in AFTER))
+def _stop_after(state: CellState, asked: Asked, _: float) -> Decided:
     if not state.on_the_line:
         raise CommandRefused('no job has started; hold the jobs of the queue instead')
-    message = f'the cell stops after the current {command.after}'
-    return message, [e.QueueStopRequested(after=command.after)]
+    after = asked.request.word.removeprefix(STOP_AFTER)
+    message = f'the cell stops after the current {after}'
+    return message, [e.QueueStopRequested(after=after)]
 
 
 _STANDS = (

@@ -18,9 +18,8 @@ from collections.abc import Callable, Iterator, Sequence
 from bt_orchestrator.errors import JournalFailed, OrchestratorError
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.cell_commands import Abort
 from bt_orchestrator.model.codec import text_of
-from bt_orchestrator.model.commands import Answer, Command, Shutdown
+from bt_orchestrator.model.commands import Answer, Command, cancels_all
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore, Writer
@@ -28,11 +27,11 @@ from bt_orchestrator.replies import begin
 from bt_orchestrator.runtime import job_queue, lifecycle
 from bt_orchestrator.runtime.breakdown import Breakdown
 from bt_orchestrator.runtime.commits import PATIENCE_S, Commits
+from bt_orchestrator.runtime.deciding import not_allowed
 from bt_orchestrator.runtime.flights import CARRIED_OUT, Flights
 from bt_orchestrator.runtime.inbox import Inbox
 from bt_orchestrator.runtime.ledger import Ledger, Notice
 from bt_orchestrator.runtime.recovery import restore, take_over
-from bt_orchestrator.runtime.requested import not_allowed
 from bt_orchestrator.runtime.starts import Starts
 from bt_orchestrator.runtime.starvation import Starvation
 from bt_orchestrator.runtime.writers import AtOnce
@@ -119,7 +118,7 @@ class Orchestrator:
         does so at once, and again in its turn, which records the reason.
         """
         must_wait = self.awaits_disk or self._commits.is_owed
-        if must_wait and isinstance(command, (Abort, Shutdown)) and self._allows(command):
+        if must_wait and cancels_all(command) and self._allows(command):
             self.flights.cancel_all()
         await self._commits.turn()
         if self.breakdown is None:

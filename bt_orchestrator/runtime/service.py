@@ -6,21 +6,11 @@ from collections.abc import Iterator
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.commands import SetService
 from bt_orchestrator.model.jobs.needs import needed_by, on_the_line_words, still_needed
 from bt_orchestrator.model.limits import listed
+from bt_orchestrator.model.requests import IN_SERVICE, OUT_OF_SERVICE, Asked
 from bt_orchestrator.model.state import CellState, OutOfService
-from bt_orchestrator.runtime.command_record import decided
-
-
-def carry_out(command: SetService, state: CellState) -> tuple[str, list[e.Event]]:
-    """Return the answer and the events.
-
-    :raises CommandRefused: there is no such component, or nothing would change
-    """
-    act = _bring_back if command.in_service else _take_out
-    message, change = act(command, state)
-    return message, [*decided(command), change]
+from bt_orchestrator.runtime.deciding import Decided, decides
 
 
 def without_component(state: CellState) -> Iterator[e.ComponentInService]:
@@ -30,25 +20,27 @@ def without_component(state: CellState) -> Iterator[e.ComponentInService]:
             yield e.ComponentInService(component=name)
 
 
-def _take_out(command: SetService, state: CellState) -> tuple[str, e.Event]:
-    name, before = command.component, _present(command, state)
+@decides(OUT_OF_SERVICE)
+def _take_out(state: CellState, asked: Asked, _: float) -> Decided:
+    name = asked['component']
+    before = _present(name, state)
     if before is not None:
         raise CommandRefused(f'{name} is out of service already ({before.reason})')
     jobs = tuple(_queued_with(name, state))
-    event = e.ComponentOutOfService(component=name, reason=str(command.by), jobs=jobs)
-    return '\n'.join(_of_taking_out(state, name, jobs)), event
+    event = e.ComponentOutOfService(component=name, reason=str(asked.by), jobs=jobs)
+    return '\n'.join(_of_taking_out(state, name, jobs)), [event]
 
 
-def _bring_back(command: SetService, state: CellState) -> tuple[str, e.Event]:
-    name = command.component
-    if _present(command, state) is None:
+@decides(IN_SERVICE)
+def _bring_back(state: CellState, asked: Asked, _: float) -> Decided:
+    name = asked['component']
+    if _present(name, state) is None:
         others = listed(state.out_of_service, 'none')
         raise CommandRefused(f'{name} is in service; out of service now: {others}')
-    return f'{name} is in service', e.ComponentInService(component=name)
+    return f'{name} is in service', [e.ComponentInService(component=name)]
 
 
-def _present(command: SetService, state: CellState) -> OutOfService | None:
-    name = command.component
+def _present(name: str, state: CellState) -> OutOfService | None:
     if name not in state.cell.components:
         known = listed(state.cell.components, 'none')
         raise CommandRefused(f'there is no component {name}; the cell has {known}')

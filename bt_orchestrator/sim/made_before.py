@@ -57,7 +57,7 @@ def choices_in(requests: Sequence[Asked], jobs: Iterable[Job] = ()) -> Iterator[
     ordered = {job.id: job.recipe for job in jobs}
     for asked in requests:
         if asked.request == ADD:
-            orders: Iterable[WorkOrder] = asked.arguments['orders']  # type: ignore[assignment]
+            orders: Iterable[WorkOrder] = asked.arguments['orders']
             yield from (order.recipe for order in orders if order.recipe is not None)
             ordered |= {order.order: order.recipe for order in orders if order.order}
         elif asked.request == UPDATE:

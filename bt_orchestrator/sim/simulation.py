@@ -8,11 +8,12 @@ from enum import Enum
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.commands import Answer, ReleaseScript
+from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.jobs.releases import awaits_release
+from bt_orchestrator.model.requests import RELEASE_SCRIPT, Asked
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import PartWait
@@ -78,7 +79,7 @@ class Simulation:
 
     def _queued(self, job: Job) -> Answer:
         if awaits_release(self.state, job.script):
-            self.orchestrator.ask(ReleaseScript(digest(job.script)))
+            self.orchestrator.ask(Asked(RELEASE_SCRIPT, None, {'script': digest(job.script)}))
         return self.orchestrator.ask(AddJobs((job,)))
 
     def run(self, look: Callable[[], None] = lambda: None) -> Outcome:

@@ -8,11 +8,10 @@ from functools import partial
 from typing import Any
 
 from bt_orchestrator.model.by import By, Known
-from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.failures import AGAIN, MARK_DONE, RETRY
 from bt_orchestrator.model.hold_words import hold_name
-from bt_orchestrator.model.requests import ANSWERS, REMOVE_ITEM
+from bt_orchestrator.model.requests import ANSWERS, REMOVE_ITEM, Asked
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.sim.simulation import Simulation
@@ -98,13 +97,12 @@ class StandingAnswers:
             del self._seen[hold.id]  # since then its item was rejected, or its job aborted
             self.look()
             return
-        command: AnswerHold | RemoveItem
         if answer == REMOVE_ITEM.word:
-            command = RemoveItem(hold.item or '', self._by)
+            asked = Asked(REMOVE_ITEM, self._by, {'item': hold.item or ''})
         else:
             marked = answer == MARK_DONE and hold.item is not None
             results = self._results.get(hold.task or '', {}) if marked else {}
-            command = AnswerHold(hold.id, answer, self._by, results)
-        given = self._simulation.orchestrator.ask(command)
+            asked = Asked(ANSWERS[answer], self._by, {'hold': hold.id, 'results': results})
+        given = self._simulation.orchestrator.ask(asked)
         if not given.accepted:
             self._complaints.append(given.message)

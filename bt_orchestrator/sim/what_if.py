@@ -175,7 +175,7 @@ class EngineWhatIf:
         orders = RecipeOrders(self._desk(run), self._made, run.state)
         handler = RequestHandler(run.orchestrator, self._types, orders)
         for asked in requests:
-            anybody = replace(asked.by, role=Role.ENGINEER, known=Known.LOCAL_USER)
+            anybody = replace(asked.sender, role=Role.ENGINEER, known=Known.LOCAL_USER)
             yield asked, begin(handler.carry_out(replace(asked, by=anybody))).value
 
     def _refusals(self, run: RunOn, requests: Sequence[Asked]) -> Iterator[str]:

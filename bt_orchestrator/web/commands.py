@@ -78,13 +78,13 @@ class Commands:
         try:
             outcome = await self._tickets.carry_out(ticket, asked)
         except (NotSent, Unknown) as error:
-            log.warning('%s: %s: %s', asked.by.who, asked.request.name, error)
+            log.warning('%s: %s: %s', asked.sender.who, asked.request.name, error)
             is_unknown = isinstance(error, Unknown)
             raise Problem(503, str(error), ticket=ticket, is_unknown=is_unknown) from error
         except TicketTaken as error:
             raise Problem(422, str(error)) from error
         done = 'done' if outcome.accepted else 'refused'
-        log.info('%s: %s: %s: %s', asked.by.who, asked.request.name, done, outcome.message)
+        log.info('%s: %s: %s: %s', asked.sender.who, asked.request.name, done, outcome.message)
         return Json(_told(ticket, outcome), 200 if outcome.accepted else 409)
 
     async def find(self, http: HttpRequest) -> Response:
@@ -166,11 +166,11 @@ def _check(asked: Asked, session: Session) -> None:
     request = asked.request
     if session.is_locked and request.why is not Why.AFTERWARDS:
         raise Problem(403, 'this session is locked; unlock it with the password', why='locked')
-    not_allowed = refusal(request, replace(asked.by, reason='any'), asked.arguments)
+    not_allowed = refusal(request, replace(asked.sender, reason='any'), asked.arguments)
     if not_allowed is not None:
         log.warning('refused: %s', not_allowed)
         raise Problem(403, not_allowed)
-    without_reason = refusal(request, asked.by, asked.arguments)
+    without_reason = refusal(request, asked.sender, asked.arguments)
     if without_reason is not None:
         raise Problem(422, without_reason)
 

@@ -11,14 +11,13 @@ from typing import NamedTuple
 from damage.kinds import Case, damage
 from damage.scene import NAME, frozen
 from fakes.action_types import FakeActionTypes
+from fakes.commands import AnswerHold, Resume
 from fakes.journal_reading import journal_reading
 from fakes.line import Line
 from fakes.operator import ann
 
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.model.cell_commands import Resume
 from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.recovery import restore

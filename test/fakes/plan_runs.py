@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import yaml
 from fakes.action_types import FakeActionTypes
+from fakes.commands import (
+    Abort,
+    CellCommand,
+    Clear,
+    ControlJob,
+    MoveJob,
+    Reset,
+    RunNext,
+    Start,
+    Stop,
+    StopAfter,
+)
 from fakes.drawn.plan import UPDATES, Plan, Row
 from fakes.naive_cell import NaiveCell
 from fakes.virtual_run import BY, VirtualRun
@@ -14,20 +26,11 @@ from hypothesis import note
 
 from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Start, Stop
 from bt_orchestrator.model.commands import Command
 from bt_orchestrator.model.events import INDEX_KEY
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.isa95 import job_word
-from bt_orchestrator.model.jobs.job_commands import (
-    AddJobs,
-    ControlJob,
-    MoveJob,
-    RequeueJob,
-    RunNext,
-    StopAfter,
-    UpdateJob,
-)
+from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
 from bt_orchestrator.model.packml import VERBS, possible_in
@@ -40,7 +43,13 @@ from bt_orchestrator.script.script_file import parse_script
 
 TYPES = FakeActionTypes()
 BY_RECIPE = RecipeChoice(('R-3',))
-COMMANDS = {'stop': Stop, 'abort': Abort, 'clear': Clear, 'reset': Reset, 'start': Start}
+COMMANDS: Mapping[str, CellCommand] = {
+    'stop': Stop,
+    'abort': Abort,
+    'clear': Clear,
+    'reset': Reset,
+    'start': Start,
+}
 
 
 class NaiveBench:

@@ -7,13 +7,12 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+from fakes.commands import AnswerHold, Resume
 from fakes.line import Line
 from fakes.operator import ann, engineer
 from fakes.world import World
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell_commands import Resume
-from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.runtime.orchestrator import Orchestrator

@@ -14,11 +14,11 @@ import resource
 import sys
 from pathlib import Path
 
+from fakes.commands import Pause
 from fakes.line import THREE, Line
 from fakes.long_journal import LongRun
 from fakes.operator import ann
 
-from bt_orchestrator.model.cell_commands import Pause
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 

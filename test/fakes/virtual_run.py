@@ -7,24 +7,26 @@ from collections.abc import Callable, Container
 from typing import Any
 
 from fakes.board import check_board, tidy_after
+from fakes.commands import (
+    AnswerHold,
+    CellCommand,
+    ControlJob,
+    Pause,
+    ReleaseScript,
+    RemoveItem,
+    Resume,
+    SetService,
+)
 from fakes.full_tree import check_view
 from fakes.invariants import Invariants
 from fakes.operator import ann, engineer
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.cell_commands import CellCommand, Pause, Resume
 from bt_orchestrator.model.codec import digest, from_record, to_record
-from bt_orchestrator.model.commands import (
-    Answer,
-    AnswerHold,
-    Command,
-    ReleaseScript,
-    RemoveItem,
-    SetService,
-)
+from bt_orchestrator.model.commands import Answer, Command
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
@@ -120,7 +122,7 @@ class VirtualRun:
             (hold,) = self.state.holds
         return self.ask(AnswerHold(hold, answer, ann('it looked so')))
 
-    def command(self, kind: type[CellCommand], who: str = 'Ann', **more: Any) -> Answer:
+    def command(self, kind: CellCommand, who: str = 'Ann', **more: Any) -> Answer:
         """Give a command to the cell."""
         return self.ask(kind(engineer(who), **more))
 

@@ -1,13 +1,15 @@
-"""Commands to the queue and its jobs (semantics 6.6)."""
+"""Requests about orders, once their orders were read (semantics 6.6)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.requests import ADD, REQUEUE, UPDATE, Request
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,8 @@ class Sharing:
 class AddJobs:
     """Queue jobs in this order, all or none."""
 
+    request: ClassVar[Request] = ADD
+    subject: ClassVar[str] = ''
     jobs: tuple[Job, ...]
     by: By | None = None
     """None: from the plan of a virtual run."""
@@ -38,27 +42,10 @@ class AddJobs:
 
 
 @dataclass(frozen=True)
-class MoveJob:
-    """Put a queued job at another place."""
-
-    job: str
-    position: int
-    """From 1; jobs that have started are not in the queue."""
-    by: By
-
-
-@dataclass(frozen=True)
-class RunNext:
-    """Put a queued job in front of all others, and let it start."""
-
-    job: str
-    by: By
-
-
-@dataclass(frozen=True)
 class UpdateJob:
     """Change a queued job."""
 
+    request: ClassVar[Request] = UPDATE
     job: Job
     """What it is to be; its id names the job."""
     by: By
@@ -68,11 +55,17 @@ class UpdateJob:
     anew: MadeAnew | None = None
     """Why its script was generated again; None: it was not."""
 
+    @property
+    def subject(self) -> str:
+        """Id of the job."""
+        return self.job.id
+
 
 @dataclass(frozen=True)
 class RequeueJob:
     """End a job on the line early, and queue its rest anew (semantics 7.6)."""
 
+    request: ClassVar[Request] = REQUEUE
     job: str
     rest: Job
     """Its quantity is the one that is left when this is carried out."""
@@ -80,23 +73,10 @@ class RequeueJob:
     sharing: Sharing | None = None
     anew: MadeAnew | None = None
 
-
-@dataclass(frozen=True)
-class ControlJob:
-    """Ask one of the methods of `job_control` of a job."""
-
-    verb: str
-    job: str
-    by: By
+    @property
+    def subject(self) -> str:
+        """Id of the job."""
+        return self.job
 
 
-@dataclass(frozen=True)
-class StopAfter:
-    """Let the line run empty and stop, or take that back."""
-
-    after: str
-    """item: begin no more items; job: begin no more jobs; never: go on."""
-    by: By
-
-
-JobCommand = AddJobs | MoveJob | RunNext | UpdateJob | RequeueJob | ControlJob | StopAfter
+OfOrders = AddJobs | UpdateJob | RequeueJob

@@ -4,7 +4,7 @@ Verbs, services, help, documentation and permissions come from it. The states in
 possible are not repeated here: `packml`, `job_control` and `failures` decide that.
 """
 
-from bt_orchestrator.model.requests.asking import Asked, BadArguments, ask
+from bt_orchestrator.model.requests.asking import Asked, BadArguments, ask, lacking
 from bt_orchestrator.model.requests.permission import refusal
 from bt_orchestrator.model.requests.possible import of_cell, of_hold, of_job
 from bt_orchestrator.model.requests.request import About, Kind, Parameter, Request, Why
@@ -16,6 +16,7 @@ from bt_orchestrator.model.requests.table import (
     COMMANDED,
     COMMENT,
     IN_SERVICE,
+    JOB,
     MOVE,
     NEXT,
     OUT_OF_SERVICE,
@@ -44,6 +45,7 @@ __all__ = [
     'COMMANDED',
     'COMMENT',
     'IN_SERVICE',
+    'JOB',
     'MOVE',
     'NEXT',
     'OUT_OF_SERVICE',
@@ -64,4 +66,5 @@ __all__ = [
     'Asked',
     'BadArguments',
     'ask',
+    'lacking',
 ]

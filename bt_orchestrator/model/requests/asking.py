@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from bt_orchestrator.model.by import By
+from bt_orchestrator.model.limits import cut
 from bt_orchestrator.model.requests.request import Kind, Parameter, Request
 from bt_orchestrator.model.requests.table import REQUESTS
 
@@ -19,9 +21,24 @@ class Asked:
     """A request, its subject, and its sender."""
 
     request: Request
-    by: By
-    arguments: Mapping[str, object] = field(default_factory=dict)
+    by: By | None
+    """None: the plan of a virtual run, in which nobody is there to ask."""
+    arguments: Mapping[str, Any] = field(default_factory=dict)
     """By name; parameters that were not given are left out."""
+
+    def __getitem__(self, name: str) -> Any:
+        return self.arguments[name]
+
+    @property
+    def sender(self) -> By:
+        """The person or program that asks."""
+        assert self.by is not None, f'{self.request.name} is of a plan'
+        return self.by
+
+    @property
+    def subject(self) -> str:
+        """Id of the subject; empty: it has none."""
+        return self[self.request.subject.name] if self.request.subject else ''
 
 
 def ask(name: str, by: By, /, **arguments: object) -> Asked:
@@ -32,16 +49,28 @@ def ask(name: str, by: By, /, **arguments: object) -> Asked:
     """
     request = REQUESTS.get(name)
     if request is None:
-        raise BadArguments(f'there is no request {name!r}; one of {", ".join(REQUESTS)}')
+        raise BadArguments(f'there is no request {cut(name, 60)!r}; one of {", ".join(REQUESTS)}')
     known = {parameter.name: parameter for parameter in request.parameters}
     given = {key: value for key, value in arguments.items() if value is not None}
     for key in given:
         if key not in known:
             expected = ', '.join(known) or 'nothing'
             raise BadArguments(f'{name} takes {expected}; found {key}')
+    lacking(request, given)
     for parameter in request.parameters:
-        _check(name, parameter, given)
+        if parameter.name in given:
+            _check(name, parameter, given[parameter.name])
     return Asked(request, by, given)
+
+
+def lacking(request: Request, given: Collection[str]) -> None:
+    """Refuse a request without an argument that it needs.
+
+    :raises BadArguments: names the first
+    """
+    for one in request.parameters:
+        if one.is_required and one.name not in given:
+            raise BadArguments(f'{request.name} needs {one.name}: {one.meaning}')
 
 
 _TYPES: Mapping[Kind, tuple[type, ...]] = {
@@ -54,12 +83,7 @@ _TYPES: Mapping[Kind, tuple[type, ...]] = {
 }
 
 
-def _check(name: str, parameter: Parameter, given: Mapping[str, object]) -> None:
-    if parameter.name not in given:
-        if parameter.is_required:
-            raise BadArguments(f'{name} needs {parameter.name}: {parameter.meaning}')
-        return
-    value = given[parameter.name]
+def _check(name: str, parameter: Parameter, value: object) -> None:
     if not _is_of(parameter.kind, value):
         expected = f'{parameter.name} of {name} is {parameter.kind.value}'
         raise BadArguments(f'{expected} ({parameter.meaning}); found {value!r}')

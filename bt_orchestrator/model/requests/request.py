@@ -72,6 +72,9 @@ class Request:
     why: Why = Why.FIRST
     is_confirmed: bool = False
     """It changes items, queue or belt in a way that cannot be taken back: a surface asks twice."""
+    is_limited: bool = False
+    """It can be repeated without end, so its rate is limited. A stop, a pause or an answer is
+    refused until something undoes it, so it is never delayed."""
     also: tuple[str, ...] = ()
     """Other words for it that commands take; recorded is `word`."""
 
@@ -84,6 +87,11 @@ class Request:
     def subject(self) -> Parameter | None:
         """The id of its subject; None: the cell, which needs no id."""
         return self.parameters[0] if self.about in NAMED else None
+
+    @property
+    def recorded(self) -> str:
+        """The field of records that names its subject."""
+        return 'digest' if self.about is About.SCRIPT else self.about.value
 
 
 NAMED = {

@@ -26,10 +26,12 @@ def _request(
     *parameters: Parameter,
     why: Why = Why.FIRST,
     is_confirmed: bool = False,
+    is_limited: bool = False,
     also: tuple[str, ...] = (),
 ) -> Request:
     subject = (NAMED[about],) if about in NAMED else ()
-    return Request(word, about, effect, roles, (*subject, *parameters), why, is_confirmed, also)
+    of_its_own = (*subject, *parameters)
+    return Request(word, about, effect, roles, of_its_own, why, is_confirmed, is_limited, also)
 
 
 # --- the cell (semantics 7.2, 7.3) --------------------------------------------------------------
@@ -52,9 +54,10 @@ CELL: Mapping[Cause, Request] = {
         VERBS[Cause.RESET],
         'gets the cell ready to start',
         _OPERATORS,
+        is_limited=True,
     ),
     Cause.START: _request(
-        About.CELL, VERBS[Cause.START], 'lets the cell begin to work', _OPERATORS
+        About.CELL, VERBS[Cause.START], 'lets the cell begin to work', _OPERATORS, is_limited=True
     ),
     Cause.HOLD: _request(
         About.CELL,
@@ -70,6 +73,7 @@ CELL: Mapping[Cause, Request] = {
         _OPERATORS,
         _HOLD,
         _EVERYONES,
+        is_limited=True,
     ),
     Cause.STOP: _request(
         About.CELL,
@@ -93,11 +97,12 @@ CELL: Mapping[Cause, Request] = {
         _BELT,
         _AS_SHOWN,
         is_confirmed=True,
+        is_limited=True,
     ),
 }
 
 STOP_AFTERS: Mapping[str, Request] = {
-    after: _request(About.CELL, STOP_AFTER + after, effect, _OPERATORS)
+    after: _request(About.CELL, STOP_AFTER + after, effect, _OPERATORS, is_limited=True)
     for after, effect in (
         *(
             (after, f'begins no more {after}s, lets the line run empty, then stops')
@@ -115,24 +120,30 @@ ADD = _request(
     Parameter('orders', Kind.ORDERS, 'work orders', is_required=True),
     Parameter('position', Kind.WHOLE, 'place of the first, from 1; else by priority and start'),
     Parameter('held', Kind.YES_NO, 'keep them from starting'),
-    why=Why.NEVER,
+    why=Why.NEVER, is_limited=True,
 )  # fmt: skip
 
 MOVE = _request(
     About.JOB, 'move', 'puts a queued job at another place', _OPERATORS,
     Parameter('position', Kind.WHOLE, 'place in the queue, from 1', is_required=True),
+    is_limited=True,
 )  # fmt: skip
 NEXT = _request(
-    About.JOB, 'next', 'puts a queued job in front of all others, and releases it', _OPERATORS
-)
+    About.JOB, 'next', 'puts a queued job in front of all others, and releases it', _OPERATORS,
+    is_limited=True,
+)  # fmt: skip
 
 
 def _of_method(
-    method: Method, roles: frozenset[Role], *parameters: Parameter, is_confirmed: bool = False
+    method: Method,
+    roles: frozenset[Role],
+    *parameters: Parameter,
+    is_confirmed: bool = False,
+    is_limited: bool = False,
 ) -> Request:
     return _request(
         About.JOB, method.verb, method.meaning, roles, *parameters, is_confirmed=is_confirmed,
-        also=method.also,
+        is_limited=is_limited, also=method.also,
     )  # fmt: skip
 
 
@@ -156,20 +167,22 @@ UPDATE = _of_method(
     Parameter('start', Kind.TEXT, 'when it should begin, with time zone; none: take it away'),
     Parameter('due', Kind.TEXT, 'when it should have ended, with time zone; none: take it away'),
     Parameter('details', Kind.VALUES, 'JSON of the customer; empty: take it away'),
+    is_limited=True,
 )
 
 REQUEUE = _of_method(
     job_control.REQUEUE,
     _BOTH,
     Parameter('order', Kind.TEXT, 'id of the new order; else that of the job, with -rest'),
+    is_limited=True,
 )
 
 JOB: tuple[tuple[Method, Request], ...] = (
-    (job_control.START, _of_method(job_control.START, _BOTH)),
+    (job_control.START, _of_method(job_control.START, _BOTH, is_limited=True)),
     (job_control.REVOKE_START, _of_method(job_control.REVOKE_START, _BOTH)),
     (job_control.UPDATE, UPDATE),
     (job_control.PAUSE, _of_method(job_control.PAUSE, _BOTH)),
-    (job_control.RESUME, _of_method(job_control.RESUME, _BOTH)),
+    (job_control.RESUME, _of_method(job_control.RESUME, _BOTH, is_limited=True)),
     (job_control.STOP, _of_method(job_control.STOP, _BOTH)),
     (job_control.REQUEUE, REQUEUE),
     (job_control.ABORT, _of_method(job_control.ABORT, _ENGINEERS, is_confirmed=True)),
@@ -218,11 +231,12 @@ ANSWERS: Mapping[str, Request] = {
 
 ACKNOWLEDGE = _request(
     About.HOLD, 'acknowledge', 'records that somebody has seen it; it stays', _OPERATORS,
-    why=Why.NEVER,
+    why=Why.NEVER, is_limited=True,
 )  # fmt: skip
 COMMENT = _request(
-    About.HOLD, 'comment', 'records what somebody says about it; it stays', _OPERATORS
-)
+    About.HOLD, 'comment', 'records what somebody says about it; it stays', _OPERATORS,
+    is_limited=True,
+)  # fmt: skip
 REMARKS = (ACKNOWLEDGE.word, COMMENT.word)
 """Words about a hold that are no answers to it."""
 
@@ -234,7 +248,7 @@ OUT_OF_SERVICE = _request(
 )  # fmt: skip
 IN_SERVICE = _request(
     About.COMPONENT, 'in_service', 'lets a component get goals again, and lets jobs that need it '
-    'start', _OPERATORS,
+    'start', _OPERATORS, is_limited=True,
 )  # fmt: skip
 
 # --- scripts (semantics 6.10) -------------------------------------------------------------------
@@ -243,6 +257,7 @@ RELEASE_SCRIPT = _request(
     About.SCRIPT, 'release_script', 'lets jobs of a generated script start on this cell',
     _ENGINEERS,
     Parameter('cell_digest', Kind.TEXT, 'refuse it unless this is the digest of the cell'),
+    is_limited=True,
 )  # fmt: skip
 
 TABLE: tuple[Request, ...] = (

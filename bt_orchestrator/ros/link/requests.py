@@ -29,7 +29,7 @@ def call_of(asked: Asked) -> Call:
     """
     try:
         call = _add(asked) if asked.request == ADD else _any(asked)
-        _sign(call.request, asked.by)
+        _sign(call.request, asked.sender)
         check(call.request)
     except (OverflowError, TypeError, ValueError) as error:
         raise CommandRefused(f'{asked.request.name} cannot be sent: {error}') from error

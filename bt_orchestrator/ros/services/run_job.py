@@ -29,10 +29,10 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.commands import Answer, RefusedRequest
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.job_record import FailureRecord, ItemRecord, JobRecord
 from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
-from bt_orchestrator.model.requests import ADD
+from bt_orchestrator.model.requests import ADD, ask
 from bt_orchestrator.replies import begin
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
@@ -199,7 +199,7 @@ class RunJobServer:
         if served is None:
             return False
         who = self._senders.of_cancel(served.by)
-        answer = await self._orchestrator.carry_out(ControlJob('abort', job, who))
+        answer = await self._orchestrator.carry_out(ask('job.abort', who, job=job))
         if not answer.accepted:
             self._log.warning(f'run_job is not cancelled: {answer.message}')
         return answer.accepted

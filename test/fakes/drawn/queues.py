@@ -5,19 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from random import Random
 
+from fakes.commands import Abort, Clear, MoveJob, Reset, Resume, RunNext, Start, Stop, StopAfter
 from fakes.virtual_run import BY, VirtualRun, defaults
 
 from bt_orchestrator.model.belt_statement import believed, parse_slots
-from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Resume, Start, Stop
 from bt_orchestrator.model.commands import Answer
-from bt_orchestrator.model.jobs.job_commands import (
-    AddJobs,
-    MoveJob,
-    RequeueJob,
-    RunNext,
-    StopAfter,
-    UpdateJob,
-)
+from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.script import Script

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from fakes.line import TYPES, Line
 from fakes.operator import engineer
 
-from bt_orchestrator.asking.commands import command, command_of
+from bt_orchestrator.asking.commands import PREPARES, asked_by_word, prepared
 from bt_orchestrator.errors import CommandRefused
-from bt_orchestrator.model import cell_commands as c
 from bt_orchestrator.model.belt_statement import AsShown, Slots
-from bt_orchestrator.model.commands import AnswerHold, RemoveItem
-from bt_orchestrator.model.jobs.job_commands import ControlJob, MoveJob, RunNext, StopAfter
-from bt_orchestrator.model.requests import TABLE, About, Kind, Parameter, ask
+from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
+from bt_orchestrator.model.requests import (
+    REQUESTS,
+    TABLE,
+    About,
+    Asked,
+    Kind,
+    Parameter,
+    ask,
+)
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.runtime.command_record import decided
+from bt_orchestrator.runtime.deciding import DECIDERS
 
 ANN = engineer('Ann', 'test', 'because')
 STATE = Line().begin().state
@@ -24,8 +33,8 @@ OF_KIND: dict[Kind, object] = {Kind.TEXT: 'it', Kind.WHOLE: 2}
 OF_ORDERS = ('queue.add', 'job.update')
 
 
-def asked(name: str, **given: Any) -> object:
-    return command_of(ask(name, ANN, **given), STATE, TYPES)
+def asked(name: str, **given: Any) -> Asked:
+    return prepared(ask(name, ANN, **given), STATE, TYPES)
 
 
 def value(parameter: Parameter) -> object:
@@ -37,29 +46,37 @@ def value(parameter: Parameter) -> object:
 
 
 @pytest.mark.parametrize('request_', TABLE, ids=lambda request: request.name)
-def test_a_request_is_recorded_by_its_word(request_: Any) -> None:
+def test_a_request_is_recorded_by_its_word_and_subject(request_: Any) -> None:
     if request_.name in OF_ORDERS:
         return  # they are read first
     given = {p.name: value(p) for p in request_.parameters if p.is_required}
     if request_.name == 'cell.clear':
         given = {'as_shown': 7}
-    (record,) = decided(command_of(ask(request_.name, ANN, **given), STATE, TYPES))  # type: ignore[arg-type]
+    (record,) = decided(asked(request_.name, **given))
     assert vars(record)['answer'] == request_.word
     assert vars(record)['who'] == 'Ann'
+    if request_.subject:
+        assert vars(record)[request_.recorded] == given[request_.subject.name]
 
 
-def test_what_a_request_says_is_in_its_command() -> None:
-    assert asked('cell.resume', hold='3') == c.Resume(ANN, hold='3')
-    assert asked('cell.resume', everyones=True) == c.Resume(ANN, everyones=True)
-    assert asked('cell.clear', as_shown=7) == c.Clear(ANN, belt=AsShown(7))
+def test_each_request_has_one_decider() -> None:
+    by_classes = {one.request.name for one in (AddJobs, UpdateJob, RequeueJob)}
+    assert set(DECIDERS) | by_classes == set(REQUESTS)
+    assert not set(DECIDERS) & by_classes
+    assert set(PREPARES) <= set(DECIDERS)
+
+
+def test_what_a_request_says_is_prepared() -> None:
+    assert asked('cell.clear', as_shown=7)['belt'] == AsShown(7)
     belt = Slots({1: 'J/1', 2: 'empty'})
-    assert asked('cell.clear', belt=['1=J/1', '2=empty']) == c.Clear(ANN, belt=belt)
-    assert asked('cell.stop_after_job') == StopAfter('job', ANN)
-    assert asked('job.move', job='J', position=2) == MoveJob('J', 2, ANN)
-    assert asked('job.next', job='J') == RunNext('J', ANN)
-    assert asked('job.cancel', job='J') == ControlJob('cancel', 'J', ANN)
-    assert asked('item.remove_item', item='J/1') == RemoveItem('J/1', ANN)
-    assert asked('hold.skip', hold='1') == AnswerHold('1', 'skip', ANN)
+    assert asked('cell.clear', belt=['1=J/1', '2=empty'])['belt'] == belt
+    assert asked('job.move', job='J', position=2) == ask('job.move', ANN, job='J', position=2)
+
+
+def test_a_sender_without_permission_learns_nothing_of_the_cell() -> None:
+    view = replace(ANN, role=Role.VIEW)
+    unknown = ask('component.out_of_service', view, component='amr')
+    assert prepared(unknown, STATE, TYPES) is unknown
 
 
 @pytest.mark.parametrize('given', [{}, {'belt': ['1=empty'], 'as_shown': 7}])
@@ -68,32 +85,56 @@ def test_clear_says_what_is_on_the_belt_in_one_way(given: dict[str, Any]) -> Non
         asked('cell.clear', **given)
 
 
-OF_JOBS = 'next, release, hold, pause, resume, stop, requeue, abort, cancel, remove, clear'
+OF_JOBS = 'move, next, release, hold, update, pause, resume, stop, requeue, abort, cancel, remove'
 
 
 def test_words_that_nobody_knows() -> None:
     all_words = (
         "unknown command 'fly'; one of reset, start, pause, resume, stop, abort, clear, "
-        'out_of_service, in_service, release_script$'
+        'stop_after_item, stop_after_job, stop_after_never, out_of_service, in_service, '
+        'release_script$'
     )
     with pytest.raises(CommandRefused, match=all_words):
-        command(About.CELL, 'fly', ANN, {}, STATE, TYPES)
-    run = Line().begin()
+        asked_by_word(About.CELL, 'fly', ANN, {}, STATE)
     for about, word, given, said in (
         (About.JOB, 'fly', {'job': 'J'}, f"unknown command 'fly'; one of {OF_JOBS}"),
-        (About.CELL, 'stop_after_lunch', {}, "one of item, job, never; found 'lunch'"),
+        (About.CELL, 'stop_after_lunch', {}, 'stop_after_item, stop_after_job, stop_after_never'),
+        (About.JOB, 'x' * 5_000_000, {'job': 'J'}, r'unknown command .x{0,40} … \(5000000 charac'),
         (About.HOLD, 'fly', {'hold': '9'}, 'there is no hold 9; holds now: none'),
     ):
-        asked_ = command(about, word, ANN, given, run.state, TYPES)
-        answer = run.ask(asked_)
-        assert not answer.accepted
-        assert said in answer.message
+        with pytest.raises(CommandRefused, match=said):
+            asked_by_word(about, word, ANN, given, STATE)
+
+
+def test_a_word_that_a_hold_does_not_offer_is_refused_with_those_it_does() -> None:
+    state = Line(faults={'a2': '=abort'}).run().state
+    with pytest.raises(CommandRefused, match=r"can be answered with retry, .*; found 'fly'"):
+        asked_by_word(About.HOLD, 'fly', ANN, {'hold': '1'}, state)
+    run = Line().begin()
+    assert run.pause().accepted
+    with pytest.raises(CommandRefused, match=r'takes no answer; .*resume'):
+        asked_by_word(About.HOLD, 'resume', ANN, {'hold': '1'}, run.state)
+
+
+def test_fields_of_other_commands_are_left_out_of_one_to_the_cell() -> None:
+    given = {'hold': '3', 'belt': ['1=empty'], 'everyones': True, 'as_shown': 0}
+    assert asked_by_word(About.CELL, 'stop', ANN, given, STATE).arguments == {}
+    assert asked_by_word(About.CELL, 'resume', ANN, given, STATE).arguments == {
+        'hold': '3',
+        'everyones': True,
+    }
+
+
+def test_results_are_for_mark_done_alone() -> None:
+    given = {'hold': '1', 'results': '{x: 1}'}
+    with pytest.raises(CommandRefused, match='results cannot be given with skip'):
+        asked_by_word(About.HOLD, 'skip', ANN, given, STATE)
 
 
 def test_a_move_needs_a_position() -> None:
     """It is missing where the word comes without arguments, as in `~/queue/command`."""
-    with pytest.raises(CommandRefused, match='to move J, name its new position, from 1'):
-        command(About.JOB, 'move', ANN, {'job': 'J'}, STATE, TYPES)
+    with pytest.raises(CommandRefused, match='needs position: place in the queue, from 1'):
+        asked_by_word(About.JOB, 'move', ANN, {'job': 'J'}, STATE)
 
 
 def test_results_are_for_a_task_that_is_held() -> None:
@@ -106,12 +147,11 @@ def test_results_have_the_types_of_their_task(results: object) -> None:
     state = Line(faults={'a2': '=abort'}).run().state
     (hold,) = state.holds
 
-    def read(results: object) -> object:
-        return command(
-            About.HOLD, 'mark_done', ANN, {'hold': hold, 'results': results}, state, TYPES
-        )
+    def read(results: object) -> Asked:
+        given = {'hold': hold, 'results': results}
+        return prepared(asked_by_word(About.HOLD, 'mark_done', ANN, given, state), state, TYPES)
 
-    assert read(results) == AnswerHold(hold, 'mark_done', ANN, {'measurement': 3.5})
+    assert read(results)['results'] == {'measurement': 3.5}
     for wrong in ({'measurement': 'much'}, '{measurement: much}'):
         with pytest.raises(CommandRefused, match=r'results: .*number.*text `much`'):
             read(wrong)

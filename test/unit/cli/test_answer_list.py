@@ -31,7 +31,7 @@ class TrustingLink(VirtualLink):
     """A link of somebody whose name is known."""
 
     def ask(self, asked: Asked) -> Answer:
-        return super().ask(replace(asked, by=engineer('Ann', reason=asked.by.reason)))
+        return super().ask(replace(asked, by=engineer('Ann', reason=asked.sender.reason)))
 
 
 @pytest.fixture

@@ -30,7 +30,7 @@ class SerialDoors:
         """As `Doors`."""
         async with self._door:
             await asyncio.sleep(0)
-            by = asked.by
+            by = asked.sender
             said = {'who': by.who, 'origin': by.origin, 'role': by.role.value, 'reason': by.reason}
             seq, word = len(self.events) + 1, asked.request.word
             self.events.append(OperatorDecided(seq=seq, time=0.0, answer=word, **said))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import Abort
 from fakes.line import THREE, Line
 from fakes.reading import Reading
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.model.cell_commands import Abort
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.state import Hold
 

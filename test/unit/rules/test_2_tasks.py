@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import Abort, Stop
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.model.cell_commands import Abort, Stop
 from bt_orchestrator.model.contest import Contest
 
 WORK_AT = 3.0

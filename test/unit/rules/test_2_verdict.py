@@ -6,11 +6,10 @@ from math import inf, nan
 from typing import Any
 
 import pytest
+from fakes.commands import AnswerHold
 from fakes.line import Line
 from fakes.operator import ann
 from fakes.virtual_run import VirtualRun
-
-from bt_orchestrator.model.commands import AnswerHold
 
 JUDGED = """
 params: {least: {type: float, default: 4.5}}

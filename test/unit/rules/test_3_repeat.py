@@ -6,10 +6,10 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from fakes.commands import Stop
 from fakes.line import Line
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.model.cell_commands import Stop
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.failures import may_repeat
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import Abort, Reset, RunNext, Start, Stop
 from fakes.line import Line, with_initialization
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.cell_commands import Abort, Reset, Start, Stop
 from bt_orchestrator.model.events import TaskKey
-from bt_orchestrator.model.jobs.job_commands import RunNext
 from bt_orchestrator.model.packml import PackmlState
 
 HOME = with_initialization('[{id: home, task: HOME, action: /belt/do, once: true}]')

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import pytest
+from fakes.commands import AnswerHold
 from fakes.line import expanded
 from fakes.operator import ann
 from fakes.reading import TYPES, Reading
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.script.script_file import parse_script
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from math import inf, nan
 
 import pytest
+from fakes.commands import AnswerHold
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
 
-from bt_orchestrator.model.commands import AnswerHold
+from bt_orchestrator.model.requests import BadArguments, ask
 
 # --- 6.1 ------------------------------------------------------------------------------------
 
@@ -209,10 +210,8 @@ def test_6_3_a_task_marked_done_has_the_results_that_the_operator_gave() -> None
 
 @pytest.mark.parametrize('answer', ['retry', 'skip'])
 def test_6_3_results_go_with_mark_done_only(answer: str) -> None:
-    run = Line(faults={'a2': '#1=abort'}).run(MEASURED)
-    given = run.ask(AnswerHold('1', answer, ann(), {'measurement': 3.5}))
-    assert not given.accepted
-    assert given.message.startswith('results are given with mark_done')
+    with pytest.raises(BadArguments, match=f'hold.{answer} takes hold; found results'):
+        ask(f'hold.{answer}', ann(), hold='1', results={'measurement': 3.5})
 
 
 # --- 6.4 ------------------------------------------------------------------------------------

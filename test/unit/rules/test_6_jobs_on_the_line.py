@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import Abort, Pause, Reset, Start, Stop, StopAfter
 from fakes.line import THREE, Line
 from fakes.queued_jobs import LINE, SCRIPT, begun, queue, queued
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.cell_commands import Abort, Pause, Reset, Start, Stop
-from bt_orchestrator.model.jobs.job_commands import StopAfter
 from bt_orchestrator.model.packml import PackmlState
 
 TOLERANT = LINE.script(THREE.replace('qty_change: -1', 'qty_change: -1, runs_for: all'))
@@ -318,11 +317,6 @@ def test_6_6_a_stop_to_come_needs_something_to_stop_after() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.add(('K', SCRIPT), held=True)
     assert not run.ask(StopAfter('job', BY)).accepted
-
-
-def test_6_6_what_to_stop_after_is_one_of_three() -> None:
-    answer = queued('').ask(StopAfter('lunch', BY))
-    assert 'item, job, never' in answer.message
 
 
 def test_6_6_after_such_a_stop_the_line_goes_on_when_it_is_started() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from fakes.commands import MoveJob, RunNext
 from fakes.line import THREE, Line
 from fakes.queued_jobs import LINE, SCRIPT, begun, queue
 from fakes.virtual_run import BY, VirtualRun
@@ -12,7 +13,7 @@ from fakes.virtual_run import BY, VirtualRun
 from bt_orchestrator.model.cell import Start
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.jobs.job_commands import AddJobs, MoveJob, RunNext, UpdateJob
+from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import NO_TERMS, Job, Terms
 from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.packml import PackmlState

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import MoveJob, RunNext
 from fakes.line import THREE, Line, with_section
 from fakes.queued_jobs import LINE, SCRIPT, begun, queue, queued
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.jobs.job_commands import MoveJob, RunNext, UpdateJob
+from bt_orchestrator.model.jobs.job_commands import UpdateJob
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.limits import ENDED_KEPT
 from bt_orchestrator.model.packml import PackmlState

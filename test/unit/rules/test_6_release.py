@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from fakes.commands import ReleaseScript, RunNext
 from fakes.line import THREE, Line
 from fakes.operator import ann
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.asking.commands import command
+from bt_orchestrator.asking.commands import prepared
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.cell import Release
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.commands import ReleaseScript
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
-from bt_orchestrator.model.jobs.job_commands import RunNext, UpdateJob
+from bt_orchestrator.model.jobs.job_commands import UpdateJob
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.requests import About
+from bt_orchestrator.model.requests import ask
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.sim.simulation import Outcome, Simulation
@@ -225,22 +225,20 @@ def test_6_10_one_that_is_aborted_in_the_queue_ends(run: VirtualRun) -> None:
 # --- as a request ---------------------------------------------------------------------------
 
 
-def asked(run: VirtualRun, script: str) -> ReleaseScript:
-    given = {'script': script}
-    found = command(About.SCRIPT, 'release_script', ann(), given, run.state, LINE.types)
-    assert isinstance(found, ReleaseScript)
-    return found
+def digest_asked(run: VirtualRun, script: str) -> str:
+    asked = ask('script.release_script', ann(), script=script)
+    return prepared(asked, run.state, LINE.types).subject
 
 
 def test_6_10_a_script_that_is_waited_for_may_be_named(run: VirtualRun) -> None:
     run.add(('K', GENERATED), ('L', WRITTEN))
-    assert asked(run, 'made').digest == digest(GENERATED)
-    assert asked(run, 'aaaabbbbcccc').digest == 'aaaabbbbcccc'
+    assert digest_asked(run, 'made') == digest(GENERATED)
+    assert digest_asked(run, 'aaaabbbbcccc') == 'aaaabbbbcccc'
     with pytest.raises(CommandRefused, match="no job in the queue waits for 'written'; name the"):
-        asked(run, 'written')
+        digest_asked(run, 'written')
     run.add(('M', OTHER))
     with pytest.raises(CommandRefused, match="several scripts are called 'made'"):
-        asked(run, 'made')
+        digest_asked(run, 'made')
 
 
 def test_6_10_a_simulation_has_nobody_to_release_it_and_runs() -> None:

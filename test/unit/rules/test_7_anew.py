@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from fakes.commands import SetService
 from fakes.operator import ann
 from fakes.recipe_bench import BOX, Bench
 from fakes.script_texts import LINE, script
@@ -13,7 +14,6 @@ from fakes.script_texts import LINE, script
 from bt_orchestrator.asking.anew import QueueAnew
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.commands import SetService
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from fakes.line import THREE, Line, with_section
-from fakes.operator import ann
-from fakes.virtual_run import BY, VirtualRun
-
-from bt_orchestrator.model import events as e
-from bt_orchestrator.model.belt_statement import AsShown
-from bt_orchestrator.model.cell_commands import (
+from fakes.commands import (
     Abort,
+    AnswerHold,
     CellCommand,
     Clear,
     Pause,
@@ -18,10 +13,16 @@ from bt_orchestrator.model.cell_commands import (
     Resume,
     Start,
     Stop,
+    StopAfter,
 )
-from bt_orchestrator.model.commands import AnswerHold, Shutdown
+from fakes.line import THREE, Line, with_section
+from fakes.operator import ann
+from fakes.virtual_run import BY, VirtualRun
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.belt_statement import AsShown
+from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.model.fold import apply
-from bt_orchestrator.model.jobs.job_commands import StopAfter
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import TRANSITIONS, PackmlState
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -70,7 +71,7 @@ def test_7_2_the_table_is_the_rule() -> None:
     assert len(PackmlState) == 17
 
 
-COMMANDS: dict[str, type[CellCommand]] = {
+COMMANDS: dict[str, CellCommand] = {
     'reset': Reset,
     'start': Start,
     'stop': Stop,

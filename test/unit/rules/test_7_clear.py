@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import Abort, Clear, Reset, Start
 from fakes.line import Line, with_section
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.belt_statement import AsShown, Slots, believed, parse_slots
-from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Start
 from bt_orchestrator.model.commands import Answer
 
 

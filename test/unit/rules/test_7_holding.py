@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import Abort
 from fakes.line import THREE, Line, with_section
-from fakes.operator import ann
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.model.cell_commands import Abort
-from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.model.requests import REMARKS
 
 # --- 7.1: what a hold stops -----------------------------------------------------------------
@@ -97,14 +95,14 @@ def test_7_1_each_answer_is_recorded_with_who_and_why() -> None:
 def test_7_1_an_answer_to_no_hold_is_refused() -> None:
     run = Line(faults={'a2': '#1=abort'}).run()
     before = len(run.records)
-    refused = [run.answer('retry', hold='7'), run.answer('repeat')]
+    refused = [run.answer('retry', hold='7'), run.answer('again')]
     assert [answer.accepted for answer in refused] == [False, False]
     assert refused[0].message == 'there is no hold 7; holds now: 1'
     assert 'can be answered with retry, mark_done, skip, reject, abort_job' in refused[1].message
     recorded = [(r['event'], r['command'], r['who'], r['hold']) for r in run.records[before:]]
     assert recorded == [
         ('operator.refused', 'retry', 'Ann', '7'),
-        ('operator.refused', 'repeat', 'Ann', '1'),
+        ('operator.refused', 'again', 'Ann', '1'),
     ]
 
 
@@ -432,8 +430,7 @@ def test_7_1_a_pause_takes_remarks_and_what_is_over_takes_none() -> None:
     run = Line().begin(quantity=2).go(until=3.0)
     run.pause()
     assert run.answer('acknowledge', '1').accepted
-    results = run.ask(AnswerHold('1', 'comment', ann('tea'), {'measurement': 1.0}))
-    assert results.message == 'results are given with mark_done; found comment'
+    assert run.answer('comment', '1').accepted
     assert run.answer('comment', '2').message == 'there is no hold 2; holds now: 1'
 
 

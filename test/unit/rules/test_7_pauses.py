@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import AnswerHold, Pause, Resume
 from fakes.line import THREE, Line
 from fakes.operator import ann
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell_commands import Pause, Resume
-from bt_orchestrator.model.commands import AnswerHold, FoundTwin
+from bt_orchestrator.model.commands import FoundTwin
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
@@ -162,7 +162,7 @@ def test_7_3_a_node_that_finds_a_twin_lets_run_what_runs_and_starts_nothing() ->
 
 
 def test_7_3_an_answer_to_a_pause_is_told_how_it_is_released() -> None:
-    answer = held_by('twin').ask(AnswerHold('1', 'resume', ann()))
+    answer = held_by('twin').ask(AnswerHold('1', 'retry', ann()))
     assert answer.message == (
         'hold 1 (twin, look) takes no answer; bt-orchestrator resume --hold 1 --reason WHY'
     )

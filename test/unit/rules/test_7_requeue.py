@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.commands import Reset, Start, Stop
 from fakes.operator import ann
 from fakes.recipe_bench import BOX, Bench
 from fakes.script_texts import LINE, cell, script
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.errors import Finding, NotRead, Refused
-from bt_orchestrator.model.cell_commands import Reset, Start, Stop
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.job_commands import RequeueJob
 from bt_orchestrator.model.jobs.made_anew import MadeAnew

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import RunNext, SetService, Stop
 from fakes.line import THREE, Line
 from fakes.operator import ann
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.cell_commands import Stop
-from bt_orchestrator.model.commands import SetService
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
-from bt_orchestrator.model.jobs.job_commands import RunNext, UpdateJob
+from bt_orchestrator.model.jobs.job_commands import UpdateJob
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.sim.simulation import Simulation

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import Abort, Pause, Resume, Stop
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bt_orchestrator.model.cell_commands import Abort, Pause, Resume, Stop
 from bt_orchestrator.model.jobs.isa95 import job_word
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
 from bt_orchestrator.runtime.starvation import SUSPEND_AFTER_S

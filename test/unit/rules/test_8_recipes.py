@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.commands import SetService
 from fakes.operator import ann
 from fakes.recipe_bench import BOX, LID, Bench, made
 
 from bt_orchestrator.errors import Finding, NotRead, Refused
-from bt_orchestrator.model.commands import Answer, SetService
+from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.ports import MadeScript

@@ -8,22 +8,14 @@ from collections.abc import Sequence
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.commands import Abort, CellCommand, Pause, RemoveItem, Reset, Resume, Start, Stop
 from fakes.line import Line, with_section
 from fakes.operator import ann
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.cell_commands import (
-    Abort,
-    CellCommand,
-    Pause,
-    Reset,
-    Resume,
-    Start,
-    Stop,
-)
-from bt_orchestrator.model.commands import Answer, RemoveItem, Shutdown
+from bt_orchestrator.model.commands import Answer, Shutdown
 from bt_orchestrator.model.goal import GoalRequest, GoalStatus
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
@@ -205,7 +197,7 @@ def test_9_1_abort_again_cancels_again() -> None:
 
 
 @pytest.mark.parametrize('command', [Pause, Resume, Stop, Reset, Start])
-def test_9_1_every_other_command_is_refused_and_says_why(command: type[CellCommand]) -> None:
+def test_9_1_every_other_command_is_refused_and_says_why(command: CellCommand) -> None:
     plant = Plant()
     plant.fill_disk()
     for refused in (command(ann()), RemoveItem('J/1', ann())):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from fakes.commands import Abort, Resume
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
 
-from bt_orchestrator.model.cell_commands import Abort, Resume
 from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock

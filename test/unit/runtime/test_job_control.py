@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import pytest
+from fakes.commands import Pause
 from fakes.line import THREE, Line
 from fakes.operator import ann
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.cell_commands import Pause
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
 from bt_orchestrator.model.jobs.job_commands import UpdateJob
@@ -176,11 +176,6 @@ def test_another_word_is_recorded_as_the_one_of_the_table() -> None:
     run = _queued()
     assert run.control('remove', 'K').accepted
     assert run.all('operator.decided')[-1]['answer'] == 'cancel'
-
-
-def test_an_unknown_word_is_refused_with_the_known_ones() -> None:
-    answer = _running().control('dance', 'K')
-    assert (answer.accepted, 'release, hold, pause' in answer.message) == (False, True)
 
 
 @pytest.mark.parametrize('verb', CONTROLS)

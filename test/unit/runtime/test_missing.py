@@ -7,12 +7,12 @@ import sqlite3
 from pathlib import Path
 
 import pytest
+from fakes.commands import Resume
 from fakes.line import with_section
 from fakes.operator import ann
 from fakes.plant import Plant
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell_commands import Resume
 from bt_orchestrator.store.sqlite.mark import mark_of
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import Abort
 from fakes.line import THREE, Line, with_section
 from fakes.line_picture import DrawnLine
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.status_marks import line_state
-from bt_orchestrator.model.cell_commands import Abort
 from bt_orchestrator.model.state import End, PassedTask
 from bt_orchestrator.model.status import CellStatus, FinishedCycle, ItemStatus
 from bt_orchestrator.model.wait import WaitKind

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.clocks import SetClock
+from fakes.commands import AnswerHold, Pause, Resume
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
 from fakes.reading import Reading
@@ -17,8 +18,6 @@ from fakes.world import World, begun, killed_at_work
 
 from bt_orchestrator.errors import JournalFailed, JournalMismatch
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell_commands import Pause, Resume
-from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.model.fault import parse_fault
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
 from bt_orchestrator.model.hold_words import hold_words
@@ -188,7 +187,7 @@ def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:
     (hold,) = second.state.holds.values()
     assert (hold.reason, hold.message) == ('restarted', '1 unfinished job, 2 goals in flight')
 
-    answer = second.ask(AnswerHold(hold.id, 'resume', ann()))
+    answer = second.ask(AnswerHold(hold.id, 'retry', ann()))
     assert answer.message.startswith(f'hold 1 (restarted, {hold.message}) takes no answer; ')
     assert not second.ask(Resume(ann('back from lunch'))).accepted
     assert second.ask(Resume(ann('the line was looked at'), hold=hold.id)).accepted

@@ -7,12 +7,12 @@ import json
 from dataclasses import replace
 
 import pytest
+from fakes.commands import ReleaseScript
 from fakes.line import THREE, Line
 from fakes.operator import ann
 from fakes.world import World, begun
 
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.commands import ReleaseScript
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain, state_to_text

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from fakes.commands import Resume
 from fakes.line import with_section
 from fakes.operator import ann
 from fakes.plant import Plant
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell_commands import Resume
 
 
 @pytest.fixture

@@ -7,12 +7,12 @@ import json
 from dataclasses import replace
 
 import pytest
+from fakes.commands import SetService
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
 from fakes.world import World, begun, killed_at_work
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.commands import SetService
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_text

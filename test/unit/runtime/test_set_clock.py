@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.clocks import SetClock
+from fakes.commands import Pause
 from fakes.line import Line, with_section
 from fakes.operator import ann
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell_commands import Pause
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.runtime.orchestrator import Orchestrator

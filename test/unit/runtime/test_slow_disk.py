@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.commands import Abort, Pause, Resume
 from fakes.held_writer import HeldWriter
 from fakes.line import Line, with_section
 from fakes.operator import ann
@@ -15,7 +16,6 @@ from fakes.operator import ann
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.cell_commands import Abort, Pause, Resume
 from bt_orchestrator.model.commands import Answer, Command, Shutdown
 from bt_orchestrator.model.goal import GoalRequest, GoalStatus
 from bt_orchestrator.model.jobs.job_commands import AddJobs

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from fakes.commands import Abort, Pause, Stop
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.cell_commands import Abort, Pause, Stop
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.jobs.job_commands import AddJobs

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from fakes.commands import Abort, Pause, Resume
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
 from fakes.world import World, begun, killed_at_work
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell_commands import Abort, Pause, Resume
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import SeenContest
 from bt_orchestrator.model.jobs.job_commands import AddJobs

@@ -8,11 +8,11 @@ from contextlib import contextmanager
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.commands import Pause
 from fakes.line import THREE, Line
 from fakes.operator import ann
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.cell_commands import Pause
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.keeping.snapshot import state_to_plain

@@ -7,12 +7,11 @@ from dataclasses import replace
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.commands import AnswerHold, Pause, Resume, SetService
 from fakes.line import THREE, Line
 from fakes.operator import ann
 
 from bt_orchestrator.errors import NotKept
-from bt_orchestrator.model.cell_commands import Pause, Resume
-from bt_orchestrator.model.commands import AnswerHold, SetService
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.status import CellStatus, TaskStatus

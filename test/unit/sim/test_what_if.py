@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 from fakes import glue_cell
 from fakes.action_types import FakeActionTypes
+from fakes.commands import SetService
 from fakes.line import THREE, Line
 from fakes.operator import ann
 
 from bt_orchestrator.cli.generating.ordered import RecipeMaker
-from bt_orchestrator.model.commands import SetService
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
 from bt_orchestrator.model.judging.used_ids import FULL

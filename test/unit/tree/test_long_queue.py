@@ -9,11 +9,13 @@ from collections.abc import Mapping
 
 import pytest
 from fakes.calls import calls
+from fakes.commands import ControlJob, MoveJob
 from fakes.line import THREE, Line, with_initialization, with_section
 from fakes.operator import ann
 from py_trees.common import Status
 
-from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob, JobCommand, MoveJob
+from bt_orchestrator.model.commands import Command
+from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.sim.simulation import Simulation
@@ -86,9 +88,7 @@ def test_the_line_works_with_many_jobs_that_wait_as_with_few(held: bool) -> None
     ],
     ids=['add', 'insert', 'move', 'hold', 'cancel', 'abort', 'refused'],
 )
-def test_a_command_costs_the_same_with_many_jobs_that_wait(
-    command: JobCommand, held: bool
-) -> None:
+def test_a_command_costs_the_same_with_many_jobs_that_wait(command: Command, held: bool) -> None:
     few, many = waiting_line(FEW, held=held), waiting_line(MANY, held=held)
     done = calls(lambda: few.orchestrator.ask(command))
     assert calls(lambda: many.orchestrator.ask(command)) <= 2 * done
@@ -155,7 +155,7 @@ def test_what_happens_in_the_queue_alone_wakes_no_part(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(Section, 'run', noted)
     script = LINE.script(ZONED)
-    commands: list[JobCommand] = [
+    commands: list[Command] = [
         AddJobs((Job('NEW', script, 1), Job('HELD', script, 1)), BY),
         MoveJob('NEW', 3, BY),
         *(ControlJob(verb, 'HELD', BY) for verb in ('hold', 'release', 'cancel', 'resume')),

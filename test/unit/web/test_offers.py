@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from fakes.commands import Abort, Clear, Reset, Start, Stop, StopAfter
 from fakes.line import THREE, Line, with_section
 from fakes.operator import engineer
 from fakes.page_parts import offered, page_parts, status_of
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Start, Stop
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice
@@ -129,7 +129,6 @@ def test_nothing_is_reset_or_started_where_nothing_is_to_be_done() -> None:
 
 
 def test_a_requested_stop_can_be_taken_back_and_not_asked_for_twice() -> None:
-    from bt_orchestrator.model.jobs.job_commands import StopAfter
 
     run = Line(3).begin(quantity=3)
     run.go(until=2.0)

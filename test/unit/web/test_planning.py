@@ -139,7 +139,7 @@ def test_ends_are_told_as_times(bench: Bench) -> None:
     assert found['left_out'] == 0
     ((asked,),) = bench.planned.asked
     assert (asked.request.name, dict(asked.arguments)) == ('job.next', {'job': 'B'})
-    assert asked.by.reason, 'a request that needs a reason is not refused for that'
+    assert asked.sender.reason, 'a request that needs a reason is not refused for that'
 
 
 def test_an_order_is_read_before_it_is_asked(bench: Bench) -> None:

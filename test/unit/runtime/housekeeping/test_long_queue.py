@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fakes.commands import ControlJob
 from fakes.journal_states import restored
 from fakes.line import THREE
 from fakes.long_journal import LongRun
 from fakes.operator import ann
 from fakes.virtual_run import snapshot
 
-from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.keeping import state_text
 from bt_orchestrator.model.keeping.snapshot import Writer

@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 from fakes import until_broken
+from fakes.commands import AnswerHold
 from fakes.line import Line
 from fakes.long_journal import LongRun
 from fakes.operator import ann
 from fakes.other_python import run_python
 
-from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

@@ -10,12 +10,11 @@ from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.commands import AnswerHold, ControlJob, Resume
 from fakes.journal_reading import journal_reading
 from fakes.operator import ann
 
-from bt_orchestrator.model.cell_commands import Resume
-from bt_orchestrator.model.commands import AnswerHold
-from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.records import Wanted
