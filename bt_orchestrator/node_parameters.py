@@ -44,7 +44,9 @@ class Words:
 class NodeParameters:
     """The parameters of a tree node, with their defaults."""
 
-    cell: Annotated[Path | None, Words('cell file (YAML): what exists', metavar='CELL')] = None
+    cell: Annotated[
+        Path | None, Words('cell file (YAML; default: cell.yaml in this folder)', metavar='CELL')
+    ] = None
     trees: Annotated[
         tuple[Path, ...],
         Words('folders in which scripts are looked up by name, in order', metavar='DIR'),

@@ -19,6 +19,7 @@ from bt_orchestrator.cli.folders import (
     recipe_folders,
     script_folders,
 )
+from bt_orchestrator.cli.here import add_cell_option
 from bt_orchestrator.errors import Finding, Refused, counted
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
@@ -70,9 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_cell_options(parser: argparse.ArgumentParser) -> None:
     """Declare where the cell and the scripts are."""
-    parser.add_argument(
-        '--cell', required=True, type=Path, metavar='CELL', help='cell file (YAML)'
-    )
+    add_cell_option(parser)
     add_trees_option(parser)
 
 

@@ -14,11 +14,11 @@ from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.cell_file import CELL_FILE
 from bt_orchestrator.script.cell_keys import MOST_SECTIONS
 from bt_orchestrator.script.report import START, Report
 from bt_orchestrator.script.ros_names import check_token
 from bt_orchestrator.script.starter.starter_files import (
-    CELL_FILE,
     ORDER_FILE,
     RECIPE_FILE,
     SCRIPT,
@@ -195,4 +195,4 @@ def _summary(plan: Plan, folder: Path, files: Iterable[str], *, from_graph: bool
         yield f'{found} of {len(devices)} devices found on the ROS graph, the others are examples'
     else:
         yield f'{len(devices)} devices, all of them examples; --from-graph takes those that run'
-    yield f'next: cd {folder} && {PROGRAM} check {SCRIPT} --cell {CELL_FILE}'
+    yield f'next: cd {folder} && {PROGRAM} check {SCRIPT}'

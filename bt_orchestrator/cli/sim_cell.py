@@ -7,6 +7,7 @@ import re
 import sys
 from pathlib import Path
 
+from bt_orchestrator.cli.here import add_cell_option
 from bt_orchestrator.cli.mistakes import print_mistakes
 from bt_orchestrator.cli.numbers import factor, seconds
 from bt_orchestrator.errors import Refused
@@ -51,9 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = FAULTS
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument(
-        '--cell', required=True, type=Path, metavar='CELL', help='cell file (YAML)'
-    )
+    add_cell_option(parser)
     _add_selection(parser)
     _add_ros_options(parser)
     parser.add_argument(

@@ -63,7 +63,7 @@ from bt_orchestrator.runtime.observed_durations import ObservedDurations, last_e
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.runtime.writers import WriterThread
-from bt_orchestrator.script.cell_file import read_cell
+from bt_orchestrator.script.cell_file import CELL_FILE, read_cell
 from bt_orchestrator.spare_log import SpareLog
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -108,7 +108,7 @@ class TreeNode:
     def __init__(self, node: Node, defaults: NodeParameters, parts: Parts) -> None:
         """Read the parameters and the cell file, and wire everything.
 
-        :raises NoCell: the parameter `cell` is empty
+        :raises NoCell: the parameter `cell` is empty, and this folder has no cell file
         :raises Refused: the cell file, with every mistake in it
         :raises BadParameter: a parameter is none of its choices
         :raises NoEventsExecutor: the parameter `executor` asks for one that this ROS 2 has not
@@ -122,7 +122,8 @@ class TreeNode:
         make_all_patient(node)
         self._senders = Senders(self.parameters, os.environ, get_rmw_implementation_identifier())
         types = InstalledActionTypes()
-        cell = _read_cell(self.parameters, types)
+        self._cell_file = _cell_file(self.parameters)
+        cell = read_cell(self._cell_file, types)
         self.executor: Executor = make_executor(self.parameters.executor)
         self.heart = Heart(node, self.executor)
         self._gateway = RosGateway(
@@ -162,7 +163,7 @@ class TreeNode:
         """One line that says what runs under which name."""
         name = self.node.get_fully_qualified_name()
         cell = self.orchestrator.state.cell
-        return f'tree node ready: {name} runs cell {cell.name} ({self.parameters.cell})'
+        return f'tree node ready: {name} runs cell {cell.name} ({self._cell_file})'
 
     def serve(self, stop: StopSignals) -> None:
         """Run the cell until a stop signal comes."""
@@ -347,10 +348,14 @@ def run_node(
             rclpy.try_shutdown()
 
 
-def _read_cell(parameters: NodeParameters, types: InstalledActionTypes) -> Cell:
-    if parameters.cell is None:
-        raise NoCell('no cell is named: give --cell CELL, or the parameter cell')
-    return read_cell(parameters.cell, types)
+def _cell_file(parameters: NodeParameters) -> Path:
+    here = Path(CELL_FILE)
+    if parameters.cell is None and not here.exists():
+        raise NoCell(
+            f'expected a cell file; there is no {CELL_FILE} in {Path.cwd()}; '
+            'name it: --cell CELL, or the parameter cell'
+        )
+    return parameters.cell or here
 
 
 def _open_journal(parameters: NodeParameters, parts: Parts) -> Journal | None:

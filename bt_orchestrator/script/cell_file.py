@@ -25,6 +25,9 @@ from bt_orchestrator.script.ros_names import check_token
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.yaml_nodes import Entry
 
+CELL_FILE = 'cell.yaml'
+"""The cell file of a folder, where nobody names another."""
+
 
 def read_cell(path: Path, types: ActionTypes) -> Cell:
     """Read a cell file.

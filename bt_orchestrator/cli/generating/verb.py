@@ -25,6 +25,7 @@ from bt_orchestrator.cli.generating.release import (
     check_release_options,
     release,
 )
+from bt_orchestrator.cli.here import add_cell_option
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.script import Script
@@ -55,9 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument('recipe', type=Path, metavar='RECIPE', help='recipe (YAML)')
-    parser.add_argument(
-        '--cell', required=True, type=Path, metavar='CELL', help='cell file (YAML)'
-    )
+    add_cell_option(parser)
     parser.add_argument(
         '--overrides', type=Path, metavar='FILE', help='what an engineer decided (YAML)'
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from bt_orchestrator.cli.here import add_journal_option
 from bt_orchestrator.cli.history import forecast
 from bt_orchestrator.cli.history.forecast import add_forecast_options
 from bt_orchestrator.cli.moments import add_period_options
@@ -29,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_choice(parser: argparse.ArgumentParser) -> None:
     """Declare what chooses jobs and items."""
-    parser.add_argument('--journal', type=Path, required=True, metavar='FILE', help='the journal')
+    add_journal_option(parser)
     parser.add_argument('--job', metavar='JOB', help='this job only')
     parser.add_argument(
         '--item',

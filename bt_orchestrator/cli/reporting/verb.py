@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import IO
 
 from bt_orchestrator.cli import bootstrap
+from bt_orchestrator.cli.here import add_journal_option
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.output import opened
 from bt_orchestrator.cli.reporting.durations import (
@@ -41,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument('--journal', type=Path, required=True, metavar='FILE', help='the journal')
+    add_journal_option(parser)
     parser.add_argument(
         '--cell',
         type=Path,

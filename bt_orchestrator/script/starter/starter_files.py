@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from bt_orchestrator.script.cell_file import CELL_FILE
 from bt_orchestrator.script.names import LONGEST_NAME
 from bt_orchestrator.script.recipes.starter import able, recipe_text
 from bt_orchestrator.script.starter.starter_plan import Device, FoundServer, Plan
 
 SCRIPT = 'first_product'
 QUANTITY = 3
-CELL_FILE, SCRIPT_FILE, ORDER_FILE = 'cell.yaml', f'trees/{SCRIPT}.yaml', 'order.yaml'
+SCRIPT_FILE, ORDER_FILE = f'trees/{SCRIPT}.yaml', 'order.yaml'
 RECIPE_FILE = f'recipes/{SCRIPT}.yaml'
 
 _DURATION_S = 1.0
 _CELL = """\
 # What exists: the belt, and one component for each device controller.
-# Mistakes are named with their places by: bt-orchestrator check {script} --cell {file}
+# Mistakes are named with their places by: bt-orchestrator check {script}
 cell: {name}
 # start: advisory  # without it no job begins before the `start` of its order
 conveyor:
@@ -81,7 +82,7 @@ def _modeline(schema: str | None) -> str:
 
 
 def _cell(name: str, plan: Plan, *, with_capabilities: bool = False) -> Iterator[str]:
-    yield _CELL.format(script=SCRIPT, file=CELL_FILE, name=name, sections=plan.sections)
+    yield _CELL.format(script=SCRIPT, name=name, sections=plan.sections)
     yield from _served(plan.conveyor, '  ')
     if plan.index_task:
         yield f'  task: {plan.index_task}  # moves the belt by one position\n'

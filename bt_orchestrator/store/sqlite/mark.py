@@ -18,6 +18,12 @@ from bt_orchestrator.store.sqlite.keeping import PRIVATE
 
 log = logging.getLogger(__name__)
 
+MARK = '-mark'
+"""Ends the name of a mark, which begins with that of its journal.
+
+A mark exists at every moment, so a missing journal is detected.
+"""
+
 MOST = 4096
 """Bytes read of a mark; it has about a hundred."""
 
@@ -93,7 +99,7 @@ _UNNOTICED = 'that events are missing would not be noticed'
 def mark_of(journal: Path) -> Path:
     """Return the path of the mark beside a journal."""
     real = journal.resolve()
-    return real.with_name(f'{real.name}-mark')
+    return real.with_name(f'{real.name}{MARK}')
 
 
 def read_mark(path: Path) -> Reached | None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.database import unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.keeping import aside_of, copy_file, make_private, sync
-from bt_orchestrator.store.sqlite.mark import Reached, write_mark
+from bt_orchestrator.store.sqlite.mark import MARK, Reached, write_mark
 from bt_orchestrator.store.sqlite.opening import refuse_in_use, take_lock
 from bt_orchestrator.store.sqlite.schema import (
     begin_restored,
@@ -23,9 +23,6 @@ from bt_orchestrator.store.sqlite.schema import (
 ENDINGS = ('', '-wal', '-shm')
 """File name endings of one journal. The first is removed first: every start refuses a log without
 its journal, while a journal without its log looks complete and lacks the newest events."""
-
-MARK = '-mark'
-"""Ending of the mark. It exists at every moment, so a missing journal is detected."""
 
 
 class BroughtBack(NamedTuple):

@@ -97,7 +97,7 @@ def test_page_and_opcua_run_at_once_and_each_has_its_line(clone: Path) -> None:
     program(
         clone / '.venv' / 'jazzy' / 'bin' / 'pytest',
         'touch begun.${1#test/}',
-        'for n in $(seq 100); do [ -e begun.page ] && [ -e begun.opcua ] && break; sleep 0.1; done',
+        'for n in $(seq 99); do [ -e begun.page ] && [ -e begun.opcua ] && break; sleep .1; done',
         '[ -e begun.page ] && [ -e begun.opcua ] && [ $1 = test/page ]',
     )
     done = gates(clone, '--only', 'page,opcua')
