@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from bt_orchestrator.cli.bookkeeping.process import BooksProcess
-from bt_orchestrator.cli.foresight_process import ForesightProcess
 from bt_orchestrator.cli.generating.ordered import RecipeMaker
 from bt_orchestrator.cli.generating.process import GeneratingProcess
+from bt_orchestrator.cli.processes.foresight_process import ForesightProcess
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job

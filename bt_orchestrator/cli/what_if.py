@@ -19,7 +19,7 @@ from bt_orchestrator.cli.folders import (
     script_folders,
 )
 from bt_orchestrator.cli.node_options import add_node_options
-from bt_orchestrator.cli.planning_process import PlanningProcess
+from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import counted
 from bt_orchestrator.model.commands import Answer

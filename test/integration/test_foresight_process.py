@@ -15,7 +15,7 @@ from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, TREES
 
 from bt_orchestrator.child_process import framed
 from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.foresight_process import ForesightProcess
+from bt_orchestrator.cli.processes.foresight_process import ForesightProcess
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.sim.simulation import Simulation
@@ -86,7 +86,7 @@ def test_it_loads_before_the_first_question_and_need_not_get_one(begun: Simulati
 
 
 def test_nobody_left_to_hear_the_answer_is_no_error(begun: Simulation) -> None:
-    words = [sys.executable, '-m', 'bt_orchestrator.cli.foresight_process']
+    words = [sys.executable, '-m', 'bt_orchestrator.cli.processes.foresight_process']
     pipe = subprocess.PIPE
     child = subprocess.Popen(words, stdin=pipe, stdout=pipe, stderr=pipe)
     assert child.stdin is not None

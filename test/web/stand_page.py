@@ -10,7 +10,7 @@ from fakes.quick_users import write_users
 from fakes.shipped import RECIPES, TREES
 from web.stand_cell import StandCell
 
-from bt_orchestrator.cli.planning_process import PlanningProcess
+from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.model.plant.shifts import DAY_MIN, Hours, Shift, Shifts
 from bt_orchestrator.model.roles import Role

@@ -17,7 +17,7 @@ from bt_orchestrator.cli.folders import (
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.page.access_options import access_of, add_access_options
 from bt_orchestrator.cli.page.plant_options import add_plant_options, plant_of
-from bt_orchestrator.cli.planning_process import PlanningProcess
+from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.stop_signals import StopSignals

@@ -13,11 +13,10 @@ from hypothesis import strategies as st
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.script.cell_file import parse_cell
+from bt_orchestrator.script.cell_file import CELL_FILE, parse_cell
 from bt_orchestrator.script.orders.order_file import bind_order, parse_order
 from bt_orchestrator.script.script_file import parse_script
 from bt_orchestrator.script.starter.starter_files import (
-    CELL_FILE,
     ORDER_FILE,
     SCRIPT_FILE,
     starter_files,

@@ -15,7 +15,7 @@ from fakes.queued_jobs import LINE, queued
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
 
-from bt_orchestrator.cli.planning_process import PlanningProcess
+from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.errors import CommandRefused, NodeUnreachable, NotKept
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
