@@ -43,12 +43,13 @@ def waterfall(sheet: Html, shown: Figures) -> None:
     """Write from the planned time over every loss to what is left at the end."""
     numbers = _numbers('time', 'of planned')
     body = _table(sheet, 'Where the time went', (Column(''), BAR, *numbers), 'whole')
-    whole = shown.times.planned.total_us
     left = Fraction(0)
     for one in shown.steps_seen():
         begin, left = (left, left - one.us) if one.loss else (Fraction(0), one.us)
-        drawn = Cell('', drawing=bar(begin / whole, left / whole))
-        told = (Cell(_signed(one)), Cell(percent(one.us / whole)))
+        drawn = Cell(
+            '', drawing=bar(*(shown.of_planned(us) or Fraction(0) for us in (begin, left)))
+        )
+        told = (Cell(_signed(one)), Cell(percent(shown.of_planned(one.us))))
         _row(body, (Cell(one.title), drawn, *told), (Column(''), BAR, *numbers), _kind(one))
 
 

@@ -135,16 +135,12 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
     """Make the account of a period.
 
     :param cell: for the pace; None: there is none
-    :raises NothingToReport: no planned time is in the period, or the journal begins after it
+    :raises NothingToReport: the period has not begun, or the journal begins after it
     """
     period = period.cut()
     if period.begin_us >= period.end_us:
         begin = f'{period.name} (from {period.when(period.begin_us)})'
         raise NothingToReport(f'the journal has no event of {begin} yet{_reach(reading)}')
-    if not period.planned.total_us:
-        raise NothingToReport(
-            f'no time of {_span(period)} is planned, by the file of shifts; choose another time'
-        )
     extent = reading.records.extent()
     steady = steady_time(reading)
     period = period.on(steady)

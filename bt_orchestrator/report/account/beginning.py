@@ -152,6 +152,9 @@ class _Beginning:
     def _round(self, slot: Slot) -> None:
         """Take all of a slot as planned, or nothing, as the events in it are gone."""
         begin, until = slot.begin_us, slot.until_us
+        if not self._borders:
+            self._now = until  # no time is planned, here nor elsewhere
+            return
         within = self._planned.between(begin, until)
         if 2 * within >= until - begin or within == self._planned.total_us:
             self._planned = Planned.of([*self._planned.pieces, (begin, until)])

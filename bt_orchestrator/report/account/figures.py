@@ -29,12 +29,14 @@ PLANNED, BUSY, PRODUCTION, NET, VALUE = (
 class Lack(Enum):
     """Why factors of the OEE are not known, although the paces are."""
 
+    PLANNED = 'planned'
     BUSY = 'busy'
     PRODUCTION = 'production'
     PRODUCED = 'produced'
 
 
 LACKS: Mapping[Lack, str] = {
+    Lack.PLANNED: 'no factors and no OEE: no time of this period is planned',
     Lack.BUSY: 'no factors and no OEE: the planned busy time is 0',
     Lack.PRODUCTION: 'no performance and no quality: nothing was produced, in no production time',
     Lack.PRODUCED: 'no quality: nothing was produced',
@@ -130,6 +132,8 @@ class Figures:
     @property
     def lack(self) -> Lack | None:
         """Why a factor has nothing to divide by; None: each has."""
+        if not self.times.planned.total_us:
+            return Lack.PLANNED
         if not self.times.busy_us:
             return Lack.BUSY
         if self.produced:
@@ -175,6 +179,10 @@ class Figures:
         yield Bar(NET, self.net_us)
         yield from self._losses(Step.QUALITY)
         yield Bar(VALUE, self.value_us)
+
+    def of_planned(self, us: Fraction | int) -> Fraction | None:
+        """Return the share of the planned time."""
+        return _ratio(us, self.times.planned.total_us)
 
     def steps_seen(self) -> Iterator[Bar]:
         """Yield the waterfall without losses that are written as 0.0 s."""

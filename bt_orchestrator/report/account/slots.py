@@ -119,7 +119,11 @@ class Slots:
 
     def _ends(self, slot: OpenSlot) -> int:
         """Return when a slot ends: the clock may have been set since it was begun."""
-        return min(slot.ends, self._steady.step_after(slot.begin))
+        return (
+            min(slot.ends, self._steady.step_after(slot.begin))
+            if self._steady.steps
+            else slot.ends
+        )
 
     def _border(self, moment: int) -> int:
         """Return the first border after a moment."""

@@ -79,8 +79,9 @@ class SteadyTime:
 
     def of(self, event: _E) -> _E:
         """Take in an event, and return it with steady time; a step is none any more."""
-        self.follow(event)
-        ahead = self.ahead_of(event.seq)
+        if event.seq > self.known:
+            self.follow(event)
+        ahead = self.ahead_of(event.seq) if self.steps else self._ahead_us
         if isinstance(event, e.ClockStepped) and event.seq > self.since:
             event = replace(event, seconds=0.0)
         elif isinstance(event, e.TaskRetrying) and ahead:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
 
 from bt_orchestrator.report.account.account import Account
 from bt_orchestrator.report.account.figures import Figures
@@ -58,10 +57,9 @@ def _head(shown: Figures) -> Iterator[str]:
 
 def _waterfall(shown: Figures) -> Iterator[str]:
     rows = []
-    whole = shown.times.planned.total_us
     for bar in shown.steps_seen():
         name = f'- {bar.title}' if bar.loss else bar.title
-        rows.append((name, duration(bar.us), percent(Fraction(bar.us) / whole)))
+        rows.append((name, duration(bar.us), percent(shown.of_planned(bar.us))))
     yield from table(('', 'time', 'of planned'), rows)
 
 

@@ -5,24 +5,31 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from fakes.day import Day, at
 from fakes.hand_made_shift import LINE, SCRIPT, held_raised, stopped, to
 from fakes.hand_made_shift import started as task_started
+from fakes.kept_books import book_all
 
 from bt_orchestrator.drawing.account.page import account_page
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
+from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.report.account.account import Account, NothingToReport, account
 from bt_orchestrator.report.account.losses import Loss
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.plain import account_plain
-from bt_orchestrator.report.account.planned import us_of
+from bt_orchestrator.report.account.planned import Planned, us_of
 from bt_orchestrator.report.account.rows import write_csv
 from bt_orchestrator.report.account.text import account_text
 from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.store.sqlite.records import SqliteRecords
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 HOUR_US = 3_600_000_000
 QUIET = Period.all_planned('shift night', us_of(at('14:00')), us_of(at('15:00')))
@@ -89,6 +96,33 @@ def test_a_hold_that_stood_all_the_time_is_named() -> None:
     before, _, _ = CASES['held']
     (held,) = quiet(before, ()).figures.times.holds
     assert (held.hold, held.lost_us) == ('1', HOUR_US)
+
+
+@pytest.mark.parametrize('in_books', [False, True])
+def test_a_period_without_planned_time_has_no_factors(tmp_path: Path, in_books: bool) -> None:
+    day = Day()
+    day.note('13:00', NODE, LOADED, queued(), *WORKS)
+    day.note('14:20', e.ItemRemoved(job='J', item='J/1', section=3, how='packed'))
+    day.note('16:00', e.JobCompleted(job='J'))
+    path = tmp_path / 'journal'
+    with closing(SqliteStore(path)) as store:
+        store.append(day.events)
+        if in_books:
+            book_all(store, path)
+            store.begin_with(Snapshot(len(day.events), '', '{}'))
+            while store.remove_batch(len(day.events)):
+                pass
+    with closing(SqliteRecords(path)) as records:
+        found = account(Reading(records), replace(QUIET, planned=Planned(())), LINE.cell)
+    shown = found.figures
+    assert (shown.availability, shown.performance, shown.quality, shown.oee) == (None,) * 4
+    assert (shown.times.lost_us, shown.produced) == ({}, 0)
+    said = 'no factors and no OEE: no time of this period is planned'
+    assert said in '\n'.join(account_text(found))
+    assert said in account_page(found)
+    plain = account_plain(found)
+    assert plain['lack'] == 'planned'
+    assert plain['jobs'][0]['outside_planned_time'] == 1
 
 
 def test_a_period_before_the_journal_is_refused() -> None:
