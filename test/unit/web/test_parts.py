@@ -248,5 +248,5 @@ def test_a_wait_is_said_in_each_language_with_the_hold_that_it_is_for() -> None:
 def test_holds_are_listed_as_they_were_raised_also_after_a_set_clock() -> None:
     run = Line().begin(LISTED, 1)
     told = replace(status_of(run), holds=(hold('1', since=3600.0), hold('2', since=60.0)))
-    parts = parts_of(told, description_of(run.state.cell), scripts_of(run), NODE)
+    parts: Any = parts_of(told, description_of(run.state.cell), scripts_of(run), NODE)
     assert parts['cell']['holds'] == ['1', '2']
