@@ -50,6 +50,7 @@ def test_dialogs_and_focus_while_a_line_is_held_aborted_and_lost(line: Stand, si
     a_hold_that_somebody_else_answers_closes_its_dialog(tab, line)
     focus_goes_on_after_an_answer(tab)
     clear_shows_each_item_whole(tab, line)
+    verbs_of_the_command_line_are_named_as_buttons(tab)
     old_news_name_only_what_can_be_pressed(tab, line)
 
 
@@ -96,6 +97,18 @@ def clear_shows_each_item_whole(tab: Tab, line: Stand) -> None:
     assert title['y'] >= bar['y'] + bar['height']
     dialog.locator('[data-do="leave"]').click()
     assert tab.page.evaluate(_FOCUS) == 'BUTTON'
+
+
+def verbs_of_the_command_line_are_named_as_buttons(tab: Tab) -> None:
+    script = "async words => (await import('/static/core/requests.js')).withButtons(words)"
+    for said, shown in (
+        ('it is released with resume', 'it is released with “Resume”'),
+        ('start it again and say abort once more', 'start it again and say “Abort” once more'),
+        ('answer hold 3 with mark_done first', 'answer hold 3 with “It was done” first'),
+        ('see bt-orchestrator remove-item WO-1/2', 'see “Item was removed”'),
+        ('done with WO-1/2, with hold 3, with another', ''),
+    ):
+        assert tab.page.evaluate(script, said) == (shown or said)
 
 
 def old_news_name_only_what_can_be_pressed(tab: Tab, line: Stand) -> None:

@@ -93,6 +93,10 @@ def test_holds_alike_are_answered_in_one_list(tmp_path: Path, sit: Sit) -> None:
         for n in range(boxes.count()):
             boxes.nth(n).check()
         dialog.locator('[value="mark_done"]').check()
+        dialog.locator('[data-do="send"]').click()
+        lacks_reason = dialog.locator('.field-warning:visible').first
+        lacks_reason.wait_for()
+        assert lacks_reason.evaluate(_IN_SIGHT), 'no missing reason behind the buttons'
         dialog.locator('[name="reason"]').fill('looked at both')
         dialog.locator('[data-do="send"]').click()
         dialog.wait_for(state='detached')

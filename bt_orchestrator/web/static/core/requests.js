@@ -23,13 +23,14 @@ export function meaningOf(offer, parameter) {
 }
 
 /** Verbs of the command line, and answers, where the node names them in a sentence. */
-const VERB = /\b(?:bt-orchestrator ([a-z-]+)(?: [^;,.()]*)?|(remove-item) \S+|(mark_done|abort_job)\b)/g;
+const VERB =
+  /\b(?:bt-orchestrator ([a-z-]+)(?: [^;,.()]*)?|(remove-item) \S+|(mark_done|abort_job)\b|(?<=\b(?:with|say) )([a-z_]+)\b(?! \d))/g;
 const KINDS = ['cell', 'item', 'component', 'script', 'hold'];
 
 /** A message of the node, with the words of the buttons here in place of verbs of the command line. */
 export function withButtons(message) {
-  return message.replace(VERB, (said, verb, item, answer) => {
-    const name = (verb ?? item ?? answer).replaceAll('-', '_');
+  return message.replace(VERB, (said, verb, item, answer, plain) => {
+    const name = (verb ?? item ?? answer ?? plain).replaceAll('-', '_');
     const kind = KINDS.find((one) => tOr(`word.${one}.${name}`, ''));
     return kind ? `“${t(`word.${kind}.${name}`)}”` : said;
   });
