@@ -52,6 +52,14 @@ def test_orders_that_are_refused_end_with_1(small_cell: CellProcesses) -> None:
     status, _, errors = run_verb(folder, 'submit', order_file(small_cell, '{quantity: 1}'))
     assert status == 1
     assert errors.startswith(f'{small_cell.folder}/order.yaml:1:')
+
+    both = order_file(small_cell, '{script: small, quantity: none, params: {lot: 1}}')
+    status, _, errors = run_verb(folder, 'submit', both)
+    found = [line.removeprefix(f'{small_cell.folder}/order.yaml:') for line in errors.splitlines()]
+    assert [(one.partition(' ')[0], one.split('`')[1]) for one in found] == [
+        ('1:27:', 'quantity'),
+        ('1:47:', 'small'),
+    ]
     small_cell.stop()
 
 

@@ -75,14 +75,17 @@ def _drafts(paths: Iterable[Path]) -> tuple[list[OrderFile], list[Finding]]:
 def _found_by_node(
     args: argparse.Namespace, files: Sequence[OrderFile], given: dict[str, Any]
 ) -> Iterator[Finding]:
-    """Yield the mistakes that only the node can find; none if it does not answer."""
+    """Yield the mistakes that only the node can find; without an answer of it, say so."""
     readable = [file for file in files if all(map(file.places.is_sure, _CHOICE))]
     if not readable:
         return
     try:
         answer = _ask(args, [_not_to_be_queued(file.order) for file in readable], given)
-    except (CommandRefused, NodeUnreachable):
-        return
+    except (CommandRefused, NodeUnreachable) as error:
+        answer = Answer(accepted=False, message=str(error))
+    if not answer.accepted and not answer.orders:
+        lacks = 'mistakes that only the node can find are not listed here'
+        print(f'{answer.message}; {lacks}', file=sys.stderr)
     for one, file in zip(answer.orders, readable, strict=False):
         doubted = file.places.doubted | {('order',)}
         yield from _in_file(one, replace(file.places, doubted=doubted))

@@ -150,5 +150,7 @@ def test_without_a_node_a_file_is_told_its_own_mistakes(
 ) -> None:
     files = written(WRONG['of both'])
     with instead_of_a_door(NoNode()):
-        lines = told(capsys, ['submit'], files)
+        assert main(['submit', *files]) == 1
+    note, *lines = capsys.readouterr().err.splitlines()
+    assert note == 'no node; mistakes that only the node can find are not listed here'
     assert [line.split(':')[1] for line in lines] == ['3', '4', '6']
