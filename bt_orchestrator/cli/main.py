@@ -7,7 +7,8 @@ import importlib
 import io
 import os
 import sys
-from collections.abc import Mapping, Sequence
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -27,48 +28,66 @@ _NO_TEXT = (
     'the locale to UTF-8, or rename the file'
 )
 
-VERBS: Mapping[str, tuple[str, str]] = {
-    'new-cell': ('new_cell', "the first cell file, script and work order of somebody's own cell"),
-    'check': ('check', 'all mistakes of scripts and their cell, with places and hints'),
-    'generate': ('generating.verb', 'the script of a recipe for a cell'),
-    'render': ('render', 'draw a script for review: SVG, PNG or PDF'),
-    'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),
-    'sim-cell': ('sim_cell', 'serve every component of a cell as a simulated ROS 2 action server'),
-    'run': ('run', 'the tree node of a cell: takes orders and runs them'),
-    'demo': ('demo.verb', 'a simulated cell, its tree node and one order, with live progress'),
-    'submit': ('submit', 'give a running node work orders'),
-    'what-if': ('what_if', 'when jobs would end after some requests, before anybody makes them'),
-    'queue': ('queue', 'list the jobs of a running node, and change what is done when'),
-    'status': ('status', 'how the cell of a running node stands'),
-    'watch': ('watch', 'a running node on the terminal, as it changes'),
-    'page': ('page.verb', 'the operator page of a running node, for any browser'),
-    'opcua': ('opcua.verb', 'the OPC UA server of a running node, for an MES or a SCADA'),
-    'events': ('events', 'what happens at a running node, or what a journal says happened'),
-    'history': ('history.verb', 'the jobs of a journal and what became of them'),
-    'report': (
-        'reporting.verb',
-        'what a shift, a day or a job made, and where the time went',
-    ),
-    'journal': ('journal', 'bring a backup of a journal back'),
-    'request': ('request', 'any request to the cell by its name, or the list of all of them'),
-    'answer': ('answer', 'decide about something that is held'),
-    'reset': ('cell_command', ''),
-    'start': ('cell_command', ''),
-    'pause': ('at_once', ''),
-    'resume': ('resume', ''),
-    'stop': ('at_once', ''),
-    'abort': ('at_once', ''),
-    'clear': ('clear', ''),
-    'completion': ('completion', 'what makes bash, zsh or fish complete command lines'),
-    'user': ('user', 'who may log in at pages and OPC UA servers, with which role'),
-    'doctor': ('doctor', 'what this machine and a cell on it lack, and what to do about it'),
-    'remove-item': ('remove_item', ''),
-    'out-of-service': ('service', ''),
-    'in-service': ('service', ''),
-    'release-script': ('release_script', ''),
+GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
+    'set up a cell and its products': {
+        'new-cell': ('new_cell', "write the first cell file, script and order of one's own cell"),
+        'check': ('check', 'name every mistake of scripts and their cell, with places and hints'),
+        'generate': ('generating.verb', 'write the script of a recipe for a cell'),
+        'render': ('render', 'draw a script for review: SVG, PNG or PDF'),
+        'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),
+        'release-script': ('release_script', ''),
+    },
+    'run the cell': {
+        'demo': (
+            'demo.verb',
+            'run a simulated cell, its node and an order, with a live view',
+        ),
+        'sim-cell': ('sim_cell', 'serve each component as a simulated ROS 2 action server'),
+        'run': ('run', 'run the tree node of a cell: it takes orders and carries them out'),
+        'page': ('page.verb', 'serve the operator page of a node, for any browser'),
+        'opcua': ('opcua.verb', 'serve a node over OPC UA, for an MES or a SCADA'),
+    },
+    'give it work': {
+        'submit': ('submit', 'give work orders to a node'),
+        'queue': ('queue', 'list the jobs of a node, and change their order and their options'),
+        'what-if': ('what_if', 'say when jobs would end after some requests, and request nothing'),
+    },
+    'see what it does': {
+        'status': ('status', 'print how a cell stands'),
+        'watch': ('watch', 'show a node on the terminal, as it changes'),
+        'events': ('events', 'print the events of a node as they come, or those of a journal'),
+    },
+    'decide': {
+        'answer': ('answer', 'answer a hold: a task that failed, or whatever waits for a person'),
+        'reset': ('cell_command', ''),
+        'start': ('cell_command', ''),
+        'pause': ('at_once', ''),
+        'resume': ('resume', ''),
+        'stop': ('at_once', ''),
+        'abort': ('at_once', ''),
+        'clear': ('clear', ''),
+        'remove-item': ('remove_item', ''),
+        'out-of-service': ('service', ''),
+        'in-service': ('service', ''),
+        'request': ('request', 'make any request to the cell by its name, or list all requests'),
+    },
+    'look back': {
+        'history': ('history.verb', 'print the jobs of a journal, their items and their events'),
+        'report': ('reporting.verb', 'account for a shift, a day or a job: output and lost time'),
+        'journal': ('journal', 'restore a backup of a journal'),
+    },
+    'maintain': {
+        'doctor': ('doctor', 'check this machine and the cell on it, and say what to do'),
+        'user': ('user', 'manage the users of pages and OPC UA servers, and their roles'),
+        'completion': ('completion', 'print what makes bash, zsh or fish complete command lines'),
+    },
 }
-"""Module and one line of help of each verb; empty: it is in the table of requests. A module has
-`add_arguments` and `run`."""
+"""What a person wants to do: module and one line of help of each verb.
+
+An empty line of help stands in the table of requests. A module has `add_arguments` and `run`.
+"""
+
+VERBS = {verb: about for group in GROUPS.values() for verb, about in group.items()}
 
 TAKE_ROS_ARGUMENTS = ('run', 'sim-cell', 'demo', 'page', 'opcua')
 """Verbs that are ROS 2 nodes: --ros-args is for them, up to -- or the end."""
@@ -191,15 +210,29 @@ def _parser_of_verbs(with_options_of: str | None = None) -> argparse.ArgumentPar
     parser = CommandParser(
         prog=PROGRAM,
         description='Behaviour trees of ROS 2 action clients for a cell along a conveyor.',
-        epilog=f'{PROGRAM} VERB --help says more about a verb',
+        epilog='\n'.join((*_groups(), f'{PROGRAM} VERB --help says more about a verb')),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument('--version', action=_Version, help='print the version and exit')
-    verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
+    verbs = parser.add_subparsers(
+        dest='verb', metavar='VERB', required=True, help='one of the verbs below'
+    )
     for name in VERBS:
-        verb = verbs.add_parser(name, help=help_line(name))
+        verb = verbs.add_parser(name)
         if name == with_options_of:
             _module(name).add_arguments(verb)
     return parser
+
+
+def _groups() -> Iterator[str]:
+    """Yield the verbs by what a person wants to do."""
+    width = max(map(len, VERBS)) + 4
+    for wanted, group in GROUPS.items():
+        yield f'{wanted}:'
+        for verb in group:
+            begin, rest = f'  {verb}'.ljust(width), ' ' * width
+            yield textwrap.fill(help_line(verb), 79, initial_indent=begin, subsequent_indent=rest)
+        yield ''
 
 
 def help_line(verb: str) -> str:

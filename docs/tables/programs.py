@@ -6,15 +6,19 @@ import argparse
 import importlib
 from collections.abc import Iterator
 
-from bt_orchestrator.cli.main import PROGRAM, VERBS, help_line
+from bt_orchestrator.cli.main import GROUPS, PROGRAM, VERBS, help_line
 from bt_orchestrator.node_parameters import MOST_JOBS, NodeParameters, Words, described
 from tables.markdown import cell, table
 
 
 def verbs() -> Iterator[str]:
-    """Yield the table of all verbs."""
-    rows = ((f'`{name}`', cell(help_line(name))) for name in VERBS)
-    yield from table(('verb', 'does'), rows)
+    """Yield the table of all verbs, by what a person wants to do."""
+    rows = (
+        (wanted if number == 0 else '', f'`{name}`', cell(help_line(name)))
+        for wanted, group in GROUPS.items()
+        for number, name in enumerate(group)
+    )
+    yield from table(('to', 'verb', 'does'), rows)
 
 
 def options_of_the_verbs() -> Iterator[str]:

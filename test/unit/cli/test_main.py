@@ -39,6 +39,7 @@ def use(monkeypatch: pytest.MonkeyPatch) -> Use:
     def use(run: Callable[[argparse.Namespace], int]) -> None:
         verbs = {'check': ('fake', 'fake'), 'run': ('fake', 'fake')}
         monkeypatch.setattr(program, 'VERBS', verbs)
+        monkeypatch.setattr(program, 'GROUPS', {'test': verbs})
         monkeypatch.setitem(sys.modules, 'bt_orchestrator.cli.fake', FakeVerb(run))
 
     return use
@@ -207,7 +208,7 @@ def test_without_a_verb_all_of_them_are_listed(capsys: pytest.CaptureFixture[str
         main([])
     assert ended.value.code == 2
     listed = capsys.readouterr().out
-    assert [verb for verb in VERBS if f'    {verb} ' not in listed.replace('\n', ' \n')] == []
+    assert [verb for verb in VERBS if f'\n  {verb} ' not in listed] == []
 
 
 @pytest.mark.parametrize(
