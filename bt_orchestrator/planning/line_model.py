@@ -19,6 +19,9 @@ from bt_orchestrator.planning.pieces import Choice
 from bt_orchestrator.planning.plans import Plan, Plans
 from bt_orchestrator.planning.solver import Answer, Model
 
+_ROUNDS = 6
+"""Plans that are asked who else could do something."""
+
 Key = tuple[int, int]
 """A piece, and the number of its choice."""
 
@@ -30,6 +33,8 @@ class Solution:
     plan: Plan
     moved: int
     """Operations that are elsewhere than in the script that is kept."""
+    us: int
+    """What the model says that it takes for each item; the script may take more."""
     bound_us: int
     """No plan of the model takes less time for each item."""
     spread_us: int
@@ -295,6 +300,7 @@ class LineModel:
         return Solution(
             plan=plan,
             moved=sum(ways[number] for ways, number in zip(self._plans.moved, plan, strict=True)),
+            us=answers['time'].cost * self._unit_us,
             bound_us=answers['time'].bound * self._unit_us,
             spread_us=spread.cost * self._unit_us,
             is_spread_least=spread.bound == spread.cost,
@@ -314,10 +320,8 @@ class LineModel:
         if spread_us is not None:
             self._model.at_most(self._spread, self._units(spread_us))
         away = {name: self._away(one) for name, one in asked.items()}
-        while True:
-            cost = {number: -1 for name, number in away.items() if name not in found}
-            if not cost:
-                break
+        cost = dict.fromkeys(away.values(), -1)
+        for _ in range(_ROUNDS):
             try:
                 answer = self._model.minimise(cost, nodes)
             except NotFound:
@@ -326,6 +330,9 @@ class LineModel:
             if new <= found:
                 break
             found |= new
+            cost = {number: -1 for name, number in away.items() if name not in found}
+            if not cost:
+                break
         self._model.forget(size)
         return found, not cost or (answer is not None and not answer.bound)
 

@@ -47,8 +47,8 @@ class Planner:
         best: Best | None = None
         bound_s: float | None = None
         for solution in self._solutions(model):
-            own_s = solution.bound_us / 1_000_000
-            bound_s = own_s if bound_s is None else bound_s
+            own_s = solution.us / 1_000_000
+            bound_s = solution.bound_us / 1_000_000 if bound_s is None else bound_s
             if best is None or own_s < best.per_item_s - SAME_S:
                 found = self._judged(solution, bound_s)
                 is_better = best is None or (found and found.per_item_s < best.per_item_s - SAME_S)
