@@ -74,7 +74,8 @@ def held_mark(hold: Hold, wording: Wording = ENGLISH) -> TaskMark:
     """Return the mark of a held task, with the answers that are possible."""
     say = wording.say
     answers = ' | '.join(map(wording.answer, hold.answers))
-    said = wording.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
+    message = wording.message(hold.message_words, hold.message)
+    said = wording.failure(hold.reason, message, hold.controller_said, hold.topic_says)
     why = ', '.join(filter(None, (said, _attempt(hold, say))))
     return TaskMark(
         Mark.HELD,

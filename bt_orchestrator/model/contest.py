@@ -29,18 +29,15 @@ class Contest:
     def facts(self, action: str) -> Words | None:
         """Return what `words` says as facts; None: there is none."""
         if self.servers:
-            return Words('several_servers', {'action': action, 'servers': ', '.join(self.servers)})
-        return Words('foreign_goals', {'goals': ', '.join(self.goals)}) if self.goals else None
+            count, servers = str(len(self.servers)), ', '.join(self.servers)
+            return Words('several_servers', {'action': action, 'count': count, 'servers': servers})
+        kind = 'foreign_goals' if len(self.goals) > 1 else 'foreign_goal'
+        return Words(kind, {'goals': ', '.join(self.goals)}) if self.goals else None
 
     def words(self, action: str) -> str:
         """Describe the contest; empty: there is none."""
-        if self.servers:
-            count = len(self.servers)
-            return f'{count} servers of {action}: {", ".join(self.servers)}; stop all but one'
-        if self.goals:
-            several = 's' if len(self.goals) > 1 else ''
-            return f'it runs goal{several} {", ".join(self.goals)}, which no task here waits for'
-        return ''
+        facts = self.facts(action)
+        return facts.text() if facts else ''
 
 
 NO_CONTEST = Contest()

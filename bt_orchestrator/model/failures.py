@@ -7,9 +7,11 @@ from collections.abc import Iterator
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.script import Repeat, Task
+from bt_orchestrator.model.script import Repeat, Task, index_task
 from bt_orchestrator.model.state import CellState, JobState, TaskState
+from bt_orchestrator.model.words import OR, OVERRUN, SLOT_OCCUPIED, Words
 
 SHUTDOWN = 'shutdown'
 """Cancel cause after which a task is held whatever its policy (semantics 2.6)."""
@@ -118,10 +120,7 @@ def pass_over(
 def raise_hold(state: CellState, key: e.TaskKey, task: Task) -> e.HoldRaised:
     """Ask an operator about a task (semantics 7.1)."""
     failed = state.tasks[key]
-    offered = answers(state, key, task)
-    question = _question(key, task, offered) if _is_open(failed, task) else ''
-    said = (failed.message, question, _wanted(state, key))
-    return e.HoldRaised(
+    raised = e.HoldRaised(
         hold=state.next_hold,
         **key._asdict(),
         name=task.name,
@@ -130,13 +129,39 @@ def raise_hold(state: CellState, key: e.TaskKey, task: Task) -> e.HoldRaised:
         attempt=failed.attempt,
         attempts=task.retries + 1,
         reason=failed.reason.value if failed.reason else 'failed',
-        message='; '.join(filter(None, said)),
-        answers=offered,
+        answers=answers(state, key, task),
         round=state.round(key),
         controller_said=failed.controller_said,
         last_feedback=failed.last_feedback,
         topic_says=failed.topic_says,
     )
+    return worded(state, raised)
+
+
+def worded(state: CellState, hold: e.HoldRaised) -> e.HoldRaised:
+    """Return a hold with its message, as its facts say it."""
+    words = message_words(state, hold)
+    return changed(hold, message='; '.join(one.text() for one in words))
+
+
+def message_words(state: CellState, hold: e.HoldRaised) -> tuple[Words, ...]:
+    """Return the sentences of a hold's message; none: they are known in words only."""
+    facts = {'item': str(hold.item), 'section': str(hold.section)}
+    if hold.reason == OVERRUN:
+        return (Words(OVERRUN, facts),)
+    if hold.reason == SLOT_OCCUPIED and hold.section is not None:
+        return (Words(SLOT_OCCUPIED, {**facts, 'there': str(state.sections[hold.section].slot)}),)
+    if hold.task is None:
+        return ()
+    key = e.TaskKey(hold.job, hold.section, hold.item, hold.task)
+    failed, task = state.tasks.get(key), state.task(key) or index_task(state.cell)
+    if failed is None:
+        return ()
+    said = Words('said', {'words': failed.message}) if failed.message else None
+    otherwise = OR.join(answer for answer in hold.answers if answer != MARK_DONE)
+    moved = 'placed' if task.qty_change == 1 else 'taken_out'
+    question = Words(moved, {**facts, 'answers': otherwise}) if _is_open(failed, task) else None
+    return tuple(filter(None, (said, question, _wanted(state, key))))
 
 
 def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
@@ -214,25 +239,17 @@ def _moved(key: e.TaskKey, task: Task) -> str:
     return f'{"placed in" if task.qty_change == 1 else "taken out of"} section {key.section}'
 
 
-def _question(key: e.TaskKey, task: Task, offered: tuple[str, ...]) -> str:
-    """Ask what only a person can see: whether the slot holds the item."""
-    otherwise = ' or '.join(answer for answer in offered if answer != MARK_DONE)
-    return f'was {key.item} {_moved(key, task)}? mark_done if it was, else {otherwise}'
-
-
-def _wanted(state: CellState, key: e.TaskKey) -> str:
+def _wanted(state: CellState, key: e.TaskKey) -> Words | None:
     """Say which results of a task later tasks of its item refer to: `mark_done` may give them."""
     if key.job is None or key.item is None:
-        return ''
+        return None
     named = {
         '.'.join(reference.fields)
         for task in state.script(key.job).tasks.values()
         for reference in task.references
         if (reference.source, reference.name) == ('results', key.task)
     }
-    if not named:
-        return ''
-    return f'later tasks use its results: {", ".join(sorted(named))}; mark_done may give them'
+    return Words('wanted', {'fields': ', '.join(sorted(named))}) if named else None
 
 
 def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:

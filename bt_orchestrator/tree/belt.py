@@ -5,15 +5,14 @@ from __future__ import annotations
 from py_trees.common import Status
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.failures import worded
 from bt_orchestrator.model.line import Advance, Overrun, end_of_beat
 from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.words import OVERRUN
 from bt_orchestrator.tree.subject import Recorder
 from bt_orchestrator.tree.ticking import Ticked
 from bt_orchestrator.tree.turns import Turns
 from bt_orchestrator.tree.waiter import Waiter
-
-OVERRUN = 'overrun'
-"""Reason of the hold when an item would leave the belt without removal (semantics 3.6)."""
 
 
 class TurnsComplete(Ticked, Waiter):
@@ -60,9 +59,8 @@ class TurnsComplete(Ticked, Waiter):
                 section=section,
                 item=item,
                 reason=OVERRUN,
-                message=f'the belt would carry {item} out of section {section}',
                 answers=('remove_item',),
             )
-            self.recorder.record([held])
+            self.recorder.record([worded(state, held)])
         what = f'waiting for {item} to be removed'
         self.note(Wait(what, WaitKind.HOLD, item, sections=(state.cell.conveyor.sections,)))

@@ -7,13 +7,14 @@ from py_trees.common import Status
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.contest import NO_CONTEST, Contest
-from bt_orchestrator.model.failures import RETRY
+from bt_orchestrator.model.failures import RETRY, worded
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.hold_words import again_words, hold_wait_words
 from bt_orchestrator.model.line import waits_for_service
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import End, Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.words import SLOT_OCCUPIED
 from bt_orchestrator.tree.subject import Subject, holder, section_of
 from bt_orchestrator.tree.ticking import Ticked
 from bt_orchestrator.tree.waiter import TaskWaiter
@@ -168,19 +169,18 @@ class ActionLeaf(TaskWaiter, Ticked):
         section = self.subject.section
         if self.subject.task.qty_change != 1 or section is None:
             return None
-        there = self.subject.state.sections[section].slot
-        if there is None:
+        if self.subject.state.sections[section].slot is None:
             return None
-        return e.HoldRaised(
+        raised = e.HoldRaised(
             hold=self.subject.state.next_hold,
             **self.subject.key._asdict(),
             name=self.subject.task.name,
             component=self.subject.task.component,
             action=self.subject.task.action,
-            reason='slot_occupied',
-            message=f'{there} stands where {self.subject.key.item} would be placed',
+            reason=SLOT_OCCUPIED,
             answers=(RETRY,),  # other answers would leave a second item in the slot
         )
+        return worded(self.subject.state, raised)
 
 
 def _ended(progress: TaskState) -> str:

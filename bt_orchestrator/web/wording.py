@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from bt_orchestrator.model.hold_words import why_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.words import Words
 
 _STRINGS = Path(__file__).parent / 'static' / 'strings'
 
@@ -40,6 +41,11 @@ def wordings() -> Mapping[str, PageWording]:
         words = json.loads(path.read_text(encoding='utf-8'))
         found[path.stem] = (EnglishWording if path.stem == 'en' else PageWording)(words)
     return found
+
+
+def said_in_each(told: Sequence[Words], otherwise: str) -> dict[str, str]:
+    """Return a message of the node by language; see `PageWording.message`."""
+    return {name: words.message(told, otherwise) for name, words in wordings().items()}
 
 
 class PageWording(Wording):
@@ -88,6 +94,16 @@ class PageWording(Wording):
         values = {'name': wait.name, 'task': wait.task, 'sections': sections, 'holder': holder}
         return self._word('wait', key).format(**values)
 
+    def message(self, told: Sequence[Words], otherwise: str) -> str:
+        """Say a message of the node.
+
+        :param otherwise: the same in English, for sentences that the page does not know
+        """
+        known = self._strings['message']
+        if not told or not {one.kind for one in told} <= known.keys():
+            return otherwise
+        return '; '.join(one.text(known, known['or']) for one in told)
+
     def failure(
         self, reason: str, message: str, controller_said: str = '', topic_says: str = ''
     ) -> str:
@@ -111,7 +127,8 @@ class PageWording(Wording):
     def hold(self, hold: Hold) -> str:
         """Name a hold."""
         name = self._word('chain', 'hold').format(name=hold.id)
-        why = self.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
+        message = self.message(hold.message_words, hold.message)
+        why = self.failure(hold.reason, message, hold.controller_said, hold.topic_says)
         return f'{name} ({why})'
 
     def answer(self, word: str) -> str:

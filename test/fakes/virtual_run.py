@@ -96,7 +96,14 @@ class VirtualRun:
             self._after_settle()
             self._check()
         self._check()
+        self._check_messages()
         return self
+
+    def _check_messages(self) -> None:
+        """Check that the facts of each hold's message say what the message says."""
+        for hold in self.state.holds.values():
+            said = '; '.join(words.text() for words in hold.message_words)
+            assert said in ('', hold.message), f'hold {hold.id}'
 
     def ask(self, command: Command) -> Answer:
         """Give a command now; everything due at this moment has happened."""

@@ -6,7 +6,7 @@ from dataclasses import fields
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.alike import together
-from bt_orchestrator.model.failures import answers, why_not_offered
+from bt_orchestrator.model.failures import answers, message_words, why_not_offered
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Hold, Phase, TaskState
@@ -21,7 +21,7 @@ def hold_of(event: e.HoldRaised) -> Hold:
 
 
 def hold_raised(event: e.HoldRaised, state: CellState) -> None:
-    hold = hold_of(event)
+    hold = changed(hold_of(event), message_words=message_words(state, event))
     state.holds[hold.id] = hold
     state.holds_raised += 1
     if hold.key is not None:

@@ -80,19 +80,23 @@ def mapped(kind: type[_Fact], message: Any, apart: Apart | None = None) -> Mappe
     return made
 
 
-def flat(kind: type, message: Any, apart: Apart, told_by: str = '') -> Codec:
+def flat(
+    kind: type, message: Any, apart: Apart, told_by: str = '', any_of: tuple[str, ...] = ()
+) -> Codec:
     """Return the codec of a fact whose fields stand among the fields of an outer one.
 
     :param told_by: truth value of the message that says whether there is such a fact
+    :param any_of: fields of which one tells that there is one
     """
     made, used = _compiled(kind, dict, kind, message, apart)
-    flag, told = ({told_by: True} if told_by else {}), told_by or made.told_by
+    flag, told = ({told_by: True} if told_by else {}), any_of or (told_by or made.told_by,)
 
     def write(fact: Any) -> Mapping[str, Any]:
         return {} if fact is None else {**made.write(fact), **flag}
 
     def read(message: Any) -> Any:
-        return made.read(message) if not told or getattr(message, told) else None
+        is_told = any(not name or getattr(message, name) for name in told)
+        return made.read(message) if is_told else None
 
     return Codec((*used, *flag), write, read)
 

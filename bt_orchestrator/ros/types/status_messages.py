@@ -33,7 +33,7 @@ from bt_orchestrator.model.status import (
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.model.words import Words
-from bt_orchestrator.ros.types.choice_messages import choice_fields, choice_from
+from bt_orchestrator.ros.types.choice_messages import CHOICE
 from bt_orchestrator.ros.types.mapping import Codec, Mapped, flat, mapped, supplement
 
 _Fact = TypeVar('_Fact')
@@ -121,7 +121,7 @@ _LISTED = mapped(
             lambda details: {'details': json_of(details) if details else ''},
             lambda it: json.loads(it.details or '{}'),
         ),
-        'choice': Codec(('recipes', 'version', 'bind'), choice_fields, choice_from),
+        'choice': CHOICE,
     },
 )
 

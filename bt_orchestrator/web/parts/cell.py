@@ -14,6 +14,7 @@ from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.web.offers import add_offer, cell_offers, hold_offers
 from bt_orchestrator.web.parts.waits import wait_parts
+from bt_orchestrator.web.wording import said_in_each
 
 WORKING, QUIET, STOPPED, TROUBLE = 'working', 'quiet', 'stopped', 'trouble'
 """Kinds of states: how a page shows one, before anybody has read its word."""
@@ -99,6 +100,7 @@ def hold_part(hold: Hold) -> dict[str, object]:
         'job': hold.job or '',
         'together': list(hold.answers_together),
         'words': hold_words(hold),
+        'said': said_in_each(hold.message_words, hold.message),
         'is_pause': hold.is_pause,
         'offers': hold_offers(hold),
     }

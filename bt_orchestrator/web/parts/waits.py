@@ -9,25 +9,10 @@ from bt_orchestrator.model.codec import plain_but
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.status_words import task_label
-from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.wait import GRAVE, Wait, WaitKind
 from bt_orchestrator.report.wait_chains import Root, causes, chains
 from bt_orchestrator.report.wait_links import Link
 from bt_orchestrator.web.wording import wordings
-
-_ORDINARY = frozenset(
-    (
-        WaitKind.BELT,
-        WaitKind.TURN,
-        WaitKind.ITEM,
-        WaitKind.JOB,
-        WaitKind.FLAG,
-        WaitKind.ZONE,
-        WaitKind.COMPONENT,
-        WaitKind.INITIALIZATION,
-        WaitKind.CELL_STATE,
-    )
-)
-"""Kinds that belong to a line that works, and are shown quietly."""
 
 
 def wait_parts(waits: Iterable[Wait], holds: Iterable[Hold]) -> list[dict[str, object]]:
@@ -43,7 +28,7 @@ def _wait_part(wait: Wait, holds: Iterable[Hold]) -> dict[str, object]:
         **plain_but(wait, 'reason'),
         'words': wait.reason,
         'said': _said(wait, holds),
-        'is_ordinary': wait.kind in _ORDINARY,
+        'is_ordinary': wait.kind not in GRAVE or wait.kind is WaitKind.CELL_STATE,
     }
 
 

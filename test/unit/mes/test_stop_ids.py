@@ -11,7 +11,7 @@ from bt_orchestrator.mes.stop_ids import NONE, STOP_IDS, id_of_hold, id_of_stop
 from bt_orchestrator.model import pauses
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.tree.belt import OVERRUN
+from bt_orchestrator.model.words import OVERRUN
 
 KEPT = {
     0: '', 100: 'stopped', 101: 'paused', 200: 'own_fault', 201: 'server_unavailable',

@@ -8,6 +8,7 @@ from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.requests import REMARKS
+from bt_orchestrator.web.wording import wordings
 
 # --- 7.1: what a hold stops -----------------------------------------------------------------
 
@@ -382,6 +383,7 @@ def test_7_1_only_answers_that_say_what_the_slot_holds(
     (hold,) = run.state.holds.values()
     assert (hold.reason, hold.answers) == (reason, answers)
     assert f'was J/1 {question}? mark_done if it was, else retry' in hold.message
+    assert 'mark_done, sonst retry' in wordings()['de'].hold(hold)
     why = f'no reject or abort_job: it is not known whether J/1 was {question}'
     assert hold.answers_why.endswith(why)
     run.answer('mark_done')

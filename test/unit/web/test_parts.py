@@ -12,6 +12,7 @@ from fakes.page_parts import NODE, marks, page_parts, scripts_of, status_of
 from fakes.statuses import hold
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.status_words import task_label
 from bt_orchestrator.runtime.overview import description_of
 from bt_orchestrator.web.parts import parts_of
@@ -250,3 +251,11 @@ def test_holds_are_listed_as_they_were_raised_also_after_a_set_clock() -> None:
     told = replace(status_of(run), holds=(hold('1', since=3600.0), hold('2', since=60.0)))
     parts: Any = parts_of(told, description_of(run.state.cell), scripts_of(run), NODE)
     assert parts['cell']['holds'] == ['1', '2']
+
+
+def test_a_contest_is_said_in_each_language() -> None:
+    run = Line(3).begin(THREE, 3).go(until=1.0)
+    run.state.contests['a2'] = Contest(servers=('/here', '/there'))
+    said = page_parts(run)['component/a2']['contested_said']
+    assert said['en'].startswith('2 servers of /a2/do: /here, /there')
+    assert said['de'].startswith('2 Server für /a2/do: /here, /there')

@@ -13,9 +13,10 @@ from bt_orchestrator.model.requests import REQUESTS
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wait import WaitKind
+from bt_orchestrator.model.words import SENTENCES
 
 DRAWING = 'drawing.'
-OF_THE_NODE = 'wait.'
+OF_THE_NODE = ('wait.', 'message.')
 """Words that the page has from its node (`web/wording.py`)."""
 DRAWINGS = Path(card.__file__).parent
 
@@ -43,7 +44,7 @@ def test_every_key_is_used() -> None:
     unused = [
         key
         for key in words('en')
-        if f"'{key}'" not in source and not key.startswith((*stems, DRAWING, OF_THE_NODE))
+        if f"'{key}'" not in source and not key.startswith((*stems, DRAWING, *OF_THE_NODE))
     ]
     assert unused == []
 
@@ -92,6 +93,12 @@ def test_states_reasons_roles_and_waits_have_words() -> None:
     assert {f'stop_reason.{reason.value}' for reason in StopReason} <= known
     assert {f'role.{role.value}' for role in Role} <= known
     assert {f'wait.{kind.value}' for kind in WaitKind} <= known
+
+
+def test_sentences_of_the_node_stand_there_as_in_its_own_catalogue() -> None:
+    english = {key: text for key, text in words('en').items() if key.startswith('message.')}
+    assert english.pop('message.or') == 'or'
+    assert english == {f'message.{kind}': text for kind, text in SENTENCES.items()}
 
 
 def test_english_has_no_german_letters_and_german_no_english_sentence() -> None:

@@ -58,6 +58,11 @@ function found(key) {
   return strings[key.slice(0, at)]?.[key.slice(at + 1)];
 }
 
+/** Words that the node has in each language. */
+export function said(words) {
+  return words[language];
+}
+
 /** Words as a sentence begins. */
 export function sentence(words) {
   return words.charAt(0).toLocaleUpperCase(LOCALES[language]) + words.slice(1);

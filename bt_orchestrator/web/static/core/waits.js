@@ -1,10 +1,10 @@
 /** What something waits for: the node's page has the words of each language. */
 
-import { currentLanguage } from './text.js';
+import { said } from './text.js';
 
 /** Say one wait. */
 export function waitWords(wait) {
-  return wait.said[currentLanguage()];
+  return said(wait.said);
 }
 
 /** The waits that matter, or else the first of the ordinary ones: one line. */

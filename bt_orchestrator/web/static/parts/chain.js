@@ -4,7 +4,7 @@ import { part, partsOf } from '../core/store.js';
 import { t, tOr } from '../core/text.js';
 import { inPath } from './links.js';
 import { troubleWords } from './side_lists.js';
-import { busyWith, failureWords } from './task_words.js';
+import { busyWith, heldWords } from './task_words.js';
 import { waitWords } from '../core/waits.js';
 
 /** Kinds of links that tell what is wrong with a component itself. */
@@ -98,7 +98,7 @@ export function causeWords(root) {
 function holdWords(hold) {
   const place = hold.section ? t('part.section', { number: hold.section }) : '';
   const named = [place, hold.task, hold.item].filter(Boolean).join(', ');
-  return `${named}: ${failureWords(hold)}`;
+  return `${named}: ${heldWords(hold)}`;
 }
 
 function rootWords(root) {

@@ -3,7 +3,7 @@
 import { attribute, children, h, show, text } from '../core/dom.js';
 import { withButtons } from '../core/requests.js';
 import { shownMoment } from '../core/store.js';
-import { at, duration, t, tOr } from '../core/text.js';
+import { at, duration, said, t, tOr } from '../core/text.js';
 import { offers } from './offers.js';
 import { reshape, shape } from '../core/shape.js';
 import { holdPlace } from './stands.js';
@@ -83,7 +83,7 @@ function saidOf(hold) {
   const controller =
     hold.controller_said && t('reason.controller_says', { words: hold.controller_said });
   const topic = hold.topic_says && t('reason.topic_says', { words: hold.topic_says });
-  return [controller, withButtons(hold.message), topic].filter(Boolean).join('; ');
+  return [controller, withButtons(said(hold.said)), topic].filter(Boolean).join('; ');
 }
 
 /** For dialogs: the card is under them. */

@@ -1,7 +1,7 @@
 /** Why the line stands still, or soon will: one sentence for the top of the page. */
 
 import { part } from '../core/store.js';
-import { at, t, tOr } from '../core/text.js';
+import { at, said, t, tOr } from '../core/text.js';
 
 /** Say why the cell does not work as it should; empty: it does. */
 export function whyItStands(cell) {
@@ -60,7 +60,7 @@ function reasonWords(cell) {
       .join(': ');
     const more =
       cell.holds.length > 1 ? ` ${t('stands.more_holds', { count: cell.holds.length - 1 })}` : '';
-    return `${word}: ${what}${hold.message ? ` (${hold.message})` : ''}.${more}`;
+    return `${word}: ${what}${hold.message ? ` (${said(hold.said)})` : ''}.${more}`;
   }
   // What a person said is told by their wish.
   return cell.stop_message && !cell.wish ? `${word}: ${cell.stop_message}.` : `${word}.`;

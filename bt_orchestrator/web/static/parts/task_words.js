@@ -1,7 +1,7 @@
 /** What is said of a task beside its name: why it does not go on, and which one a component has. */
 
 import { part, partsOf } from '../core/store.js';
-import { t, tOr } from '../core/text.js';
+import { said, t, tOr } from '../core/text.js';
 import { waitWords } from '../core/waits.js';
 
 const AT_WORK = ['running', 'held'];
@@ -11,7 +11,7 @@ const SAID = /^(\w+)(?: \((.*)\))?$/s;
 /** Say what a task waits for, or why it failed; what a server said stays as it is. */
 export function taskReason(task) {
   const hold = task.hold ? part(`hold/${task.hold}`) : null;
-  if (hold) return failureWords(hold);
+  if (hold) return heldWords(hold);
   if (task.waits.length) return task.waits.map(waitWords).join('; ');
   const [, reason, message] = SAID.exec(task.reason) ?? [];
   return skipWords(task.reason, reason ? failureWords({ reason, message }) : task.reason);
@@ -26,6 +26,11 @@ export function skipWords(reason, others = reason) {
 export function failureWords({ reason, message }) {
   const why = tOr(`reason.${reason}`, reason);
   return message ? `${why} (${message})` : why;
+}
+
+/** Say why something is held. */
+export function heldWords(hold) {
+  return failureWords({ reason: hold.reason, message: said(hold.said) });
 }
 
 /** Name the task that a component is busy with, and of what; empty: it has none. */
