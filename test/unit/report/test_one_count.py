@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from datetime import date
+from io import StringIO
 from typing import Any, cast
 
 import pytest
@@ -23,15 +26,23 @@ from bt_orchestrator.mes import counts as packml
 from bt_orchestrator.mes.job_book import JobBook
 from bt_orchestrator.mes.job_response import JobResponse, response_of, response_of_record
 from bt_orchestrator.model.codec import from_record, to_plain
-from bt_orchestrator.model.jobs.job_record import all_counts, record_of
+from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, record_of
+from bt_orchestrator.model.records import Extent
 from bt_orchestrator.model.status import CellStatus, ListedJob
 from bt_orchestrator.opcua.job_control.records import item_plain
 from bt_orchestrator.opcua.simple import values as simple_values
-from bt_orchestrator.report.account.figures import Paces, figures
-from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold
+from bt_orchestrator.report.account.account import Account, Source
+from bt_orchestrator.report.account.calendar import Now, Turn
+from bt_orchestrator.report.account.figures import Figures, Paces, figures
+from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, FromBooks
+from bt_orchestrator.report.account.live import Live
+from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import Planned, us_of
+from bt_orchestrator.report.account.rows import write_csv
+from bt_orchestrator.report.items_csv import write_items
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.runtime.overview import Overview
+from bt_orchestrator.web.account.metrics import metrics
 from bt_orchestrator.web.parts.jobs import NOT_KNOWN, job_part
 
 pytestmark = pytest.mark.timeout(24 * 3600)
@@ -56,6 +67,11 @@ SIMPLE = {
 """Nodes of a job in the flat part of OPC UA."""
 
 _ID = re.compile('(Current|Next|Last)Job/ID').fullmatch
+
+ALL = ''
+"""Numbers of all jobs together."""
+
+_ITEMS = re.compile(r'_shift_items{.*outcome="(\w+)"} (\d+)').findall
 
 MARKED = """
 sections:
@@ -82,6 +98,8 @@ def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
         if event.event in FOLLOWED:
             account.follow(event)
     shown = figures(account.until(us_of(run.now) + 1), Paces(run.sim.state.cell))
+    yield 'metrics', ALL, in_metrics(shown)
+    yield from (('CSV of a report', *one) for one in in_csv(shown))
     for made in shown.times.made:
         yield 'report', made.job, {word: getattr(made, word) for word in WORDS}
     for job in status.jobs:
@@ -106,10 +124,41 @@ def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
     for record in fold.jobs.values():
         yield 'history', record.job, all_counts(record.counts)
         yield 'items', record.job, by_item(map(item_plain, record.items.values()))
+        yield 'CSV of items', record.job, in_items_csv(record)
         if (response := response_of_record(record)) is not None:
             yield 'response by the journal', record.job, quantities(response)
     for ended in state.ended.values():
         yield 'summary', ended.job.id, all_counts(record_of(ended).counts)
+
+
+def account_of(shown: Figures) -> Account:
+    period = Period.all_planned('shift early', 0, 1)
+    source = Source(Extent('a', 1, 1), 1, 1, 0)
+    return Account(period, shown, source, FromBooks(), has_cell=True, cell_differs=False)
+
+
+def in_csv(shown: Figures) -> Iterator[tuple[str, Numbers]]:
+    file = StringIO()
+    write_csv(account_of(shown), file)
+    rows = [row for row in csv.DictReader(StringIO(file.getvalue())) if row['part'] == 'job']
+    for job in dict.fromkeys(row['name'] for row in rows):
+        yield job, {row['detail']: int(row['number']) for row in rows if row['name'] == job}
+
+
+def in_metrics(shown: Figures) -> Numbers:
+    account = account_of(shown)
+    turn = Turn('early', date(1970, 1, 1), account.period)
+    text = metrics('/n', 0.0, None, Live(Now(account.period, turn), account, None))
+    return {kind: int(number) for kind, number in _ITEMS(text)}
+
+
+def in_items_csv(record: JobRecord) -> Numbers:
+    file = StringIO()
+    write_items(record, file)
+    rows = list(csv.DictReader(StringIO(file.getvalue())))
+    packed = [row for row in rows if row['how'] == 'packed']
+    rejected = sum(row['how'] == 'rejected' for row in rows)
+    return {'packed': len(packed), 'rejected': rejected}
 
 
 def _only(status: CellStatus, job: str) -> CellStatus:
@@ -152,7 +201,8 @@ def agree(run: VirtualRun) -> Counter[str]:
             words = (word, 'produced', *(['packed'] if one['how'] == 'packed' else []))
             truth.setdefault(one['job'], Counter()).update(words)
     for surface, job, numbers in told(run):
-        expected = truth.get(job, Counter())
+        everything = sum(truth.values(), Counter[str]())
+        expected = everything if job == ALL else truth.get(job, Counter())
         for word in (*WORDS, 'packed'):
             if word in numbers:
                 assert numbers[word] == expected[word], (surface, job, word)
