@@ -46,14 +46,14 @@ def write_items(job: JobRecord, file: IO[str]) -> None:
 
 
 def _about(job: JobRecord, item: ItemRecord) -> tuple[Any, ...]:
-    ended = item.ended
+    ended, seconds = item.ended, item.seconds
     return (
         job.job,
         item.item,
         item.how,
         iso_time(item.started),
         None if ended is None else iso_time(ended),
-        None if ended is None else round(ended - item.started, 3),
+        None if seconds is None else round(seconds, 3),
         ' '.join(item.nonconforming),
         sum(failure.item == item.item for failure in job.failures),
         sum(item.rounds.values()),

@@ -84,6 +84,14 @@ class ItemRecord:
     """The last one that was read; empty: none."""
     lots: Mapping[str, str] = field(default_factory=dict)
     """What goes into it, by name."""
+    clock_set_s: float = 0.0
+    """By how much the clock was set between its start and its end, forward; negative: back."""
+
+    @property
+    def seconds(self) -> float | None:
+        """How long it was on the line; None: it has not ended."""
+        return None if self.ended is None else self.ended - self.started - self.clock_set_s
+
     good: bool | None = None
     """Whether it was packed and not nonconforming as it left; None: it is on the line, or was an
     empty position."""

@@ -172,6 +172,8 @@ class Records:
 def item_plain(item: ItemRecord) -> dict[str, Any]:
     """Return what is told of an item, as JSON carries it."""
     plain: dict[str, Any] = to_plain(item, whole=True)
+    if not item.clock_set_s:
+        del plain['clock_set_s']
     return plain
 
 

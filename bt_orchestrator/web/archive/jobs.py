@@ -72,10 +72,35 @@ def job_with_items(look: Look, job: str) -> dict[str, Any] | None:
 
 def job_record(look: Look, job: str) -> JobRecord | None:
     """Return the record of a job, from its events or else its summary; None: it is not known."""
-    fold = JobFold()
+    fold, seqs = JobFold(), dict[str, tuple[int, int]]()
     for event in events_of_job(look, job, FOLLOWED):
         fold.follow(event)
-    return fold.jobs.get(job) or next(_summaries_of(look, {job}), None)
+        item = getattr(event, 'item', None)
+        if item is not None:
+            begun, _ = seqs.setdefault(item, (event.seq, event.seq))
+            if isinstance(event, (e.ItemRemoved, e.ItemMissing)):
+                seqs[item] = begun, event.seq
+    record = fold.jobs.get(job)
+    if record is None:
+        return next(_summaries_of(look, {job}), None)
+    _note_steps(look, record, seqs)
+    return record
+
+
+def _note_steps(look: Look, record: JobRecord, seqs: Mapping[str, tuple[int, int]]) -> None:
+    """Note at each item by how much the clock was set while it was there.
+
+    :param seqs: numbers of the first event of each item, and of that with which it left
+    """
+    if not seqs:
+        return
+    first = min(first for first, _ in seqs.values())
+    last = max(last for _, last in seqs.values())
+    wanted = Wanted(after_seq=first, before_seq=last, events=(e.ClockStepped.event,))
+    steps = [one for one in events(look, wanted) if isinstance(one, e.ClockStepped)]
+    for item in record.items.values() if steps else ():
+        begun, ended = seqs.get(item.item, (0, 0))
+        item.clock_set_s = sum(one.seconds for one in steps if begun < one.seq < ended)
 
 
 def summary(record: JobRecord, *, is_whole: bool) -> dict[str, Any]:

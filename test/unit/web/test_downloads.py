@@ -11,14 +11,23 @@ from pathlib import Path
 import pytest
 from fakes.line import THREE, Line
 from fakes.page_bench import PeopleBench
+from fakes.profiles import examples
+from fakes.stepped import Steps, drawn_steps, stepped
 from fakes.virtual_run import VirtualRun
+from hypothesis import given
 
 from bt_orchestrator.doors.facts import Happened, Lost
+from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.records import JobPlace, Summaries
+from bt_orchestrator.model.records import Extent, JobPlace, Summaries
 from bt_orchestrator.ports import Records
+from bt_orchestrator.report.items_csv import write_items
+from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 from bt_orchestrator.web.archive import Archive, downloads
+from bt_orchestrator.web.archive.archive import Look
 from bt_orchestrator.web.archive.heard import HeardRecords
+from bt_orchestrator.web.archive.jobs import job_record
 from bt_orchestrator.web.endpoint import Endpoint
 
 
@@ -126,3 +135,21 @@ def test_the_record_of_an_item_is_a_document(bench: Bench) -> None:
 def test_a_record_is_in_the_zone_of_its_reader(bench: Bench, zone: str, words: str) -> None:
     answer = bench.browser().get(f'/api/items/WO-%C3%A4/1/record.html?zone={zone}')
     assert f'Times are those {words}' in answer.body.decode()
+
+
+@examples(5, 300)
+@given(drawn_steps())
+def test_a_clock_that_is_set_changes_no_duration(run: VirtualRun, steps: Steps) -> None:
+    events = [from_record(one) for one in run.records]
+    assert taken_s(stepped(events, steps)) == pytest.approx(taken_s(events), abs=0.0011)
+
+
+def taken_s(events: Sequence[Event]) -> list[float]:
+    store = MemoryStore('a')
+    store.append(events)
+    look = Look(MemoryRecords(store), Extent('a', 1, len(events)))
+    record = job_record(look, 'WO-\xe4')
+    assert record is not None
+    file = StringIO()
+    write_items(record, file)
+    return [float(row['seconds']) for row in csv.DictReader(StringIO(file.getvalue()))]
