@@ -8,9 +8,14 @@ from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import GoalEnd, GoalStatus
 
 WORK_AT = 3.0
 """When section 2 of the shortest line begins with its first item."""
+
+
+VERDICT = ', fails_unless: {value: "${results.work.measurement}", at_most: 1.5}'
+"""An option of the task `work`."""
 
 
 def work(options: str = '') -> str:
@@ -446,6 +451,49 @@ def test_2_6_the_own_cancel_of_abort_job_is_no_failed_attempt() -> None:
     assert run.order('task.continued', 'policy') == ['abort_job', 'abort_job']
     assert run.all('hold.raised') == []
     assert run.counts()['rejected'] == 1
+
+
+@pytest.mark.parametrize(
+    ('end', 'options', 'told', 'hold'),
+    [
+        (GoalEnd(GoalStatus.CANCELED), '', 'task.continued', ''),
+        (GoalEnd(GoalStatus.ABORTED), '', 'task.continued', ''),
+        (GoalEnd(GoalStatus.SUCCEEDED, {'task_result': False}), '', 'task.continued', ''),
+        (GoalEnd(GoalStatus.SUCCEEDED, {'measurement': 9.0}), VERDICT, 'task.continued', ''),
+        (GoalEnd(GoalStatus.LOST), ', repeatable: true', 'task.continued', ''),
+        (GoalEnd(GoalStatus.SUCCEEDED, {'measurement': 1.0}), VERDICT, 'task.succeeded', ''),
+        (GoalEnd(GoalStatus.LOST), '', 'hold.raised', 'server_lost'),
+        (GoalEnd(GoalStatus.SILENT), '', 'hold.raised', 'in_doubt'),
+    ],
+)
+def test_2_6_whatever_end_follows_the_cancel_of_abort_job(
+    end: GoalEnd, options: str, told: str, hold: str
+) -> None:
+    text = with_section(2, f'- {{id: work, @a2, retries: 3{options}}}').replace(
+        'qty_change: -1', 'qty_change: -1, runs_for: all'
+    )
+    run = Line(faults={'a2': '#1=ignore_cancel'}).begin(text).go(until=3.5)
+    assert run.control('abort', 'J').accepted
+    (goal,) = (goal for _, goal in run.sim.orchestrator.flights.without_end.values())
+    run.sim.gateway._clients['a2'].end(goal, end)  # type: ignore[arg-type]
+    run.sim.orchestrator.settle()
+    assert run.all(told, task='work')
+    assert [one.reason for one in run.state.holds.values()] == [hold][: bool(hold)]
+    assert run.starts('work') == [3.0]
+    assert run.go().ended is not bool(hold)
+
+
+def test_2_4_a_cancel_comes_before_the_end_of_a_goal_that_takes_no_time() -> None:
+    run = Line(seconds={'a2': 0.0}).begin(work())
+    clock, orchestrator = run.sim.clock, run.sim.orchestrator
+    orchestrator.settle()
+    while not run.starts('work'):
+        clock.advance()
+        orchestrator.settle()
+    assert run.command(Abort).accepted
+    run.go()
+    assert run.reasons() == ['in_doubt']
+    assert not run.all('task.succeeded', task='work')
 
 
 def test_2_6_in_a_job_that_aborts_other_failures_keep_their_retries_and_policy() -> None:

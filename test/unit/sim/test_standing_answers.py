@@ -97,6 +97,19 @@ def test_the_first_answer_that_a_hold_offers_is_given() -> None:
     assert [answer for _, answer, _ in done.decisions()] == ['mark_done']
 
 
+def test_an_answer_is_chosen_when_the_hold_is_raised() -> None:
+    """Its item is rejected before the answer is due; then another answer is chosen."""
+    beside = '{id: work, @a2}, {id: bad, @b2.TASK_B, on_failure: reject}'
+    text = with_section(2, f'- parallel: [{beside}]')
+    text = text.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    line = Line(3, seconds={'b2': 10.0}, faults={'a2': '#1=abort', 'b2': '#1=abort'})
+    done = Answered(line, text, ['reject', 'skip'], 30.0)
+    assert [(answer, time) for _, answer, time in done.decisions()] == [('skip', 64.0)]
+    assert done.complaints == []
+    early = Answered(line, text, ['reject', 'skip'], 5.0)
+    assert [(answer, time) for _, answer, time in early.decisions()] == [('reject', 9.0)]
+
+
 def test_a_fault_that_stays_is_not_tried_for_ever() -> None:
     done = Answered(Line(3, faults={'a2': '#*=abort'}), THREE, ['retry'])
 
