@@ -7,7 +7,11 @@ import json
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line, with_section
+from fakes.profiles import examples
+from fakes.stepped import Steps, drawn_steps, stepped
 from fakes.virtual_run import VirtualRun
+from hypothesis import given
+from hypothesis import strategies as st
 
 from bt_orchestrator.drawing.gantt import GanttFold
 from bt_orchestrator.errors import NotKept
@@ -20,7 +24,7 @@ from bt_orchestrator.report.retrospect.plain import retrospect_plain
 from bt_orchestrator.report.retrospect.retrospect import Retrospect
 from bt_orchestrator.report.retrospect.text import retrospect_text
 from bt_orchestrator.sim.looking_back import LookingBack, NoForecast, Watchers
-from bt_orchestrator.store.memory import MemoryRecords
+from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 
 TYPES = FakeActionTypes()
 LINE = Line(3, seconds={'a2': 5.0})
@@ -65,6 +69,27 @@ def test_what_went_as_forecast_is_equal_in_every_figure(job: str) -> None:
     assert sum(pair.real for pair in found.times()) == found.total.real
     assert [*found.tasks()] == []
     assert found.first_deviation() is found.worst_deviation() is None
+
+
+@examples(10, 300)
+@given(drawn_steps(), st.sampled_from(['J0', 'J1', 'J2']))
+def test_a_clock_that_is_set_changes_no_difference(steps: Steps, job: str) -> None:
+    run = ran(LINE, 3, 2, 4, slower=2.0)
+    store = MemoryStore()
+    store.append(stepped(run.store.read(), steps))
+    reading = Reading(MemoryRecords(store))
+    found = LookingBack(reading, LINE.cell, TYPES, 'the journal').at(job)
+    assert figures_of(found) == figures_of(looked(run, job))
+    first, plain = found.first_deviation(), looked(run, job).first_deviation()
+    assert first is not None
+    assert plain is not None
+    assert first.real.key == plain.real.key
+    assert retrospect_plain(found)['notes']
+
+
+def figures_of(found: Retrospect) -> list[object]:
+    pairs = [*found.times(), *found.items(), *found.busy(), found.total]
+    return [found.late_us, *pairs, *found.tasks()]
 
 
 def test_a_forecast_needs_no_ids_that_were_used_before(monkeypatch: pytest.MonkeyPatch) -> None:
