@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from asyncua import ua
 
 from bt_orchestrator.doors.tickets import Outcome
+from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.mes.plain_commands import (
     Unclear,
     Wanted,
@@ -16,12 +17,21 @@ from bt_orchestrator.mes.plain_commands import (
     order_of,
     verbs,
 )
-from bt_orchestrator.model.requests import ADD, RELEASE_SCRIPT, About, Request
+from bt_orchestrator.model.requests import (
+    ADD,
+    RELEASE_SCRIPT,
+    About,
+    BadArguments,
+    Request,
+    ask,
+)
+from bt_orchestrator.opcua import callers
 from bt_orchestrator.opcua.arguments import Argument
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.callers import CALLER
 from bt_orchestrator.opcua.calls import reason_of
 from bt_orchestrator.opcua.space import Space
+from bt_orchestrator.script.given_arguments import arguments_of
 
 TEXT, COUNT = ua.VariantType.String, ua.VariantType.UInt32
 
@@ -48,6 +58,11 @@ COMMAND = (
         f'to the cell: {_words(verbs(About.CELL))}; to a job: {_words(verbs(About.JOB))}',
     ),
     Argument('Job', TEXT, 'id of the job; empty: the cell'),
+    REASON,
+)
+REQUEST = (
+    Argument('Name', TEXT, 'of the request: its subject and its word, as in job.move'),
+    Argument('Arguments', TEXT, 'by name, as JSON or YAML: {"job": "WO-7", "position": 1}'),
     REASON,
 )
 ANSWER_HOLD = (
@@ -102,6 +117,20 @@ class SimpleCommands:
             f'{top}/AnswerHold', self._answer, ANSWER_HOLD, (ACCEPTED, MESSAGE),
             'decides what becomes of something that is held',
         )  # fmt: skip
+
+        await space.method(
+            f'{top}/Request', self._request, REQUEST, (ACCEPTED, MESSAGE, FINDINGS),
+            'makes any request by its name; docs/operating.md lists them',
+        )  # fmt: skip
+
+    async def _request(self, name: str, arguments: str, reason: str) -> list[ua.Variant]:
+        reason = reason_of(reason, 'Request')
+        try:
+            asked = ask(name, callers.by(reason, ''), **arguments_of(arguments))
+        except (BadArguments, CommandRefused) as error:
+            return _told(Outcome(False, str(error)), findings=True)
+        outcome = await self._bridge.calls.ask(asked.request, asked.arguments, reason)
+        return _told(outcome, findings=True)
 
     async def _submit(
         self, id_: str, script: str, quantity: int, parameters: Sequence[str]

@@ -1,6 +1,7 @@
 """Where each request of the table is posted, and what stands in the body.
 
-Used in both directions: offers say where to post, and the routes of commands read it.
+`ANY` takes each request by its name. The others are used in both directions: offers say where to
+post, and the routes of commands read it.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from bt_orchestrator.model.requests import (
     NEXT,
     RELEASE_SCRIPT,
     REMOVE_ITEM,
+    REQUESTS,
     STOP_AFTERS,
     UPDATE,
     About,
@@ -24,6 +26,7 @@ from bt_orchestrator.model.requests import (
 )
 from bt_orchestrator.model.wish import STOP_AFTER
 
+ANY = '/api/requests/{name}'
 ANSWER = '/api/holds/{hold}/answer'
 CELL_COMMAND = '/api/cell/{command}'
 ITEM = '/api/items/{item:path}/remove'
@@ -105,6 +108,14 @@ class NoSuchRequest(ValueError):
     """No request has this path and body; the message says what was expected."""
 
 
+def any_request(name: str, _: dict[str, object]) -> Found:
+    """Return the request of a name; all of its arguments stand in the body."""
+    request = REQUESTS.get(name)
+    if request is None:
+        raise NoSuchRequest(f'there is no request {name!r:.60}; one of {", ".join(REQUESTS)}')
+    return request, {}
+
+
 def answer_to_hold(hold: str, body: dict[str, object]) -> Found:
     """Return the request of an answer to a hold; takes what it reads out of the body."""
     return _of_word(About.HOLD, body.pop('answer', None), 'answer'), {'hold': hold}
@@ -177,6 +188,7 @@ def _of_word(about: About, word: object, key: str) -> Request:
 
 
 READERS: Mapping[str, Callable[[str, dict[str, object]], Found]] = {
+    ANY: any_request,
     ANSWER: answer_to_hold,
     CELL_COMMAND: to_cell,
     ITEM: remove_item,

@@ -13,6 +13,7 @@ from bt_orchestrator.web import command_paths as paths
 from bt_orchestrator.web.endpoint import Schema
 
 DOES: Mapping[str, str] = {
+    paths.ANY: 'makes any request by its name, as in job.move; the body has its arguments',
     paths.ANSWER: 'answers a hold',
     paths.CELL_COMMAND: 'gives the cell a command, which stands in the path',
     paths.ITEM: 'records that an item was taken off the belt',
@@ -35,6 +36,9 @@ class Body(TypedDict):
 
 def body_at(path: str) -> Body:
     """Return what is posted to a path."""
+    if path == paths.ANY:
+        of_all = {one.name: _schema(one) for request in TABLE for one in request.parameters}
+        return Body(body={**of_all, **_ALWAYS}, required=())
     requests = requests_at(path)
     says = [{**paths.place_of(one, 'x').body} for one in requests]
     words = {key for said in says for key in said if key != 'job'}
@@ -75,6 +79,8 @@ def _choice(values: Sequence[object]) -> Schema:
 
 def _schema(parameter: Parameter) -> Schema:
     schema: dict[str, Any] = {**_KINDS[parameter.kind], 'description': parameter.meaning}
+    if parameter.kind is Kind.WHOLE:
+        schema['minimum'], schema['maximum'] = parameter.span
     if parameter.roles is not None:
         roles = ', '.join(sorted(role.value for role in parameter.roles))
         schema['description'] += f' (for {roles})'

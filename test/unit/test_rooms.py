@@ -27,6 +27,12 @@ DOOR = ('cli/door.py', 'bt_orchestrator.ros.link.ros_link')
 """The one place where the door of a real node is opened."""
 
 
+REQUESTS = ('.model.requests.', '.model.commands.', '.model.jobs.job_commands.')
+NO_REQUESTS = ('TABLE', 'REQUESTS', 'Answer', 'OrderAnswer', 'Command', 'OnRecord', 'Sharing')
+MOST_NAMING_REQUESTS = 40
+"""Modules that name a single request, or a class of orders: only fewer."""
+
+
 def rooms() -> list[Path]:
     return sorted({file.parent for file in FILES})
 
@@ -176,3 +182,24 @@ def _inherited(kind: ast.ClassDef, imported: set[str]) -> Iterator[str]:
 def _is_private(name: str) -> bool:
     of_tuples = ('_asdict', '_replace', '_fields')  # public names of named tuples
     return name.startswith('_') and not name.startswith('__') and name not in of_tuples
+
+
+def test_few_modules_name_a_single_request() -> None:
+    """All others read what the table declares."""
+    naming = {file for file in FILES if any(named_requests(file)) and not is_table(file)}
+    assert len(naming) <= MOST_NAMING_REQUESTS, sorted(map(str, naming))
+
+
+def is_table(file: Path) -> bool:
+    return file.is_relative_to(PACKAGE / 'model' / 'requests')
+
+
+def named_requests(file: Path) -> Iterator[str]:
+    """Yield the constants of requests and the classes of commands that a file imports."""
+    for node in ast.walk(ast.parse(file.read_text())):
+        module = f'{node.module}.' if isinstance(node, ast.ImportFrom) else ''
+        if not isinstance(node, ast.ImportFrom) or not any(one in module for one in REQUESTS):
+            continue
+        names = [alias.name for alias in node.names if alias.name not in NO_REQUESTS]
+        is_table = '.model.requests.' in module
+        yield from (name for name in names if (name if is_table else name[0]).isupper())

@@ -10,6 +10,7 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.commands import Answer, OrderAnswer
+from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import ADD, Asked
 from bt_orchestrator.ros.types.messages import check
 
@@ -28,12 +29,17 @@ def call_of(asked: Asked) -> Call:
     :raises CommandRefused: a value that no message can carry; says which
     """
     try:
-        call = _add(asked) if asked.request == ADD else _any(asked)
+        call = _add(asked) if _has_orders(asked) else _any(asked)
         _sign(call.request, asked.sender)
         check(call.request)
     except (OverflowError, TypeError, ValueError) as error:
         raise CommandRefused(f'{asked.request.name} cannot be sent: {error}') from error
     return call
+
+
+def _has_orders(asked: Asked) -> bool:
+    orders = asked.arguments.get('orders', ())
+    return asked.request == ADD and all(isinstance(one, WorkOrder) for one in orders)
 
 
 def _sign(request: Any, by: By) -> None:

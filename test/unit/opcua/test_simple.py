@@ -112,6 +112,34 @@ def test_what_the_cell_refuses_is_told(scene: Scene) -> None:
     assert any(one.message and 'WO-9' in one.message for one in scene.events('operator.refused'))
 
 
+def test_any_request_is_made_by_its_name(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        async def ask(name: str, arguments: str) -> Any:
+            return await reader.call('Simple/Request', name, arguments, 'a test')
+
+        added = '{order: WO-20, script: inspect_and_assemble, quantity: 2}'
+        accepted, message, _ = await ask('queue.add', f'{{orders: [{added}], held: true}}')
+        assert (accepted, message) == (True, 'WO-20 is queued and held')
+        for name, arguments in (
+            ('job.update', '{"job": "WO-20", "quantity": 3}'),
+            ('job.cancel', 'job: WO-20'),
+        ):
+            assert (await ask(name, arguments))[0] is True
+        for name, arguments, told in (
+            ('job.fly', '', "there is no request 'job.fly'"),
+            ('job.move', '{job: WO-20}', 'job.move needs position'),
+            ('job.move', 'WO-20', 'expected the arguments as a mapping'),
+            ('job.hold', '{job: WO-20}', 'WO-20 is listed no more'),
+        ):
+            accepted, message, _ = await ask(name, arguments)
+            assert accepted is False
+            assert told in message
+
+    reading(scene.url, look)
+    (updated,) = (one for one in scene.events('operator.decided') if one.answer == 'update')
+    assert (updated.job, updated.reason) == ('WO-20', 'a test')
+
+
 def test_commands_to_the_cell_and_to_jobs_are_on_record(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         assert (await reader.call('Simple/Command', 'Pause', '', ''))[0] is True

@@ -93,6 +93,29 @@ def test_a_request_is_for_the_roles_of_the_table(
     assert answer.json['who'] == name
 
 
+@every_request
+def test_a_request_by_its_name_is_the_same(bench: CellBench, request_: Request) -> None:
+    browser = bench.logged_in('eve')
+    subject = SUBJECTS.get(request_.about, '')
+    given: dict[str, Any] = {request_.subject.name: subject} if request_.subject else {}
+    _, body = body_of(request_)
+    needed: dict[str, Any] = {name: body[name] for name in ('position', 'orders') if name in body}
+    posted: dict[str, Any] = {**given, **needed, 'reason': 'a test'}
+    answer = browser.post(f'/api/requests/{request_.name}', posted)
+    assert answer.status in (200, 409), answer.body
+    assert bench.doors.asked[-1].request is request_
+    assert bench.commands[-1].who == 'eve'
+    wrong = browser.post(f'/api/requests/{request_.name}', {**posted, 'height': 3})
+    assert wrong.status == 422
+    assert 'found height' in wrong.message
+
+
+def test_a_name_that_the_table_does_not_have_is_refused(bench: CellBench) -> None:
+    answer = bench.logged_in('eve').post('/api/requests/cell.fly', {'reason': 'a test'})
+    assert answer.status == 422
+    assert answer.message.startswith("there is no request 'cell.fly'; one of cell.reset, ")
+
+
 WRONG = (
     {'cookie': 'bt_orchestrator_8080=guessed'},
     {'origin': 'http://evil.example.org'},
