@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.board import shown
 from fakes.commands import Abort, Pause, Resume
 from fakes.held_writer import HeldWriter
 from fakes.line import Line, with_section
@@ -129,6 +130,8 @@ def slow(plant: Plant) -> Plant:
 def test_9_1_nothing_goes_before_its_commit_has_ended() -> None:
     plant = slow(Plant())
     told, kept = len(plant.told), plant.orchestrator.kept_seq
+    board = f'{plant.orchestrator._projection.space}/'
+    before = shown(board)
     answer = plant.order()
     for _ in range(3):
         assert not plant.orchestrator.settle()
@@ -136,11 +139,13 @@ def test_9_1_nothing_goes_before_its_commit_has_ended() -> None:
         assert not answer.is_there
         assert len(plant.told) == told
         assert plant.orchestrator.kept_seq == kept == len(list(plant.disk.read()))
+    assert shown(board) == before
     assert len(plant.gateway.prepared) == 1, 'once, while the disk works'
     assert plant.orchestrator.state.seq > kept
     assert 'the disk has not taken the last' in plant.orchestrator.disk_wait
     plant.disk_answers()
     assert answer.value.accepted
+    assert shown(board) != before
     assert [goal.request for goal in plant.gateway.goals] == plant.gateway.prepared
     assert not plant.orchestrator.disk_wait
     assert [event.seq for event in plant.told] == [event.seq for event in plant.disk.read()]
