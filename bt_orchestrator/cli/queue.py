@@ -25,7 +25,6 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import OVER
-from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.requests import (
     ADD,
     COMMANDED,
@@ -38,6 +37,7 @@ from bt_orchestrator.model.requests import (
     of_word,
 )
 from bt_orchestrator.model.status import CellStatus, JobStatus
+from bt_orchestrator.model.status_words import script_words
 from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.screen.words import job_terms
 

@@ -15,10 +15,10 @@ from bt_orchestrator.drawing.task_marks import (
 from bt_orchestrator.drawing.wording import ENGLISH, Wording
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.script import INDEX, Script
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
+from bt_orchestrator.model.status_words import script_words
 
 
 class NotThisLine(OrchestratorError):

@@ -26,18 +26,17 @@ class Contest:
             return f'waiting for {component} to have one server; there are {self.words(action)}'
         return f'waiting for {component}; {self.words(action)}'
 
-    def facts(self, action: str) -> Words | None:
-        """Return what `words` says as facts; None: there is none."""
+    def facts(self, action: str) -> Words:
+        """Return what `words` says as facts, of a contest that there is."""
         if self.servers:
             count, servers = str(len(self.servers)), ', '.join(self.servers)
             return Words('several_servers', {'action': action, 'count': count, 'servers': servers})
         kind = 'foreign_goals' if len(self.goals) > 1 else 'foreign_goal'
-        return Words(kind, {'goals': ', '.join(self.goals)}) if self.goals else None
+        return Words(kind, {'goals': ', '.join(self.goals)})
 
     def words(self, action: str) -> str:
         """Describe the contest; empty: there is none."""
-        facts = self.facts(action)
-        return facts.text() if facts else ''
+        return self.facts(action).text() if self else ''
 
 
 NO_CONTEST = Contest()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.status import ComponentStatus, JobStatus
 from bt_orchestrator.model.wait import Wait
 
@@ -24,6 +25,14 @@ def task_label(task: str, name: str) -> str:
 def wait_words(waits: Iterable[Wait]) -> tuple[str, ...]:
     """Say what something waits for, each sentence once."""
     return tuple(dict.fromkeys(wait.reason for wait in waits))
+
+
+def script_words(job: JobRecord | JobStatus) -> str:
+    """Name what a job runs: its script, and the recipe that this was generated from."""
+    if not job.recipe:
+        return job.script
+    version = '' if job.recipe_version is None else f' version {job.recipe_version}'
+    return f'{job.script} from {job.recipe}{version}'
 
 
 def job_count_words(job: JobStatus) -> str:

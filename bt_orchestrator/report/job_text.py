@@ -8,7 +8,7 @@ from datetime import datetime
 
 from bt_orchestrator.model.hold_words import why_words
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.jobs.script_words import script_words
+from bt_orchestrator.model.status_words import script_words
 from bt_orchestrator.report.exports import shown
 from bt_orchestrator.report.tables import table
 

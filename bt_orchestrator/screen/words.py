@@ -12,7 +12,6 @@ from datetime import datetime
 from bt_orchestrator.model.hold_words import again_words, hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.needs import on_the_line_words
-from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.state import Hold
@@ -28,6 +27,7 @@ from bt_orchestrator.model.status import (
 from bt_orchestrator.model.status_words import (
     component_trouble,
     job_count_words,
+    script_words,
     wait_words,
 )
 from bt_orchestrator.model.wait import Wait

@@ -1,4 +1,4 @@
-"""The cell as a whole and its holds as parts."""
+"""The cell as a whole, its holds and its components as parts."""
 
 from __future__ import annotations
 
@@ -8,11 +8,16 @@ from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.state import Hold
-from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.model.status_words import task_label
+from bt_orchestrator.model.status import (
+    CellDescription,
+    CellStatus,
+    ComponentDescription,
+    ComponentStatus,
+)
+from bt_orchestrator.model.status_words import component_trouble, task_label
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import Wish
-from bt_orchestrator.web.offers import add_offer, cell_offers, hold_offers
+from bt_orchestrator.web.offers import add_offer, cell_offers, component_offers, hold_offers
 from bt_orchestrator.web.parts.waits import wait_parts
 from bt_orchestrator.web.wording import said_in_each
 
@@ -103,4 +108,18 @@ def hold_part(hold: Hold) -> dict[str, object]:
         'said': said_in_each(hold.message_words, hold.message),
         'is_pause': hold.is_pause,
         'offers': hold_offers(hold),
+    }
+
+
+def component_part(
+    component: ComponentStatus, described: ComponentDescription | None
+) -> dict[str, object]:
+    """Return a component; its trouble in words."""
+    contest = component.contested_words
+    return {
+        **plain_but(component),
+        'contested_said': said_in_each((contest,) if contest else (), component.contested),
+        'sections': list(described.sections) if described else [],
+        'trouble': component_trouble(component),
+        'offers': component_offers(component),
     }

@@ -8,8 +8,7 @@ from bt_orchestrator.doors.known import Ordered
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.web.parts.cell import cell_part, hold_part, now_part
-from bt_orchestrator.web.parts.components import component_part
+from bt_orchestrator.web.parts.cell import cell_part, component_part, hold_part, now_part
 from bt_orchestrator.web.parts.jobs import NOT_KNOWN, job_part
 from bt_orchestrator.web.parts.sections import belt_part, section_part
 from bt_orchestrator.web.parts.tasks import TaskParts

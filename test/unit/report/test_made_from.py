@@ -16,9 +16,9 @@ from bt_orchestrator.model.codec import digest, from_record
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.job_record import JobRecord, record_of
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice
-from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.script import MadeFrom, Script
+from bt_orchestrator.model.status_words import script_words
 from bt_orchestrator.report.item.fold import ItemFold
 from bt_orchestrator.report.job_text import job_text
 from bt_orchestrator.report.jobs import JobFold
@@ -97,7 +97,8 @@ def test_statuses_messages_and_items_name_it(run: VirtualRun) -> None:
     fold = ItemFold('L/1', 'L')
     for record in run.records:
         fold.follow(from_record(record))
-    assert script_words(fold.history) == 'test from WM-100 version 2'
+    item = fold.history
+    assert (item.script, item.recipe, item.recipe_version) == ('test', 'WM-100', 2)
 
 
 def test_history_prints_what_a_job_ran(
