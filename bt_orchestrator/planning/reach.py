@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from bt_orchestrator.planning.candidates import Candidate
+from bt_orchestrator.planning.contradiction import Demand, irreducible
 from bt_orchestrator.planning.order import Ends
 from bt_orchestrator.planning.pieces import Pieces
 
@@ -62,8 +63,14 @@ class Reach:
         for names, ways in zip(self.pieces.members, choices, strict=True):
             if not ways:
                 self.reason = f'no section has components for all of {_list(names)}, which repeat'
-        while not self.reason and self._narrow():
+        if not self.reason:
+            self._narrow_all()
+
+    def _narrow_all(self) -> None:
+        while self._narrow():
             pass
+        if self.reason:
+            self.reason = self._all_that_contradicts()
 
     def _why_not_kept(self) -> str:
         """Say which device would have to keep the same thing for two operations, or rounds."""
@@ -170,6 +177,56 @@ class Reach:
         return (
             f'`{second}` cannot come behind `{first}`: that is done in section {early} at the '
             f'earliest and {only}; items move down the belt only'
+        )
+
+    # --- what contradicts what --------------------------------------------------------------
+
+    def _all_that_contradicts(self) -> str:
+        """Name every demand without which there would be a line, if two sections do not say it."""
+        links = {Demand(self._words(one), one.first, one.second): one for one in self._links}
+        kept = {self._room(*one): one for one in self._at_most}
+        where = [self._where(piece) for piece in range(len(self.pieces))]
+        sections = max(max(one.sections) for one in where)
+        needed = irreducible([*links, *kept, *where], len(self.pieces), sections)
+        pairs = [one for one in needed if one.second >= 0]
+        if len(pairs) > 1:
+            told = '; '.join(one.words for one in needed)
+            return (
+                f'items move down the belt only, and these demands contradict each other: {told}'
+            )
+        self.sections = [list(one.sections) for one in where]
+        if pairs[0] in links:
+            return self._backwards(links[pairs[0]])
+        self._keep_near(*kept[pairs[0]])
+        return self.reason
+
+    def _words(self, link: _Link) -> str:
+        first, second = self.pieces.members[link.first][0], self.pieces.members[link.second][0]
+        return {
+            'places': f'`{first}` places the item before `{second}`',
+            'takes': f'`{second}` takes the item out after `{first}`',
+        }.get(link.because, f'`{second}` comes after `{first}`')
+
+    def _where(self, piece: int) -> Demand:
+        """Say where a piece can be done, whatever the others need."""
+        sections = sorted({one.section for one in self.pieces.choices[piece]})
+        told = ' or '.join(f'at {self._who(piece, one)} in section {one}' for one in sections)
+        name = self.pieces.members[piece][0]
+        return Demand(f'`{name}` only {told}', piece, sections=tuple(sections))
+
+    def _room(self, giver: int, taker: int, held: Held) -> Demand:
+        """Say how far what a device keeps may go."""
+        room = {
+            one: self.capacity(giver, one, held.name)
+            for one in sorted({choice.section for choice in self.pieces.choices[giver]})
+        }
+        most = max(room.values())
+        return Demand(
+            f'`{self.pieces.members[taker][0]}` at most {most} sections behind '
+            f'`{held.giver}`, whose device holds {most} `{held.name}`',
+            giver,
+            taker,
+            room=tuple((one, one + many) for one, many in room.items()),
         )
 
     def _who(self, piece: int, section: int) -> str:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import product
+from random import Random
 
 import pytest
 from fakes.planned import ENDS, cell_of, made_of, recipe_of
 
 from bt_orchestrator.model.recipe import Overrides
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.planning.contradiction import Demand, irreducible
 from bt_orchestrator.planning.generate import generate
 from bt_orchestrator.planning.outcome import Impossible
 
@@ -72,6 +75,11 @@ TWO_KEPT = (
     'only gauge_a can do `m0` and `m1`, and it cannot keep `depth` of both; a second component, '
     'or a name for each'
 )
+CONTRADICTION = (
+    'items move down the belt only, and these demands contradict each other: `dry` comes after '
+    '`fit`; `bore` comes after `dry`; `fit` only at press_a in section 3; `bore` only at drill_a '
+    'in section 2'
+)
 OUT_TWICE = 'an item that `bore` rejects is taken out twice, by `out`, `bin`'
 LEAVES = {
     **moved('packer', 2),
@@ -99,6 +107,53 @@ def test_8_5_it_is_proven_that_there_is_none(
     with pytest.raises(Impossible) as why:
         made_of(line, operations)
     assert why.value.reasons == (reason,)
+
+
+def test_8_5_demands_that_contradict_each_other_are_all_named() -> None:
+    """No two of the three operations contradict each other."""
+    line = {
+        **LINE,
+        'any': 'section: [1, 2, 3, 4], workspaces: [a], capabilities: {wipe: {task: TASK_C}}',
+    }
+    with pytest.raises(Impossible) as why:
+        made_of(line, steps(FIT, '- {id: dry, do: wipe}', BORE))
+    assert why.value.reasons == (CONTRADICTION,)
+
+
+def is_met(demands: Sequence[Demand], sections: tuple[int, ...]) -> bool:
+    for one in demands:
+        here = sections[one.first]
+        if one.second < 0:
+            if here not in one.sections:
+                return False
+        elif not here <= sections[one.second] <= dict(one.room).get(here, 4):
+            return False
+    return True
+
+
+def drawn_demand(random: Random) -> Demand:
+    first, second = random.sample(range(4), 2)
+    if random.random() < 0.5:
+        return Demand('', first, sections=tuple(random.sample(range(1, 5), random.randint(1, 3))))
+    room = random.randint(0, 2)
+    return Demand('', first, second, room=tuple((one, one + room) for one in range(1, 5)))
+
+
+def test_8_5_no_demand_of_a_contradiction_can_be_left_out() -> None:
+    """Tried against every way to put four pieces into four sections."""
+    ways, tried = list(product(range(1, 5), repeat=4)), 0
+    for seed in range(300):
+        random = Random(seed)
+        demands = list(dict.fromkeys(drawn_demand(random) for _ in range(9)))
+        if any(is_met(demands, way) for way in ways):
+            continue
+        needed = irreducible(demands, pieces=4, sections=4)
+        assert not any(is_met(needed, way) for way in ways)
+        for one in needed:
+            others = [other for other in needed if other is not one]
+            assert any(is_met(others, way) for way in ways), (seed, one)
+        tried += 1
+    assert tried > 50
 
 
 @pytest.mark.parametrize(
