@@ -56,7 +56,8 @@ class _Bookkeeper:
         last = last_booked(reading)
         state = reading.records.book_state(EVER_US, self._extent.first_seq - 1)
         course = None if state is None else read_state(state)
-        self._steady = (None if state is None else read_steady(state)) or SteadyTime()
+        newest = reading.records.book_state(EVER_US)  # also if the events after it are gone
+        self._steady = (None if newest is None else read_steady(newest)) or SteadyTime()
         self._end_us = None if last is None else last.until_us
         if course is None or state is None:
             is_whole = self._extent.first_seq == 1

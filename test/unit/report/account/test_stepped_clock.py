@@ -15,6 +15,7 @@ from fakes.kept_books import book_all
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.plant.shifts import Hours, Shift
+from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.report.account import kept
 from bt_orchestrator.report.account.account import Account, account, of_job, whole
 from bt_orchestrator.report.account.calendar import Now, shift_on
@@ -22,7 +23,7 @@ from bt_orchestrator.report.account.live import LiveAccount
 from bt_orchestrator.report.account.losses import Loss
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.plain import account_plain
-from bt_orchestrator.report.account.planned import US
+from bt_orchestrator.report.account.planned import US, us_of
 from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.store.sqlite.records import SqliteRecords
@@ -195,3 +196,27 @@ def test_books_of_the_version_before_are_read_and_told_as_they_are(
     assert sum('passed twice, and counts twice' in note for note in notes) == 1
     assert times.producing_us == (7 + 60) * MINUTE, 'but 4 minutes of the first hour'
     assert times.lost_us == {Loss.NO_ORDER: 50 * MINUTE}
+
+
+def test_books_that_begin_anew_keep_the_steps_of_the_time_before(tmp_path: Path) -> None:
+    path, day = tmp_path / 'journal', set_back()
+    hours = Period.all_planned('hours', us_of(at('17:00')), us_of(at('17:15')))
+
+    def told() -> int:
+        with closing(SqliteRecords(path)) as records:
+            return account(Reading(records), hours, None).figures.times.producing_us
+
+    with closing(SqliteStore(path)) as store:
+        store.append(day.events)
+        book_all(store, path)
+        expected = told()
+        assert expected == 4 * MINUTE
+        begun = len(day.events)
+        day.note('19:00', QUEUED, e.JobStarted(job='J'), work(1))
+        day.note('19:30', DONE)
+        store.append(day.events[begun:])
+        store.begin_with(Snapshot(begun + 2, '', '{}'))
+        while store.remove_batch(begun + 2):
+            pass
+        book_all(store, path)
+    assert told() == expected
