@@ -80,7 +80,7 @@ def asked_by_word(about: About, word: str, by: By, given: Arguments, state: Cell
         raise CommandRefused(f'unknown command {cut(word, 60)!r}; one of {_known(about)}')
     known = {one.name for one in request.parameters}
     said = {name: value for name, value in given.items() if value}
-    if about is About.CELL:  # one message carries the fields of all its commands
+    if about in (About.CELL, About.JOB):  # one message carries the fields of all its commands
         said = {name: value for name, value in said.items() if name in known}
     elif not said.keys() <= known:
         extra = ', '.join(said.keys() - known)

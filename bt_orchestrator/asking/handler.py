@@ -37,6 +37,7 @@ from bt_orchestrator.model.requests import (
     Asked,
     BadArguments,
     ask,
+    refusal,
 )
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -150,6 +151,9 @@ class RequestHandler:
 
     async def _update_as_asked(self, given: Arguments, by: By) -> Answer:
         job = str(given['job'])
+        if len(given) < 2 and refusal(UPDATE, by) is None:
+            names = ', '.join(one.name for one in UPDATE.parameters if one is not UPDATE.subject)
+            return await self._refuse(UPDATE.word, by, f'say what to change: {names}', job)
         try:
             wish = change_of(given)
         except CommandRefused as why:
@@ -193,21 +197,16 @@ class RequestHandler:
             return await self._update_read(job, reading, by, anew)
         return await self._update_read(job, reading, by)
 
-    async def requeue(self, job: str, order: str, by: By) -> Answer:
-        """End a job on the line early, and queue its rest anew: both or neither (7.6).
-
-        :param order: id of the rest; empty: one is found
-        """
+    async def _requeue_as_asked(self, given: Arguments, by: By) -> Answer:
+        """End a job on the line early, and queue its rest anew: both or neither (7.6)."""
+        job = given['job']
         try:
             check_sender(REQUEUE, by)
-            as_it_is = partial(rest_of, self._engine.state, job, order)
+            as_it_is = partial(rest_of, self._engine.state, job, given.get('order', ''))
             async with self._orders.read(as_it_is) as reading:
                 return await self._requeue_read(job, reading, by)
         except NotRead as why:
             return await self._refuse(REQUEUE.word, by, str(why), job)
-
-    async def _requeue_as_asked(self, given: Arguments, by: By) -> Answer:
-        return await self.requeue(given['job'], given.get('order') or '', by)
 
     async def _requeue_read(self, job: str, reading: Reading, by: By) -> Answer:
         (read,), live = reading.read, self._engine.state.jobs[job]

@@ -20,7 +20,7 @@ from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.limits import QUEUE_PAGE, fitting
-from bt_orchestrator.model.requests import MOVE, REQUEUE, About
+from bt_orchestrator.model.requests import MOVE, About
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import STOP_AFTER
 from bt_orchestrator.ros.services.order_requests import AskedOrders, asked_change, asked_order
@@ -87,11 +87,10 @@ class QueueServices:
         tell(response, answer)
 
     async def _command(self, request: Any, response: Any) -> None:
-        by, job = self._senders.by(request), request.job
-        if request.command == REQUEUE.word:
-            answer = await self._handler.requeue(job, request.order, by)
-        else:
-            answer = await self._handler.give(About.JOB, request.command, by, job=job)
+        by = self._senders.by(request)
+        answer = await self._handler.give(
+            About.JOB, request.command, by, job=request.job, order=request.order
+        )
         tell(response, answer)
         for of_order in answer.orders:
             response.findings = of_order.findings

@@ -125,6 +125,12 @@ def test_fields_of_other_commands_are_left_out_of_one_to_the_cell() -> None:
     }
 
 
+def test_the_id_of_a_rest_is_for_requeue_alone() -> None:
+    given = {'job': 'J', 'order': 'J-2'}
+    assert asked_by_word(About.JOB, 'requeue', ANN, given, STATE).arguments == given
+    assert asked_by_word(About.JOB, 'stop', ANN, given, STATE).arguments == {'job': 'J'}
+
+
 def test_results_are_for_mark_done_alone() -> None:
     given = {'hold': '1', 'results': '{x: 1}'}
     with pytest.raises(CommandRefused, match='results cannot be given with skip'):

@@ -55,6 +55,13 @@ def test_yaml_is_read_as_well(bench: RequestBench) -> None:
     assert bench.sim.state.jobs['B'].job.params == {'speed': 5}
 
 
+def test_a_change_of_nothing_is_refused(bench: RequestBench) -> None:
+    bench.ask_named('queue.add', json.dumps({'orders': [ORDER], 'held': True}))
+    answer = bench.ask_named('job.update', '{job: A}')
+    assert not answer.accepted
+    assert answer.message.startswith('say what to change: quantity, params, script, ')
+
+
 @pytest.mark.parametrize(
     ('name', 'arguments', 'told'),
     [
