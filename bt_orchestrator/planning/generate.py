@@ -58,7 +58,7 @@ def generate(
         moved=moved,
     )
     us = round(best.per_item_s * 1_000_000)
-    reasons = Reasons(problem, LineModel(problem.plans), limits.nodes // 4)
+    reasons = Reasons(problem, LineModel(problem.plans), limits.nodes // 10)
     return Generated(best.script, reasons.made(best.solution, us, best.script), claim)
 
 

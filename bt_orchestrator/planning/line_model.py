@@ -19,6 +19,9 @@ from bt_orchestrator.planning.pieces import Choice
 from bt_orchestrator.planning.plans import Plan, Plans
 from bt_orchestrator.planning.solver import Answer, Model
 
+_LESS = 5
+"""So much less of the solver's tree is searched for what comes after the pace."""
+
 _ROUNDS = 6
 """Plans that are asked who else could do something."""
 
@@ -289,7 +292,8 @@ class LineModel:
         last: Answer | None = None
         for name, cost in stages.items():
             if cost:
-                last = self._model.minimise(cost, nodes, last)
+                limit = nodes if name in {'moved', 'time'} else nodes // _LESS
+                last = self._model.minimise(cost, limit, last)
                 if last is None:
                     return None
                 answers[name] = last

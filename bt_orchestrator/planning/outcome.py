@@ -24,8 +24,8 @@ class Judge(Protocol):
 class Limits:
     """How much is tried. Counts, never times: equal inputs give equal scripts."""
 
-    nodes: int = 400
-    """Of the tree that the solver may search, for each stage of a plan."""
+    nodes: int = 1_000
+    """Of the tree that the solver may search for the pace; the other stages get less."""
     finalists: int = 16
     """Plans that are run by the engine where sections share something."""
 
