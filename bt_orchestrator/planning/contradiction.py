@@ -29,13 +29,13 @@ def irreducible(demands: Sequence[Demand], pieces: int, sections: int) -> list[D
     needed = list(demands)
     for one in demands:
         others = [other for other in needed if other is not one]
-        if not _are_met(others, pieces, sections):
+        if not all(narrowed(others, pieces, sections)):
             needed = others
     return needed
 
 
-def _are_met(demands: Sequence[Demand], pieces: int, sections: int) -> bool:
-    """Take away sections that do not fit, as in `reach`, until all fit or a piece has none."""
+def narrowed(demands: Sequence[Demand], pieces: int, sections: int) -> list[set[int]]:
+    """Return the sections of each piece that fit to others; of some there is none if none do."""
     left = [set(range(1, sections + 1)) for _ in range(pieces)]
     for one in demands:
         if one.second < 0:
@@ -52,4 +52,4 @@ def _are_met(demands: Sequence[Demand], pieces: int, sections: int) -> bool:
             }
             left[one.first] = {here for here in first if fits[here]}
             left[one.second] = set().union(*fits.values())
-    return all(left)
+    return left

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from bt_orchestrator.planning.candidates import Candidate
-from bt_orchestrator.planning.contradiction import Demand, irreducible
+from bt_orchestrator.planning.contradiction import Demand, irreducible, narrowed
 from bt_orchestrator.planning.order import Ends
 from bt_orchestrator.planning.pieces import Pieces
 
@@ -53,24 +53,13 @@ class Reach:
 
     def __post_init__(self) -> None:
         choices = self.pieces.choices
-        self.sections = [sorted({one.section for one in ways}) for ways in choices]
-        self._at_most: list[tuple[int, int, Held]] = [
-            (self.pieces.number_of[one.giver], self.pieces.number_of[taker], one)
-            for one in self.held
-            for taker in one.takers
-        ]
         self.reason = self._why_not_kept()
         for names, ways in zip(self.pieces.members, choices, strict=True):
             if not ways:
                 self.reason = f'no section has components for all of {_list(names)}, which repeat'
+        self.sections = [sorted({one.section for one in ways}) for ways in choices]
         if not self.reason:
-            self._narrow_all()
-
-    def _narrow_all(self) -> None:
-        while self._narrow():
-            pass
-        if self.reason:
-            self.reason = self._all_that_contradicts()
+            self._narrow()
 
     def _why_not_kept(self) -> str:
         """Say which device would have to keep the same thing for two operations, or rounds."""
@@ -116,40 +105,42 @@ class Reach:
                 found.append(_Link(number, lasts[0], 'takes'))
         return found
 
-    def _narrow(self) -> bool:
-        """Take away what does not fit; tell whether there was something."""
-        changed = False
-        for link in self._links:
-            first, second = self.sections[link.first], self.sections[link.second]
-            fit = [one for one in first if one <= second[-1]]
-            later = [one for one in second if one >= first[0]]
-            if not fit or not later:
-                self.reason = self._backwards(link)
-                return False
-            changed |= len(fit) < len(first) or len(later) < len(second)
-            self.sections[link.first], self.sections[link.second] = fit, later
-        for giver, taker, held in self._at_most:
-            changed |= self._keep_near(giver, taker, held)
-            if self.reason:
-                return False
-        return changed
-
-    def _keep_near(self, giver: int, taker: int, held: Held) -> bool:
-        first, second = self.sections[giver], self.sections[taker]
-        reach = {one: one + self.capacity(giver, one, held.name) for one in first}
-        fit = [one for one in first if reach[one] >= second[0]]
-        near = [one for one in second if any(here <= one <= reach[here] for here in first)]
-        if not fit or not near:
-            here = first[-1]
-            who = self._who(giver, here)
-            count, away = reach[here] - here, second[0] - here
+    def _narrow(self) -> None:
+        """Take away what does not fit, or say what contradicts what."""
+        links = {Demand(self._words(one), one.first, one.second): one for one in self._links}
+        number_of = self.pieces.number_of
+        kept = {
+            self._room(number_of[one.giver], number_of[taker], one): one
+            for one in self.held
+            for taker in one.takers
+        }
+        demands = [*links, *kept, *map(self._where, range(len(self.pieces)))]
+        most = max(one[-1] for one in self.sections)
+        left = narrowed(demands, len(self.pieces), most)
+        if all(left):
+            self.sections = [sorted(one) for one in left]
+            return
+        needed = irreducible(demands, len(self.pieces), most)
+        first, *others = [one for one in needed if one.second >= 0]
+        if others:
+            told = '; '.join(one.words for one in needed)
             self.reason = (
-                f'{who} holds {count} `{held.name}`, but `{held.takers[-1]}` is {away} sections '
-                f'on; bind nearer, or the device must keep {away}'
+                f'items move down the belt only, and these demands contradict each other: {told}'
             )
-            return False
-        self.sections[giver], self.sections[taker] = fit, near
-        return len(fit) < len(first) or len(near) < len(second)
+        elif first in links:
+            self.reason = self._backwards(links[first])
+        else:
+            self.reason = self._too_far(first, kept[first])
+
+    def _too_far(self, demand: Demand, held: Held) -> str:
+        here = self.sections[demand.first][-1]
+        count = self.capacity(demand.first, here, held.name)
+        away = self.sections[demand.second][0] - here
+        return (
+            f'{self._who(demand.first, here)} holds {count} `{held.name}`, but '
+            f'`{held.takers[-1]}` is {away} sections on; bind nearer, or the device must keep '
+            f'{away}'
+        )
 
     def capacity(self, giver: int, section: int, name: str) -> int:
         """Return how many a device of a section keeps; without limit where the results travel."""
@@ -179,27 +170,6 @@ class Reach:
             f'earliest and {only}; items move down the belt only'
         )
 
-    # --- what contradicts what --------------------------------------------------------------
-
-    def _all_that_contradicts(self) -> str:
-        """Name every demand without which there would be a line, if two sections do not say it."""
-        links = {Demand(self._words(one), one.first, one.second): one for one in self._links}
-        kept = {self._room(*one): one for one in self._at_most}
-        where = [self._where(piece) for piece in range(len(self.pieces))]
-        sections = max(max(one.sections) for one in where)
-        needed = irreducible([*links, *kept, *where], len(self.pieces), sections)
-        pairs = [one for one in needed if one.second >= 0]
-        if len(pairs) > 1:
-            told = '; '.join(one.words for one in needed)
-            return (
-                f'items move down the belt only, and these demands contradict each other: {told}'
-            )
-        self.sections = [list(one.sections) for one in where]
-        if pairs[0] in links:
-            return self._backwards(links[pairs[0]])
-        self._keep_near(*kept[pairs[0]])
-        return self.reason
-
     def _words(self, link: _Link) -> str:
         first, second = self.pieces.members[link.first][0], self.pieces.members[link.second][0]
         return {
@@ -209,17 +179,14 @@ class Reach:
 
     def _where(self, piece: int) -> Demand:
         """Say where a piece can be done, whatever the others need."""
-        sections = sorted({one.section for one in self.pieces.choices[piece]})
+        sections = self.sections[piece]
         told = ' or '.join(f'at {self._who(piece, one)} in section {one}' for one in sections)
         name = self.pieces.members[piece][0]
         return Demand(f'`{name}` only {told}', piece, sections=tuple(sections))
 
     def _room(self, giver: int, taker: int, held: Held) -> Demand:
         """Say how far what a device keeps may go."""
-        room = {
-            one: self.capacity(giver, one, held.name)
-            for one in sorted({choice.section for choice in self.pieces.choices[giver]})
-        }
+        room = {one: self.capacity(giver, one, held.name) for one in self.sections[giver]}
         most = max(room.values())
         return Demand(
             f'`{self.pieces.members[taker][0]}` at most {most} sections behind '
