@@ -92,21 +92,6 @@ def test_a_gate_has_brought_what_it_alone_needs(clone: Path, gate: str, option: 
     assert f'{gate:12} FAILED' in done.stdout
 
 
-def test_page_and_opcua_run_at_once_and_each_has_its_line(clone: Path) -> None:
-    # Each waits for the other to have begun.
-    program(
-        clone / '.venv' / 'jazzy' / 'bin' / 'pytest',
-        'touch begun.${1#test/}',
-        'for n in $(seq 99); do [ -e begun.page ] && [ -e begun.opcua ] && break; sleep .1; done',
-        '[ -e begun.page ] && [ -e begun.opcua ] && [ $1 = test/page ]',
-    )
-    done = gates(clone, '--only', 'page,opcua')
-    assert done.returncode == 1
-    assert 'page         passed' in done.stdout
-    assert 'opcua        FAILED' in done.stdout
-    assert 'gates failed: 1' in done.stdout
-
-
 def test_ci_takes_what_a_machine_may_have_by_hand_off_path(tmp_path: Path) -> None:
     for name in ('node', 'chromium', 'psql', 'redis-server', 'c++'):
         program(tmp_path / 'bin' / name, f'echo {name}')
