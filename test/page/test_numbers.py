@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from cell_processes import STATELESS_CELL, CellProcesses, StartCell, run_verb
+from cell_processes import STATELESS_CELL, CellProcesses, StartCell, remembering, run_verb
 from page.browsing import Person, Tab
 from page.conftest import Sit, StartPage, StartProxy
 from page.proxy import LoseOneEvent, Proxy
@@ -66,9 +66,10 @@ def line(
     """Give a line that has more to do than a test takes."""
     journal = tmp_path / 'cell' / 'journal.sqlite3'
     options = ['--journal', str(journal), '--auto-resume', '--journal-synchronous', 'NORMAL']
-    # A node that was killed finds what its goals came to, however long it was away.
-    remembering = ['--result-timeout', '600']
-    cell = start_cell(STATELESS_CELL, sim_options=remembering, run_options=options)
+    # A node that was killed finds what its goals came to, however long it was away, and can prove
+    # for a minute that a goal never arrived.
+    long = ['--result-timeout', '600']
+    cell = start_cell(remembering(STATELESS_CELL), sim_options=long, run_options=options)
     cell.connect()
     page = start_page()
     wire = start_proxy(page.port)
