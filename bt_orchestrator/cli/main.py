@@ -199,13 +199,17 @@ def _complete(line: str) -> None:
     """Tell the shell how a command line may go on, and end."""
     import argcomplete
 
-    argcomplete.autocomplete(_parser_of_verbs(with_options_of=_verb(line.split()[1:])))
+    parser = _parser_of_verbs(with_options_of=_verb(line.split()[1:]), has_help_lines=True)
+    argcomplete.autocomplete(parser)
 
 
-def _parser_of_verbs(with_options_of: str | None = None) -> argparse.ArgumentParser:
+def _parser_of_verbs(
+    with_options_of: str | None = None, *, has_help_lines: bool = False
+) -> argparse.ArgumentParser:
     """Declare the verbs without their options, for help and for mistakes.
 
     :param with_options_of: a verb that is declared as a whole; the others would take their time
+    :param has_help_lines: shells show them beside the verbs; the help has them in groups instead
     """
     parser = CommandParser(
         prog=PROGRAM,
@@ -218,7 +222,8 @@ def _parser_of_verbs(with_options_of: str | None = None) -> argparse.ArgumentPar
         dest='verb', metavar='VERB', required=True, help='one of the verbs below'
     )
     for name in VERBS:
-        verb = verbs.add_parser(name)
+        options: dict[str, Any] = {'help': help_line(name)} if has_help_lines else {}
+        verb = verbs.add_parser(name, **options)
         if name == with_options_of:
             _module(name).add_arguments(verb)
     return parser

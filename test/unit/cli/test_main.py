@@ -9,12 +9,13 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 from bt_orchestrator.cli import main as program
-from bt_orchestrator.cli.main import VERBS, main, parsed, without_ros_arguments
+from bt_orchestrator.cli.main import VERBS, help_line, main, parsed, without_ros_arguments
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Finding, OrchestratorError, Refused
 
@@ -201,6 +202,26 @@ def test_options_may_stand_between_what_is_named(words: list[str]) -> None:
     args = parsed(['queue', *words])
     assert (args.verb, args.action, args.what) == ('queue', 'add', ['a.yaml', 'b.yaml'])
     assert args.held
+
+
+def test_a_shell_shows_what_each_verb_does(tmp_path: Path) -> None:
+    line = 'bt-orchestrator re'
+    asked = {
+        '_ARGCOMPLETE': '1',
+        '_ARGCOMPLETE_SHELL': 'fish',
+        '_ARGCOMPLETE_DFS': '|',
+        'COMP_LINE': line,
+        'COMP_POINT': str(len(line)),
+    }
+    done = subprocess.run(
+        ['bash', '-c', f'{sys.executable} -m bt_orchestrator 8>&1 9>/dev/null'],
+        cwd=tmp_path,
+        env={**os.environ, **asked},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert f'render|{help_line("render")}' in done.stdout
 
 
 def test_without_a_verb_all_of_them_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
