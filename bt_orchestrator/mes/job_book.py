@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.counting import MISSING, counts_of, good_of
 from bt_orchestrator.model.jobs.isa95 import OVER, QUEUED, JobWord, queued_word, word_at_work
+from bt_orchestrator.model.jobs.job_record import Counts
 from bt_orchestrator.model.status import CellStatus, JobStatus, ListedJob
 from bt_orchestrator.model.stop_reason import StopReason
 
@@ -312,8 +313,7 @@ _REMARKS: Mapping[type[e.Event], str] = {
 _ENDS = (e.JobCompleted, e.JobAborted)
 
 _COUNTED = {
-    **{name: name for name in ('started', 'placed', 'packed', 'rejected', 'missing')},
-    'nonconforming': 'nonconforming',
+    **{one.name: one.name for one in fields(Counts)},
     'removed': 'by_hand',
 }
 

@@ -37,8 +37,22 @@ RECIPE = 'RecipeID'
 
 REST_OF = 'RestOf'
 
+PACKED_QUANTITY = 'PackedQuantity'
+
+COUNTS: Mapping[str, str] = {
+    'RunsStarted': 'started',
+    'RunsCompleted': 'left',
+    'ProducedQuantity': 'produced',
+    PACKED_QUANTITY: 'packed',
+    'GoodQuantity': 'good',
+    'ScrapQuantity': 'rejected',
+    'NonconformingQuantity': 'nonconforming',
+    'MissingQuantity': 'missing',
+}
+"""Parameters that count the items of a job, by their name in its status."""
+
 EXTRAS: Mapping[str, str] = {
-    'PackedQuantity': 'items that were packed, good or nonconforming',
+    PACKED_QUANTITY: 'items that were packed, good or nonconforming',
     'ScrapQuantity': 'items that left the line rejected',
     'NonconformingQuantity': 'packed items of which a task failed and was passed',
     'MissingQuantity': 'items that were never placed, or taken off the belt by hand',
@@ -101,14 +115,8 @@ def response_of_record(record: JobRecord) -> JobResponse | None:
         queued_at=record.queued,
         started_at=record.started,
         ended_at=record.ended,
-        started=counts.started,
-        placed=counts.placed,
-        packed=counts.packed,
-        rejected=counts.rejected,
-        nonconforming=counts.nonconforming,
-        missing=counts.missing,
         good=counts.good,
-        by_hand=counts.by_hand,
+        **vars(counts),
     )
     response = _response(status, record.terms.details, record.reason)
     used = Counter(lot for item in record.items.values() for lot in item.lots.items())
@@ -128,14 +136,8 @@ def _response(status: JobStatus, details: Mapping[str, object], reason: str) -> 
 
 
 def _data(status: JobStatus, reason: str) -> Iterator[Parameter]:
-    yield Parameter('RunsStarted', status.started)
-    yield Parameter('RunsCompleted', status.left)
-    yield Parameter('ProducedQuantity', status.produced)
-    yield Parameter('PackedQuantity', status.packed)
-    yield Parameter('GoodQuantity', status.good)
-    yield Parameter('ScrapQuantity', status.rejected)
-    yield Parameter('NonconformingQuantity', status.nonconforming)
-    yield Parameter('MissingQuantity', status.missing)
+    for name, count in COUNTS.items():
+        yield Parameter(name, getattr(status, count))
     yield Parameter('JobResult', int(_result(status)))
     if status.recipe:
         yield Parameter(RECIPE, status.recipe)

@@ -9,6 +9,7 @@ from dataclasses import make_dataclass
 from typing import Any
 
 import pytest
+from bt_orchestrator_interfaces import msg, srv
 from bt_orchestrator_interfaces.msg import FlagStatus
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,6 +18,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from bt_orchestrator.model.codec import from_plain, hints_of, json_of, to_plain
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.job_record import FailureRecord, ItemRecord
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
@@ -31,12 +33,15 @@ from bt_orchestrator.model.status import (
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.model.words import Words
 from bt_orchestrator.ros.stamps import from_time, to_time
-from bt_orchestrator.ros.types.mapping import mapped
+from bt_orchestrator.ros.types import order_messages  # noqa: F401 - maps orders
+from bt_orchestrator.ros.types.mapping import MAPPED, mapped
 from bt_orchestrator.ros.types.status_messages import (
     StatusWriter,
     cell_description,
     cell_status,
     description_message,
+    failure_message,
+    item_message,
     listed_job,
     listed_message,
 )
@@ -168,3 +173,39 @@ def test_times_of_today_come_back_exactly() -> None:
 def test_fact_and_message_must_agree(fields: dict[str, type], message: str) -> None:
     with pytest.raises(TypeError, match=message):
         mapped(make_dataclass('Fact', list(fields.items())), FlagStatus)
+
+
+UNMAPPED = {
+    'Event': 'its record is the JSON of the journal, by model/codec.py',
+    'Identity': 'a process says where it runs; nothing else has these facts',
+}
+"""Messages that no fact has, and the reason."""
+
+DOORS = {
+    **dict.fromkeys(('AnswerHold', 'Command', 'QueueCommand', 'QueueMove', 'RemoveItem'), 'typed'),
+    **dict.fromkeys(('MakeRequest', 'QueueAdd', 'QueueStopAfter', 'SubmitOrder'), 'typed'),
+    **dict.fromkeys(('GetEvents', 'GetState', 'ListJobs', 'QueueList'), 'page of facts'),
+}
+"""Services that only name a request and its arguments, or what part of mapped facts is wanted."""
+
+
+def test_every_message_is_mapped_or_named() -> None:
+    messages = {
+        name for name in vars(msg) if hasattr(getattr(msg, name), '_fields_and_field_types')
+    }
+    services = {name for name in vars(srv) if hasattr(getattr(srv, name), 'Request')}
+    named = {one.__name__ for one in MAPPED}
+    assert messages - UNMAPPED.keys() == named & messages
+    assert services - DOORS.keys() == {'QueueUpdate'}, 'its request is mapped'
+    assert srv.QueueUpdate.Request in MAPPED
+
+
+def test_reports_of_items_and_failures_tell_what_a_record_does() -> None:
+    item = ItemRecord('J/1', 3.0, nonconforming=['weigh'], results={'weigh': {'grams': 3.5}})
+    report = sent(item_message(item))
+    assert (report.id, report.outcome, report.nonconforming) == ('J/1', 'on_the_line', ['weigh'])
+    assert json.loads(report.results) == {'weigh': {'grams': 3.5}}
+    assert sent(item_message(changed(item, how='packed'))).outcome == 'packed'
+    failure = failure_message(FailureRecord(3.5, 'weigh', 2, 'timeout', round=1))
+    assert (failure.stamp, failure.item) == (to_time(3.5), '')
+    assert (failure.task, failure.attempt, failure.round) == ('weigh', 2, 1)

@@ -10,8 +10,9 @@ from typing import Any
 from asyncua import ua
 
 from bt_orchestrator.mes.job_order import RESOURCES, JobOrder
-from bt_orchestrator.mes.job_response import JobResponse
+from bt_orchestrator.mes.job_response import COUNTS, PACKED_QUANTITY, JobResponse
 from bt_orchestrator.mes.job_states import State
+from bt_orchestrator.mes.machinery import RUNS_PLANNED
 from bt_orchestrator.mes.parts import (
     Parameter,
     Text,
@@ -33,10 +34,8 @@ _RESOURCE_TYPES = {
     'MaterialRequirements': 'ISA95MaterialDataType',
 }
 
-_COUNTS = (
-    *('RunsPlanned', 'RunsStarted', 'RunsCompleted', 'ProducedQuantity', 'GoodQuantity'),
-    *('ScrapQuantity', 'NonconformingQuantity', 'MissingQuantity'),
-)
+_COUNTS = (RUNS_PLANNED, *(name for name in COUNTS if name != PACKED_QUANTITY))
+"""Sent as UInt32; clients know `PackedQuantity` as an Int64."""
 _ENUMERATIONS = ('JobResult', 'JobExecutionMode')
 
 NO_TIME = datetime(1970, 1, 1, tzinfo=timezone.utc)

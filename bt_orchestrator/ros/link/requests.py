@@ -9,10 +9,11 @@ from bt_orchestrator_interfaces import srv
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.commands import Answer, OrderAnswer
+from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import ADD, Asked
 from bt_orchestrator.ros.types.messages import check
+from bt_orchestrator.ros.types.status_messages import order_answer
 
 
 class Call(NamedTuple):
@@ -50,8 +51,8 @@ def _sign(request: Any, by: By) -> None:
 
 def answer_of(response: Any) -> Answer:
     """Return what a service has answered."""
-    orders = [OrderAnswer(one.job, one.message, tuple(one.findings)) for one in response.answers]
-    return Answer(response.accepted, response.message, orders=tuple(orders))
+    orders = tuple(map(order_answer, response.answers))
+    return Answer(response.accepted, response.message, orders=orders)
 
 
 def _any(asked: Asked) -> Call:
@@ -63,9 +64,11 @@ def _any(asked: Asked) -> Call:
 
 def _add(asked: Asked) -> Call:
     """Return a call with the orders as messages: their texts are read in their own process."""
-    from bt_orchestrator.ros.link.order_messages import order_message
+    from bt_orchestrator.ros.types.order_messages import order_message
+    from bt_orchestrator.script.orders.asked import asked_of
 
     orders: Any = asked.arguments['orders']
     given: Any = {key: value for key, value in asked.arguments.items() if key != 'orders'}
-    request = srv.QueueAdd.Request(orders=[order_message(order) for order in orders], **given)
+    messages = [order_message(asked_of(order)) for order in orders]
+    request = srv.QueueAdd.Request(orders=messages, **given)
     return Call(srv.QueueAdd, 'queue/add', request)

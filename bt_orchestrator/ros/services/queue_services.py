@@ -23,10 +23,15 @@ from bt_orchestrator.model.limits import QUEUE_PAGE, fitting
 from bt_orchestrator.model.requests import MOVE, About
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import STOP_AFTER
-from bt_orchestrator.ros.services.order_requests import AskedOrders, asked_change, asked_order
+from bt_orchestrator.ros.services.order_requests import AskedOrders
 from bt_orchestrator.ros.services.senders import Senders
-from bt_orchestrator.ros.services.serving import order_answers, serve, tell
-from bt_orchestrator.ros.types.status_messages import job_message, listed_message
+from bt_orchestrator.ros.services.serving import serve, tell
+from bt_orchestrator.ros.types.order_messages import asked_change, asked_order
+from bt_orchestrator.ros.types.status_messages import (
+    job_message,
+    listed_message,
+    order_answer_message,
+)
 from bt_orchestrator.runtime import listed_jobs
 from bt_orchestrator.runtime.overview import Overview
 
@@ -69,7 +74,7 @@ class QueueServices:
             orders, self._senders.by(request), position, held=request.held
         )
         tell(response, answer)
-        response.answers = order_answers(answer)
+        response.answers = list(map(order_answer_message, answer.orders))
 
     async def _update(self, request: Any, response: Any) -> None:
         answer = await self._handler.update(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from action_msgs.msg import GoalStatus
 from bt_orchestrator_interfaces.action import RunJob
-from bt_orchestrator_interfaces.msg import FailureReport, ItemReport, JobStatus
+from bt_orchestrator_interfaces.msg import JobStatus
 from rclpy.node import Node
 
 from bt_orchestrator.asking.handler import OrderReading
@@ -26,28 +26,24 @@ from bt_orchestrator.deadlines import NS_PER_S
 from bt_orchestrator.errors import NotRead, Refused
 from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.commands import Answer, RefusedRequest
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_commands import AddJobs
-from bt_orchestrator.model.jobs.job_record import FailureRecord, ItemRecord, JobRecord
+from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
 from bt_orchestrator.model.requests import ADD, ask
 from bt_orchestrator.replies import begin
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.goal_server import GoalServer, ServedGoal
-from bt_orchestrator.ros.services.order_requests import asked_order, written_order
+from bt_orchestrator.ros.services.order_requests import written_order
 from bt_orchestrator.ros.services.senders import Senders
-from bt_orchestrator.ros.stamps import to_time
-from bt_orchestrator.ros.types.status_messages import job_message
+from bt_orchestrator.ros.types.order_messages import asked_order
+from bt_orchestrator.ros.types.status_messages import failure_message, item_message, job_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.script.orders.desk import Reading
 from bt_orchestrator.spare_log import SpareLog
-
-ON_THE_LINE = 'on_the_line'
-"""Outcome of an item that has not ended."""
 
 
 @dataclass
@@ -229,8 +225,8 @@ class RunJobServer:
             exit_status=record.status,
             message=record.reason,
             status=self._status(record.job, self._ends()) or served.status,
-            items=[_item(item) for item in record.items.values()],
-            failures=[_failure(failure) for failure in record.failures],
+            items=list(map(item_message, record.items.values())),
+            failures=list(map(failure_message, record.failures)),
         )
         self._conclude(served.goal, result)
 
@@ -247,25 +243,3 @@ class RunJobServer:
         else:
             status = GoalStatus.STATUS_ABORTED
         self._server.end(goal, status, result)
-
-
-def _item(item: ItemRecord) -> ItemReport:
-    return ItemReport(
-        id=item.item,
-        outcome=item.how or ON_THE_LINE,
-        nonconforming=item.nonconforming,
-        results=json_of(item.results),
-    )
-
-
-def _failure(failure: FailureRecord) -> FailureReport:
-    return FailureReport(
-        stamp=to_time(failure.time),
-        item=failure.item or '',
-        task=failure.task,
-        attempt=failure.attempt,
-        round=failure.round,
-        reason=failure.reason,
-        message=failure.message,
-        controller_said=failure.controller_said,
-    )

@@ -13,7 +13,8 @@ from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.requests import REMOVE_ITEM, About
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ros.services.senders import Senders
-from bt_orchestrator.ros.services.serving import order_answers, serve, tell
+from bt_orchestrator.ros.services.serving import serve, tell
+from bt_orchestrator.ros.types.status_messages import order_answer_message
 
 
 class Services:
@@ -34,7 +35,7 @@ class Services:
         by = self._senders.by(request)
         answer = await self._handler.carry_out_named(request.name, request.arguments, by)
         tell(response, answer)
-        response.answers = order_answers(answer)
+        response.answers = list(map(order_answer_message, answer.orders))
 
     async def _answer(self, request: Any, response: Any) -> None:
         answer = await self._handler.give(

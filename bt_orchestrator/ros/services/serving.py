@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from bt_orchestrator_interfaces.msg import OrderAnswer
 from rclpy.node import Node
 
 from bt_orchestrator.model.commands import Answer
@@ -37,11 +36,3 @@ def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], Steps[N
 def tell(response: Any, answer: Answer) -> None:
     """Put an answer into a response."""
     response.accepted, response.message = answer.accepted, answer.message
-
-
-def order_answers(answer: Answer) -> list[OrderAnswer]:
-    """Return what an answer says of each work order."""
-    return [
-        OrderAnswer(job=one.job, message=one.message, findings=one.findings)
-        for one in answer.orders
-    ]

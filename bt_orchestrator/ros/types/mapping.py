@@ -1,8 +1,8 @@
 """Facts as messages and back, compiled from the annotations of a fact and the types of a message.
 
 A fact's field stands in the message field of its name. For None, a message has an empty text, an
-empty message, 0, the time 0 or -1 second. A mapping is a list of pairs, or else JSON.
-A field that stands elsewhere has a codec. A field without a counterpart ends the import.
+empty message, an empty list, 0, the time 0 or -1 second. A mapping is a list of pairs, or else
+JSON. A field that stands elsewhere has a codec. A field without a counterpart ends the import.
 """
 
 from __future__ import annotations
@@ -65,6 +65,8 @@ class _Form(NamedTuple):
 _SAME = _Form(str, str)
 _KNOWN: dict[type, Mapped[Any]] = {}
 """Facts that have a message of their own."""
+MAPPED: set[Any] = set()
+"""Messages that are written or read by a mapping."""
 
 
 def mapped(kind: type[_Fact], message: Any, apart: Apart | None = None) -> Mapped[_Fact]:
@@ -103,14 +105,19 @@ def flat(
 
 def supplement(kind: type, message: Any, apart: Apart) -> Mapped[Any]:
     """Compile a message about some fields of a fact; it is read as these fields by name."""
-    types, names = message.get_fields_and_field_types(), {apart.get(n): n for n in apart}
-    fields = [names.get(name, name) for name in types]
+    names = {
+        field: name
+        for name, codec in apart.items()
+        for field in (codec.fields if isinstance(codec, Codec) else (codec,))
+    }
+    fields = [names.get(name, name) for name in message.get_fields_and_field_types()]
     return _compiled(kind, message, dict, message, apart, fields)[0]
 
 
 def _compiled(
     kind: Any, writes: Any, reads: Any, message: Any, apart: Apart, fields: Any = None
 ) -> tuple[Mapped[Any], set[str]]:
+    MAPPED.add(message)
     types, hints = message.get_fields_and_field_types(), hints_of(kind)
     scope: dict[str, Any] = {'writes': writes, 'reads': reads, **_HELPERS}
     written, read, used = [], [], set()
@@ -155,8 +162,10 @@ def _form(hint: Any, ros: str, scope: dict[str, Any]) -> _Form:
     """Return how a value of an annotated type stands in a message field of some type."""
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if type(None) in arguments:
-        return _optional(next(one for one in arguments if one is not type(None)), ros, scope)
-    if origin is tuple:
+        hint = next(one for one in arguments if one is not type(None))
+        stands = _optional if _member(ros) == ros else _at_most_one
+        return stands(hint, ros, scope)
+    if origin in {tuple, list}:
         one = _form(arguments[0], _member(ros), scope)
         if one is _SAME:
             return _Form(str, 'tuple({})'.format)
@@ -164,7 +173,7 @@ def _form(hint: Any, ros: str, scope: dict[str, Any]) -> _Form:
             lambda it: f'[{one.write("one")} for one in {it}]',
             lambda it: f'tuple([{one.read("one")} for one in {it}])',
         )
-    if origin is Mapping:
+    if origin in {Mapping, dict}:
         return _mapping(arguments, ros, scope)
     if hint is float and ros == _TIME:
         return _Form('to_time({})'.format, 'from_time({})'.format)
@@ -196,13 +205,21 @@ def _optional(hint: Any, ros: str, scope: dict[str, Any]) -> _Form:
     )
 
 
+def _at_most_one(hint: Any, ros: str, scope: dict[str, Any]) -> _Form:
+    form = _form(hint, _member(ros), scope)
+    return _Form(
+        lambda it: f'[] if {it} is None else [{form.write(it)}]',
+        lambda it: f'{form.read(f"{it}[0]")} if {it} else None',
+    )
+
+
 def _mapping(kinds: tuple[Any, ...], ros: str, scope: dict[str, Any]) -> _Form:
-    if kinds[1] is object:
-        _scalar(str, ros)
+    if ros == 'string':
         return _Form('json_of({})'.format, 'loads({})'.format)
     pair = message_class(_member(ros).replace('/', '/msg/'))
     name, types = pair.__name__, pair.get_fields_and_field_types()
     scope[name] = pair
+    MAPPED.add(pair)
     (first, second), types = types, tuple(types.values())
     key, value = (_form(kind, type_, scope) for kind, type_ in zip(kinds, types, strict=True))
     made = f'{name}({first}={key.write("key")}, {second}={value.write("value")})'
@@ -220,4 +237,4 @@ def _scalar(kind: Any, ros: str) -> _Form:
 
 
 def _member(ros: str) -> str:
-    return ros.removeprefix('sequence<').removesuffix('>')
+    return ros.removeprefix('sequence<').removesuffix('>').removesuffix(', 1')

@@ -1,4 +1,4 @@
-"""The status of a cell as messages, and back: which facts, and what is not one to one."""
+"""A cell and its jobs as messages, and back: which facts, and what is not one to one."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ from bt_orchestrator_interfaces import msg
 from builtin_interfaces.msg import Time
 
 from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.commands import OrderAnswer
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.counting import good_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.job_record import FailureRecord, ItemRecord
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
+from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.stands import Stands
 from bt_orchestrator.model.state import Hold, PassedTask
 from bt_orchestrator.model.status import (
@@ -33,7 +36,6 @@ from bt_orchestrator.model.status import (
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.model.words import Words
-from bt_orchestrator.ros.types.choice_messages import CHOICE
 from bt_orchestrator.ros.types.mapping import Codec, Mapped, flat, mapped, supplement
 
 _Fact = TypeVar('_Fact')
@@ -111,6 +113,8 @@ _JOB = mapped(
 )
 _JOB_FACTS = supplement(JobStatus, msg.JobFacts, {'id': 'job'})
 """What the message about a job cannot carry, since it never changes."""
+CHOICE = flat(RecipeChoice, msg.WorkOrder, {}, any_of=('recipes', 'version', 'bind'))
+"""Of every message with these fields. A version or a binding without a recipe is read as well."""
 _LISTED = mapped(
     ListedJob,
     msg.ListedJob,
@@ -125,6 +129,22 @@ _LISTED = mapped(
     },
 )
 
+_ITEM_REPORT = supplement(
+    ItemRecord,
+    msg.ItemReport,
+    {
+        'item': 'id',
+        'how': Codec(
+            ('outcome',), lambda how: {'outcome': how or 'on_the_line'}, lambda it: it.outcome
+        ),
+    },
+)
+_FAILURE_REPORT = supplement(FailureRecord, msg.FailureReport, {'time': 'stamp'})
+
+_ORDER_ANSWER = mapped(OrderAnswer, msg.OrderAnswer)
+
+order_answer_message, order_answer = _ORDER_ANSWER.write, _ORDER_ANSWER.read
+item_message, failure_message = _ITEM_REPORT.write, _FAILURE_REPORT.write
 job_message, job_status = _JOB.write, _JOB.read
 listed_message, listed_job = _LISTED.write, _LISTED.read
 

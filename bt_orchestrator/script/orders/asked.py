@@ -34,7 +34,7 @@ def asked_of(order: WorkOrder | Mapping[str, Any]) -> AskedOrder:
         )
     terms = order.terms
     details = json_of(terms.details) if terms.details else ''
-    asked = AskedTerms(terms.priority, terms.start or 0.0, terms.due or 0.0, details)
+    asked = AskedTerms(terms.priority or None, terms.start, terms.due, details)
     texts = written(order.params)
     quantity = order.quantity or 0
     return AskedOrder(order.script, order.order or '', quantity, texts, asked, order.recipe)

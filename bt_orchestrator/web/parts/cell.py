@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.by import named
-from bt_orchestrator.model.codec import plain_but, to_plain
+from bt_orchestrator.model.codec import plain_but
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stands import StandCause
@@ -49,19 +49,13 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
     """Return the cell: its state, why it stands, and what can be asked of it."""
     role = status.unauthenticated_role
     return {
+        **plain_but(status, *_ELSEWHERE),
         'name': status.cell,
         'node': node,
-        'state': status.state.value,
         'state_kind': _kind(status),
         'since': status.state_since,
         'stop_reason': status.stop_reason.value if status.stop_reason else '',
-        'stop_message': status.stop_message,
-        'stands': to_plain(status.stands, whole=True),
-        'stop_after': status.stop_after,
         'wish': _wish_part(status.wish) if status.wish else None,
-        'waits_for': status.waits_for,
-        'journal_failure': status.journal_failure,
-        'disk_wait': status.disk_wait,
         'unauthenticated_role': role.value if role else '',
         'initialization': wait_parts(status.initialization, status.holds),
         'offers': cell_offers(status),
@@ -69,9 +63,16 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'sections': [section.number for section in status.sections],
         'holds': [hold.id for hold in status.holds],
         'jobs': [job.id for job in status.jobs],
-        'queued': status.queued,
         'components': [component.name for component in description.components],
     }
+
+
+_ELSEWHERE = (
+    *('cell', 'stamp', 'seq', 'history', 'state_since', 'stop_reason', 'stop_words', 'wish'),
+    *('unauthenticated_role', 'initialization', 'sections', 'holds', 'jobs', 'belt', 'flags'),
+    *('components', 'state_times', 'commands'),
+)
+"""What other parts have, or this one under another name."""
 
 
 def _wish_part(wish: Wish) -> dict[str, object]:

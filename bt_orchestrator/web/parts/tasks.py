@@ -11,6 +11,7 @@ from bt_orchestrator.drawing.task_marks import (
     held_tasks,
     initialization_marks,
 )
+from bt_orchestrator.model.codec import plain_but
 from bt_orchestrator.model.hold_words import held_words
 from bt_orchestrator.model.script import Script, SectionList, Task
 from bt_orchestrator.model.state import Hold
@@ -23,6 +24,8 @@ Part = dict[str, object]
 
 _WAITS = (Mark.WAITING, Mark.FAILED)
 """Marks whose reason is what their section waits for."""
+
+_AT_REST: Part = {'round': 0, 'started': None, 'feedback': ''}
 
 
 class TaskParts:
@@ -105,11 +108,12 @@ class TaskParts:
             'reason': held_words(hold) if hold else mark.reason,
             'hold': hold.id if hold else '',
             'waits': wait_parts(waits, self._holds) if mark.mark in _WAITS else [],
-            'round': running.round if running else 0,
-            'attempt': running.attempt if running else hold.attempt if hold else 0,
-            'started': running.started if running else None,
+            **(
+                plain_but(running, 'goal', 'action')
+                if running
+                else {**_AT_REST, 'attempt': hold.attempt if hold else 0}
+            ),
             'expected_s': self._expected_s(task, running),
-            'feedback': running.feedback if running else '',
             'requires_conveyor': task.requires_conveyor,
         }
 

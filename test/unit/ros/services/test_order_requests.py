@@ -13,9 +13,9 @@ from bt_orchestrator.asking.orders import wanted_orders
 from bt_orchestrator.errors import NotRead
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.jobs.order import WorkOrder as Order
-from bt_orchestrator.ros.link.order_messages import order_message
-from bt_orchestrator.ros.services.order_requests import AskedOrders, asked_change, asked_order
-from bt_orchestrator.ros.types.choice_messages import choice_fields
+from bt_orchestrator.ros.services.order_requests import AskedOrders
+from bt_orchestrator.ros.types.order_messages import asked_change, asked_order, order_message
+from bt_orchestrator.ros.types.status_messages import CHOICE as AS_FIELDS
 from bt_orchestrator.script.orders.asked import asked_of, change_of
 
 
@@ -44,13 +44,13 @@ CHOICE = RecipeChoice(('WM-100', 'WM-101'), 2, {'insert': 'component_3a'})
 @pytest.mark.parametrize('choice', [None, CHOICE, RecipeChoice(('WM-100',))])
 def test_an_order_by_recipe_is_the_same_in_a_message(choice: RecipeChoice | None) -> None:
     order = Order('' if choice else 'small', 'WO-1', 3, recipe=choice)
-    assert asked_order(order_message(order)) == asked_of(order)
-    assert asked_order(order_message(order)).recipe == choice
+    assert asked_order(order_message(asked_of(order))) == asked_of(order)
+    assert asked_order(order_message(asked_of(order))).recipe == choice
 
 
 def test_a_change_of_the_recipe_is_the_same_in_a_message() -> None:
     given = {'job': 'J', 'recipe': ['WM-100', 'WM-101'], 'version': 2, 'bind': CHOICE.bind}
-    message = QueueUpdate.Request(job='J', **choice_fields(CHOICE))
+    message = QueueUpdate.Request(job='J', **AS_FIELDS.write(CHOICE))
     assert asked_change(message) == change_of(given)
     assert change_of(given).recipe == CHOICE
     assert asked_change(QueueUpdate.Request(job='J')).recipe is None

@@ -12,7 +12,7 @@ from bt_orchestrator.script.orders.terms import AskedTerms
 
 
 def test_an_order() -> None:
-    assert asked_of(WorkOrder('boxes')) == AskedOrder('boxes', terms=AskedTerms(0, 0.0, 0.0))
+    assert asked_of(WorkOrder('boxes')) == AskedOrder('boxes', terms=AskedTerms())
     params = {'lot': 'A7', 'force': 3.5, 'dry': True, 'note': '1.5'}
     order = WorkOrder('boxes', 'WO-1', 4, params, Terms(2, 10.0, 20.5, {'lot': 7}))
     texts = {'lot': 'A7', 'force': '3.5', 'dry': 'true', 'note': '1.5'}

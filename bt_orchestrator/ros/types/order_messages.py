@@ -1,0 +1,26 @@
+"""What is asked of an order as messages, and back; the desk reads what it says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bt_orchestrator_interfaces import msg, srv
+
+from bt_orchestrator.ros.types.mapping import Codec, flat, mapped
+from bt_orchestrator.ros.types.status_messages import CHOICE
+from bt_orchestrator.script.orders.desk import AskedOrder
+from bt_orchestrator.script.orders.terms import AskedTerms
+
+_ABSENT = Codec((), lambda _: {}, lambda _: '')
+
+
+def _apart(message: Any, **others: Codec) -> dict[str, Codec]:
+    return {'terms': flat(AskedTerms, message, {}), 'recipe': CHOICE, 'text': _ABSENT, **others}
+
+
+_ORDER = mapped(AskedOrder, msg.WorkOrder, _apart(msg.WorkOrder))
+_CHANGE = flat(AskedOrder, srv.QueueUpdate.Request, _apart(srv.QueueUpdate.Request, order=_ABSENT))
+
+order_message, asked_order = _ORDER.write, _ORDER.read
+"""The request of `~/submit_order` has the fields of a work order, too."""
+asked_change = _CHANGE.read
