@@ -18,13 +18,12 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.limits import NAME, ORDERS, REASON
-from bt_orchestrator.model.requests import ADD, Asked, BadArguments, Why, ask, refusal
+from bt_orchestrator.model.requests import Asked, BadArguments, Why, ask, refusal
 from bt_orchestrator.model.ticket import WANTED, is_ticket, origin_with
 from bt_orchestrator.script.orders.plain_order import order_from
-from bt_orchestrator.web.command_paths import READERS, NoSuchRequest
-from bt_orchestrator.web.command_schemas import DOES, body_at
 from bt_orchestrator.web.endpoint import Endpoint
 from bt_orchestrator.web.replies import Json, Problem, body_of
+from bt_orchestrator.web.request_paths import PLACES, body_at, request_at
 from bt_orchestrator.web.sessions import Session
 
 log = logging.getLogger(__name__)
@@ -47,10 +46,10 @@ def endpoints(tickets: Tickets) -> Sequence[Endpoint]:
     return (
         *(
             Endpoint(
-                'POST', path, partial(commands.answer, path), DOES[path], refusals=REFUSALS,
+                'POST', path, partial(commands.answer, path), place.does, refusals=REFUSALS,
                 **body_at(path),
             )
-            for path in READERS
+            for path, place in PLACES.items()
         ),
         Endpoint(
             'GET', '/api/tickets/{ticket}', commands.find,
@@ -71,9 +70,9 @@ class Commands:
         session: Session = http.state.session
         body = await body_of(http)
         ticket = _ticket(body)
-        subject = next(iter(http.path_params.values()), '')
+        given = {**body, **http.path_params}
         # Reading many orders takes long, and others want their stream meanwhile.
-        asked = await asyncio.to_thread(_asked, path, subject, body, session, ticket)
+        asked = await asyncio.to_thread(_asked, path, given, session, ticket)
         _check(asked, session)
         try:
             outcome = await self._tickets.carry_out(ticket, asked)
@@ -117,22 +116,22 @@ def _ticket(body: dict[str, Any]) -> str:
     return ticket
 
 
-def _asked(path: str, subject: str, body: dict[str, Any], session: Session, ticket: str) -> Asked:
+def _asked(path: str, given: dict[str, Any], session: Session, ticket: str) -> Asked:
     """Return the request that was posted, with the session as its sender."""
-    body.pop('who', None)  # the session says it
-    reason = body.pop('reason', '')
+    given.pop('who', None)  # the session says it
+    reason = given.pop('reason', '')
     if not isinstance(reason, str) or len(reason) > REASON:
         raise Problem(422, f'reason is a text of at most {REASON} characters')
     remark = 'locked session' if session.is_locked else ''
     origin = origin_with(PROGRAM, ticket, remark)
     by = By(session.name, origin, reason, session.role, session.how.known)
     try:
-        request, given = READERS[path](subject, body)
-        _check_texts(body | dict(given))
-        if request == ADD:
-            body['orders'] = _orders(body.get('orders'))
-        return ask(request.name, by, **{**body, **given})
-    except (BadArguments, NoSuchRequest) as error:
+        request = request_at(path, given)
+        _check_texts(given)
+        if request.takes_orders:
+            given['orders'] = _orders(given.get('orders'))
+        return ask(request.name, by, **given)
+    except BadArguments as error:
         raise Problem(422, str(error)) from error
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
-from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import About, Request, of_hold
@@ -23,7 +22,7 @@ from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, ComponentStatus, ItemStatus, JobStatus
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.web.command_paths import place_of
+from bt_orchestrator.web.request_paths import ANY
 
 Offer = dict[str, object]
 
@@ -157,8 +156,8 @@ def _offer(
     :param given: arguments that are settled
     :param without: parameters that this offer has no use for
     """
-    place = place_of(request, subject)
-    body = {**place.body, **given}
+    about = {request.subject.name: subject} if request.subject else {}
+    body = {**about, **given}
     return {
         'name': request.name,
         'word': request.word,
@@ -166,26 +165,17 @@ def _offer(
         'why': request.why.value,
         'is_confirmed': request.is_confirmed,
         'roles': _roles(request.roles),
-        'path': place.path,
+        'path': ANY.format(name=request.name),
+        'subject': subject,
         'body': body,
         'parameters': list(_parameters(request, {*body, *without})),
-        'foresee': _foreseen(request, subject),
+        'foresee': {'name': request.name, 'arguments': about} if request.is_foreseen else None,
     }
 
 
-def _foreseen(request: Request, subject: str) -> dict[str, object] | None:
-    """Return the command whose effect on jobs can be asked before; None: it has none."""
-    about = (About.QUEUE, About.JOB, About.COMPONENT, About.SCRIPT)
-    if request.about not in about or request.word == job_control.CLEAR.verb:
-        return None
-    arguments = {request.subject.name: subject} if request.subject else {}
-    return {'name': request.name, 'arguments': arguments}
-
-
 def _parameters(request: Request, given: set[str]) -> Iterator[dict[str, object]]:
-    subject = request.subject
     for one in request.parameters:
-        if one is not subject and one.name not in given:
+        if one.name not in given:
             yield {
                 'name': one.name,
                 'kind': one.kind.value,

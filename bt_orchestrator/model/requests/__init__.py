@@ -28,6 +28,7 @@ from bt_orchestrator.model.requests.table import (
     STOP_AFTERS,
     TABLE,
     UPDATE,
+    of_name,
     of_word,
     words_about,
 )
@@ -57,6 +58,7 @@ __all__ = [
     'STOP_AFTERS',
     'TABLE',
     'UPDATE',
+    'of_name',
     'of_word',
     'words_about',
     'of_cell',

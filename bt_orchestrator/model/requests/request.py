@@ -75,6 +75,8 @@ class Request:
     is_limited: bool = False
     """It can be repeated without end, so its rate is limited. A stop, a pause or an answer is
     refused until something undoes it, so it is never delayed."""
+    is_of_list: bool = False
+    """It changes the list of jobs, and nothing on the line."""
     also: tuple[str, ...] = ()
     """Other words for it that commands take; recorded is `word`."""
 
@@ -87,6 +89,17 @@ class Request:
     def subject(self) -> Parameter | None:
         """The id of its subject; None: the cell, which needs no id."""
         return self.parameters[0] if self.about in NAMED else None
+
+    @property
+    def is_foreseen(self) -> bool:
+        """Whether its effect on the ends of jobs can be worked out before it is made."""
+        about = (About.QUEUE, About.JOB, About.COMPONENT, About.SCRIPT)
+        return self.about in about and not self.is_of_list
+
+    @property
+    def takes_orders(self) -> bool:
+        """Whether work orders are among its arguments."""
+        return any(one.kind is Kind.ORDERS for one in self.parameters)
 
     @property
     def recorded(self) -> str:

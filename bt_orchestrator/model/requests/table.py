@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from bt_orchestrator.model import failures
 from bt_orchestrator.model.jobs import job_control
@@ -24,14 +25,10 @@ def _request(
     effect: str,
     roles: frozenset[Role],
     *parameters: Parameter,
-    why: Why = Why.FIRST,
-    is_confirmed: bool = False,
-    is_limited: bool = False,
-    also: tuple[str, ...] = (),
+    **more: Any,
 ) -> Request:
     subject = (NAMED[about],) if about in NAMED else ()
-    of_its_own = (*subject, *parameters)
-    return Request(word, about, effect, roles, of_its_own, why, is_confirmed, is_limited, also)
+    return Request(word, about, effect, roles, (*subject, *parameters), **more)
 
 
 # --- the cell (semantics 7.2, 7.3) --------------------------------------------------------------
@@ -135,16 +132,10 @@ NEXT = _request(
 
 
 def _of_method(
-    method: Method,
-    roles: frozenset[Role],
-    *parameters: Parameter,
-    is_confirmed: bool = False,
-    is_limited: bool = False,
+    method: Method, roles: frozenset[Role], *parameters: Parameter, **more: Any
 ) -> Request:
-    return _request(
-        About.JOB, method.verb, method.meaning, roles, *parameters, is_confirmed=is_confirmed,
-        is_limited=is_limited, also=method.also,
-    )  # fmt: skip
+    word, also = method.verb, method.also
+    return _request(About.JOB, word, method.meaning, roles, *parameters, also=also, **more)
 
 
 UPDATE = _of_method(
@@ -188,7 +179,7 @@ JOB: tuple[tuple[Method, Request], ...] = (
     (job_control.ABORT, _of_method(job_control.ABORT, _ENGINEERS, is_confirmed=True)),
     (job_control.CANCEL, _of_method(job_control.CANCEL, _PLANNERS, is_confirmed=True)),
     # It changes only the list; the MES that ordered a job must be able to clear it.
-    (job_control.CLEAR, _of_method(job_control.CLEAR, _BOTH)),
+    (job_control.CLEAR, _of_method(job_control.CLEAR, _BOTH, is_of_list=True)),
 )
 
 # --- items and holds (semantics 7.1) ------------------------------------------------------------
@@ -280,19 +271,22 @@ TABLE: tuple[Request, ...] = (
 REQUESTS: Mapping[str, Request] = {request.name: request for request in TABLE}
 """By name."""
 
-_WORDS = {
-    (request.about, word): request for request in TABLE for word in (request.word, *request.also)
-}
+_ALSO = {f'{one.about.value}.{word}': one for one in TABLE for word in one.also}
+
+
+def of_name(name: str) -> Request | None:
+    """Return the request of a name, also with another of its words; None: there is none."""
+    return REQUESTS.get(name) or _ALSO.get(name)
 
 
 def of_word(about: About, word: str) -> Request | None:
     """Return the request that a word stands for; None: there is none."""
-    return _WORDS.get((about, word))
+    return of_name(f'{about.value}.{word}')
 
 
 def words_about(about: About) -> tuple[str, ...]:
     """Return every word that stands for a request."""
-    return tuple(word for one, word in _WORDS if one is about)
+    return tuple(word for one in TABLE if one.about is about for word in (one.word, *one.also))
 
 
 COMMANDED = tuple(word for word in words_about(About.JOB) if word not in (MOVE.word, UPDATE.word))

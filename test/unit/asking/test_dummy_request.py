@@ -21,7 +21,7 @@ from bt_orchestrator.model.requests.request import NAMED
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.runtime.deciding import DECIDERS, Decided, decides
-from bt_orchestrator.web import command_paths, command_schemas
+from bt_orchestrator.web import request_paths
 
 OIL = Request(
     'oil',
@@ -47,7 +47,7 @@ def declared(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     from bt_orchestrator.model.requests import table
 
     rows = (*table.TABLE, OIL)
-    for module in (table, command_schemas, verb):
+    for module in (table, request_paths, verb):
         monkeypatch.setattr(module, 'TABLE', rows)
     assert isinstance(REQUESTS, dict)
     monkeypatch.setitem(REQUESTS, OIL.name, OIL)
@@ -88,7 +88,7 @@ def test_the_page_takes_it(tmp_path: Path) -> None:
     answer = bench.logged_in('ann').post('/api/requests/component.oil', posted)
     assert answer.json['message'] == 'feeder was oiled with 2'
     assert bench.commands[-1].answer == 'oil'
-    assert 'drops' in command_schemas.body_at(command_paths.ANY)['body']
+    assert 'drops' in request_paths.body_at(request_paths.ANY)['body']
     bench.close()
 
 

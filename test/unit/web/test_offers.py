@@ -42,7 +42,7 @@ def test_a_pause_is_resumed_by_the_cell_or_by_its_own_name() -> None:
     assert [one['name'] for one in offer(parts['cell'], 'resume')['parameters']] == ['everyones']
     (hold,) = parts['cell']['holds']
     resume = offer(parts[f'hold/{hold}'], 'resume')
-    assert (resume['path'], resume['body']) == ('/api/cell/resume', {'hold': hold})
+    assert (resume['path'], resume['body']) == ('/api/requests/cell.resume', {'hold': hold})
     assert resume['parameters'] == []
 
 
@@ -54,8 +54,8 @@ def test_the_answers_of_a_hold_carry_their_path_and_words() -> None:
     part = parts[f'hold/{hold}']
     assert offered(part)[0] == 'hold.retry'
     done = offer(part, 'mark_done')
-    assert done['path'] == f'/api/holds/{hold}/answer'
-    assert done['body'] == {'answer': 'mark_done'}
+    assert done['path'] == '/api/requests/hold.mark_done'
+    assert done['body'] == {'hold': hold}
     assert [one['name'] for one in done['parameters']] == ['results']
     reject = offer(part, 'reject')
     assert (reject['is_confirmed'], reject['why']) == (True, 'first')
@@ -79,7 +79,7 @@ def test_again_is_offered_where_the_task_is_in_a_repeat() -> None:
     parts = page_parts(run)
     (hold,) = parts['cell']['holds']
     again = offer(parts[f'hold/{hold}'], 'again')
-    assert (again['path'], again['body']) == (f'/api/holds/{hold}/answer', {'answer': 'again'})
+    assert (again['path'], again['body']) == ('/api/requests/hold.again', {'hold': hold})
 
 
 def test_clear_says_which_status_was_looked_at() -> None:
@@ -136,7 +136,7 @@ def test_a_requested_stop_can_be_taken_back_and_not_asked_for_twice() -> None:
     found = words(run)
     assert 'stop_after_never' in found
     assert 'stop_after_item' not in found
-    assert offer(page_parts(run)['cell'], 'stop_after_never')['body'] == {'after': 'never'}
+    assert offer(page_parts(run)['cell'], 'stop_after_never')['body'] == {}
 
 
 def test_jobs_offer_what_their_state_allows() -> None:
@@ -154,7 +154,7 @@ def test_jobs_offer_what_their_state_allows() -> None:
     queued = {'job.move', 'job.update', 'job.hold', 'job.abort', 'job.cancel'}
     assert set(offered(parts['job/K'])) == queued, 'the first of the queue is next already'
     assert set(offered(parts['job/L'])) == queued | {'job.next'}
-    assert offer(parts['job/L'], 'next')['body'] == {'job': 'L', 'next': True}
+    assert offer(parts['job/L'], 'next')['body'] == {'job': 'L'}
     assert [one['name'] for one in offer(parts['job/L'], 'move')['parameters']] == ['position']
     update = {one['name']: one['roles'] for one in offer(parts['job/L'], 'update')['parameters']}
     assert update['script'] == ['engineer']
@@ -172,7 +172,7 @@ def test_a_job_by_recipe_that_lacks_a_component_can_be_requeued() -> None:
     assert 'job.requeue' not in offered(page_parts(run)['job/J']), 'nothing is out of service'
     assert run.service('a2', out=True).accepted
     part = page_parts(run)['job/J']
-    assert offer(part, 'requeue')['body'] == {'job': 'J', 'command': 'requeue'}
+    assert offer(part, 'requeue')['body'] == {'job': 'J'}
     assert [one['name'] for one in offer(part, 'requeue')['parameters']] == ['order']
     assert offer(part, 'requeue')['foresee']['name'] == 'job.requeue'
     assert 'job.requeue' not in offered(page_parts(run)['job/K']), 'it has not started'
@@ -215,7 +215,10 @@ def test_an_item_in_a_slot_can_be_taken_off_once() -> None:
     run = Line(3, seconds={'a2': 20.0}).begin()
     run.go(until=5.0)
     (remove,) = page_parts(run)['section/2']['offers']
-    assert (remove['name'], remove['path']) == ('item.remove_item', '/api/items/J/1/remove')
+    assert (remove['name'], remove['path']) == (
+        'item.remove_item',
+        '/api/requests/item.remove_item',
+    )
     run.pause()
     assert run.remove('J/1').accepted
     assert page_parts(run)['section/2']['offers'] == []
@@ -243,7 +246,7 @@ def test_what_changes_the_ends_of_jobs_can_be_asked_about_before() -> None:
     assert foreseen['job.hold'] == {'name': 'job.hold', 'arguments': {'job': 'later'}}
     assert None not in foreseen.values()
     add = parts['cell']['add']
-    assert (add['path'], add['body']) == ('/api/queue/add', {})
+    assert (add['path'], add['body']) == ('/api/requests/queue.add', {})
     assert add['foresee'] == {'name': 'queue.add', 'arguments': {}}
     assert offer(parts['cell'], 'abort')['foresee'] is None
     run.go()

@@ -28,7 +28,7 @@ export const UPDATE_FIELDS = {
 const SAID_ABOVE = { element: null, read: () => ({ value: undefined }), warn: () => {} };
 
 function jobOf(offer) {
-  return part(`job/${offer.body.job}`);
+  return part(`job/${offer.subject}`);
 }
 
 function wholeField(name, now) {

@@ -32,7 +32,7 @@ export function offers({
   const ends = [subscribe('news', judge), onPerson(judge)];
   const list = keyed(
     element,
-    (offer) => offer.path + offer.name,
+    (offer) => offer.name + offer.subject,
     () => {
       const button = offerButton(() => ({ about: about(), hold: hold() }), isCompact);
       buttons.add(button);
