@@ -8,9 +8,10 @@ from typing import Any
 from bt_orchestrator.model.events import ClockStepped, Event, TaskKey
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.uptime import step_between
 from bt_orchestrator.ports import Clock, Servers, Timer
 from bt_orchestrator.runtime.delays import Delays
-from bt_orchestrator.runtime.wall_clock import WallClock
+from bt_orchestrator.runtime.wall_clock import STEP_S, WallClock
 
 Notice = Callable[[Any], None]
 
@@ -71,9 +72,11 @@ class Ledger:
 
     @property
     def uptime(self) -> float | None:
-        """How long the machine has been up, seconds; None: not known."""
+        """How long the machine had been up at the time that stamps events; None: not known."""
         up = self._clock.uptime()
-        return None if up is None else up.seconds
+        if up is None:
+            return None
+        return round(up.seconds - (self._clock.steady() - self._wall.steady), 3)
 
     def record(self, events: Iterable[Event]) -> None:
         """Stamp and apply new events, in order, each before the next one is taken."""
@@ -92,7 +95,24 @@ class Ledger:
         """
         step_s = self._wall.step_s()
         if step_s:
-            self.record([ClockStepped(seconds=step_s)])
+            self.record([ClockStepped(seconds=step_s, uptime=self.uptime)])
+
+    def look_back(self) -> None:
+        """Record that the wall clock was set since the last event, if the uptime proves that.
+
+        Called at the start. Nobody knows when the step came while no node ran: it counts as if it
+        had come right after the last event, so the time after it is time without a node.
+        """
+        state, wall = self.state, self._wall
+        before = state.clock
+        step_s = step_between(before, self._clock.now(), self._clock.uptime())
+        if before is None or abs(step_s) < STEP_S:
+            return
+        step_s = min(step_s, wall.now - state.time)  # uptimes are rounded
+        up_s = before.up.seconds + state.time - before.wall
+        now, wall.now = wall.now, state.time + step_s
+        self.record([ClockStepped(seconds=step_s, uptime=round(up_s, 3))])
+        wall.now = now
 
     @property
     def has_pending(self) -> bool:

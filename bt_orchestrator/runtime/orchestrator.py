@@ -31,7 +31,7 @@ from bt_orchestrator.runtime.deciding import not_allowed
 from bt_orchestrator.runtime.flights import CARRIED_OUT, Flights
 from bt_orchestrator.runtime.inbox import Inbox
 from bt_orchestrator.runtime.ledger import Ledger, Notice
-from bt_orchestrator.runtime.recovery import restore, take_over
+from bt_orchestrator.runtime.recovery import Found, restore, take_over
 from bt_orchestrator.runtime.starts import Starts
 from bt_orchestrator.runtime.starvation import Starvation
 from bt_orchestrator.runtime.writers import AtOnce
@@ -105,7 +105,9 @@ class Orchestrator:
         gateway.listen(wake)
         up = clock.uptime()
         boot = up.boot if up is not None else ''
-        self._ledger.record(take_over(self.state, store, boot, auto_resume=auto_resume))
+        found = Found.of(self.state, store)
+        self._ledger.look_back()
+        self._ledger.record(take_over(self.state, found, boot, auto_resume=auto_resume))
 
     def ask(self, command: Command) -> Answer:
         """Carry out a command, settle, and return the answer; for journals without wait."""

@@ -8,7 +8,7 @@ import logging
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from importlib.resources import files
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from bt_orchestrator import model
 from bt_orchestrator.errors import DamagedRecord, JournalMismatch, JournalUnusable
@@ -179,28 +179,45 @@ def _refuse_gap(state: CellState, event: e.Event) -> None:
         raise DamagedRecord(state.seq + 1, event.seq - 1, 'not there')
 
 
+class Found(NamedTuple):
+    """What a new orchestrator finds in its journal."""
+
+    history: str
+    is_copy: bool
+    """It was restored from a backup, and nobody has worked on it since."""
+    missing: str
+    """Which events are missing, in words; empty: none."""
+    end: str
+    """Its last event, in words."""
+
+    @classmethod
+    def of(cls, state: CellState, store: EventStore) -> Found:
+        """Look at a journal; if events are missing it goes on as a history of its own."""
+        is_copy = store.is_restored and store.history != state.history
+        missing = store.missing(state.seq)
+        if missing:
+            log.error('%s', missing)
+            store.go_on_after(state.seq)
+        end = f'event {state.seq} of {in_utc(state.time)}'
+        return cls(store.history, is_copy, missing, end)
+
+
 def take_over(
-    state: CellState, store: EventStore, boot: str, *, auto_resume: bool
+    state: CellState, found: Found, boot: str, *, auto_resume: bool
 ) -> Iterator[e.Event]:
     """Record the start of a new orchestrator, and what it found.
 
-    :param store: its journal
+    :param found: its journal
     :param boot: boot id of its machine; empty: not known
     :param auto_resume: continue at once; otherwise start nothing until an operator has checked the
         line and releases the hold `restarted`, which is independent of other holds
     """
-    is_copy = store.is_restored and store.history != state.history
-    missing = store.missing(state.seq)
-    if missing:
-        log.error('%s', missing)
-        store.go_on_after(state.seq)
-    end = f'event {state.seq} of {in_utc(state.time)}'  # before the events of this take-over
     yield e.OrchestratorStarted(
         cell=state.cell.name,
         digest=digest(state.cell),
-        history=store.history,
-        restored=is_copy,
-        missing=missing,
+        history=found.history,
+        restored=found.is_copy,
+        missing=found.missing,
         boot=boot,
     )
     yield from without_component(state)
@@ -212,8 +229,9 @@ def take_over(
     if auto_resume:
         yield from (e.HoldReleased(hold=hold.id) for hold in waits)
     unfinished = _unfinished(len(state.jobs), goals)
-    if is_copy or missing:
-        yield _to_be_looked_at(state, f'{end}: {unfinished}', missing, is_copy=is_copy)
+    if found.is_copy or found.missing:
+        ends_with = f'{found.end}: {unfinished}'
+        yield _to_be_looked_at(state, ends_with, found.missing, is_copy=found.is_copy)
     elif state.jobs and not auto_resume and not waits and _would_go_on(state):
         yield to_be_named(state, RESTARTED, unfinished)
 

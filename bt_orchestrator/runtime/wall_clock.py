@@ -18,12 +18,13 @@ class WallClock:
         self._now, self._steady = clock.now, clock.steady
         self.now = 0.0
         """As it was at the last look."""
+        self.steady = 0.0
+        """The steady clock at the last look."""
         self._ahead_s = self._look()
 
     def step_s(self) -> float:
         """Return by how many seconds it was set since the last look; 0.0: it was not set."""
-        self.now = now = self._now()
-        ahead_s = now - self._steady()
+        ahead_s = self._look()
         if -STEP_S < ahead_s - self._ahead_s < STEP_S:
             self._ahead_s = ahead_s
             return 0.0
@@ -33,5 +34,5 @@ class WallClock:
         return step_s if abs(step_s) >= STEP_S else 0.0
 
     def _look(self) -> float:
-        self.now = now = self._now()
-        return now - self._steady()
+        self.now, self.steady = self._now(), self._steady()
+        return self.now - self.steady

@@ -188,6 +188,9 @@ class ClockStepped(Event):
     event: ClassVar[str] = 'clock.stepped'
     seconds: float
     """By how much, forward; negative: back."""
+    uptime: float | None = None
+    """Seconds for which the machine had been up at that time, in the boot that the
+    `orchestrator.started` before it names; None: not known."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.frozen import changed
@@ -9,7 +11,11 @@ from bt_orchestrator.model.jobs.job_folds import forget_skips, note_work
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import CellState, OutOfService, Reading
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.uptime import ClockReading, Uptime
 from bt_orchestrator.model.wish import STAND, START, STOP_AFTER, Wish
+
+Timed: TypeAlias = e.TaskStarted | e.TaskResent | e.TaskRetrying | e.ClockStepped
+"""Events that say how long the machine had been up."""
 
 _FORGET_ONCE = (PackmlState.STOPPED, PackmlState.ABORTED)
 """States in which an operator may have moved anything by hand (semantics 5.1)."""
@@ -86,9 +92,20 @@ def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
 def clock_stepped(event: e.ClockStepped, state: CellState) -> None:
     """Shift start times, so that elapsed times stay the same."""
     state.packml_since += event.seconds
+    state.clock = None
+    note_uptime(event, state)
     for key, task in list(state.running.items()):
         started = changed(task, started=task.started + event.seconds)
         state.tasks[key] = state.running[key] = started
+
+
+def note_uptime(event: Timed, state: CellState) -> Uptime | None:
+    """Keep when an event was by both clocks; returns its uptime, None: not known."""
+    if event.uptime is None or not state.boot:
+        return None
+    up = Uptime(state.boot, event.uptime)
+    state.clock = ClockReading(event.time, up)
+    return up
 
 
 def operator_decided(event: e.OperatorDecided, state: CellState) -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.failures import will_hold
+from bt_orchestrator.model.folds.cell import note_uptime
 from bt_orchestrator.model.folds.line import mark_nonconforming
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, End, Phase, TaskState, same_args, same_task
-from bt_orchestrator.model.uptime import Uptime
 
 
 def task_started(event: e.TaskStarted, state: CellState) -> None:
@@ -22,7 +22,7 @@ def task_started(event: e.TaskStarted, state: CellState) -> None:
         args=event.args,
         sent=event.time,
         server=event.server,
-        sent_up=_up(event, state),
+        sent_up=note_uptime(event, state),
     )
     key = event.key
     state.tasks[key] = state.running[key] = started
@@ -39,13 +39,9 @@ def task_adopted(event: e.TaskAdopted, state: CellState) -> None:
 def task_resent(event: e.TaskResent, state: CellState) -> None:
     before = state.running[event.key]
     assert before.goal == event.goal
-    up = _up(event, state)
+    up = note_uptime(event, state)
     sent = changed(before, sent=event.time, server=event.server, sent_up=up)
     state.tasks[event.key] = state.running[event.key] = sent
-
-
-def _up(event: e.TaskStarted | e.TaskResent | e.TaskRetrying, state: CellState) -> Uptime | None:
-    return Uptime(state.boot, event.uptime) if state.boot and event.uptime is not None else None
 
 
 def task_cancel_requested(event: e.TaskCancelRequested, state: CellState) -> None:
@@ -104,7 +100,7 @@ def task_retrying(event: e.TaskRetrying, state: CellState) -> None:
         phase=Phase.RETRYING,
         not_before=event.not_before,
         delay_s=max(0.0, event.not_before - event.time),
-        delayed_up=_up(event, state),
+        delayed_up=note_uptime(event, state),
         cancel_cause=None,
         hold=None,
     )

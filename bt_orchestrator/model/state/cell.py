@@ -19,6 +19,7 @@ from bt_orchestrator.model.state.jobs import ItemState, JobState
 from bt_orchestrator.model.state.line import FlagState, OutOfService, Reading, SectionState
 from bt_orchestrator.model.state.tasks import Phase, TaskState
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.uptime import ClockReading
 from bt_orchestrator.model.wish import Wish
 
 DERIVED: Mapping[str, bool] = {'derived': True}
@@ -39,6 +40,8 @@ class CellState:
     """Name of the journal, as the last orchestrator found it."""
     boot: str = ''
     """Boot id of its machine; empty: not known."""
+    clock: ClockReading | None = None
+    """The last reading of wall clock and uptime that is on record; None: there is none."""
     seq: int = 0
     """Last event applied."""
     packml: PackmlState = PackmlState.STOPPED

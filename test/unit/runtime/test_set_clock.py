@@ -198,3 +198,64 @@ def test_2_4_a_step_is_recorded_before_what_is_stamped_by_the_new_clock() -> Non
     run.orchestrator.ask(Pause(ann('it is so')))
     last = [type(event) for event in run.store.read() if event.time > HOUR_S / 2]
     assert last[:2] == [e.ClockStepped, e.OperatorDecided]
+
+
+@either_way
+def test_2_4_a_step_while_no_node_ran_is_proven_by_the_uptime(step_s: float) -> None:
+    run = SetLine('#1=hang', 'timeout: none').go(until=WORK_AT + 1)
+    last = run.orchestrator.state.time
+    in_state = dict(run.orchestrator.state.times(last))
+    run.clock.sleep(600.0)
+    run.clock.ahead_s = step_s
+    run.restart()
+    run.orchestrator.settle()
+    [step] = run.steps()
+    assert step.seconds == pytest.approx(step_s)
+    assert step.time == pytest.approx(last + step_s)
+    started = [x for x in run.store.read() if isinstance(x, e.OrchestratorStarted)][-1]
+    assert started.seq == step.seq + 1
+    assert started.time == pytest.approx(step.time + 600.0, abs=2.0)
+    state = run.orchestrator.state
+    assert state.times(started.time) == pytest.approx(in_state)
+    (work,) = state.running.values()
+    assert run.clock.now() - work.started == pytest.approx(run.clock.steady() - WORK_AT)
+
+
+@either_way
+@pytest.mark.parametrize('boot', ['second machine', None])
+def test_2_4_no_step_is_told_without_the_same_boot(step_s: float, boot: str | None) -> None:
+    run = SetLine('#1=hang', 'timeout: none').go(until=WORK_AT + 1)
+    run.clock.ahead_s, run.clock.boot = step_s, boot
+    run.restart()
+    run.orchestrator.settle()
+    assert run.steps() == []
+
+
+def test_2_4_a_clock_that_nobody_set_while_no_node_ran_is_no_event() -> None:
+    run = SetLine('#1=hang', 'timeout: none').go(until=WORK_AT + 1)
+    run.clock.sleep(86_400.0)
+    run.restart()
+    run.orchestrator.settle()
+    assert run.steps() == []
+
+
+@either_way
+def test_2_4_two_restarts_tell_one_step_once(step_s: float) -> None:
+    run = SetLine('#1=hang', 'timeout: none').go(until=WORK_AT + 1)
+    run.clock.ahead_s = step_s
+    run.restart()
+    run.orchestrator.settle()
+    run.clock.sleep(60.0)
+    run.restart()
+    run.orchestrator.settle()
+    assert len(run.steps()) == 1
+
+
+@either_way
+def test_2_4_a_step_while_the_node_ran_is_told_once(step_s: float) -> None:
+    run = SetLine('#1=hang', 'timeout: none').go(until=WORK_AT + 1)
+    run.clock.ahead_s = step_s
+    run.orchestrator.settle()
+    run.restart()
+    run.orchestrator.settle()
+    assert len(run.steps()) == 1

@@ -152,6 +152,22 @@ def test_a_clock_that_is_behind_when_a_node_starts_was_set_back() -> None:
     assert any('was set back by 2400 s' in note for note in made.notes())
 
 
+@pytest.mark.parametrize(
+    ('by_s', 'stepped', 'started'), [(3600.0, '11:10', '11:40'), (-3600.0, '09:10', '09:40')]
+)
+def test_a_proven_step_leaves_the_time_without_a_node(
+    by_s: float, stepped: str, started: str
+) -> None:
+    day = Day()
+    day.note('10:00', *BEGUN, work(1))
+    day.note('10:10', out(1))
+    day.note(stepped, e.ClockStepped(seconds=by_s))
+    day.note(started, NODE)
+    made = of_all(day)
+    assert made.figures.times.lost_us == {Loss.NO_NODE: 30 * MINUTE}
+    assert sum('the clock was set' in note for note in made.notes()) == 1
+
+
 def test_an_attempt_over_a_step_took_the_time_that_passed() -> None:
     day = Day()
     day.note('10:00', *BEGUN, work(1))
