@@ -7,10 +7,14 @@ from contextlib import asynccontextmanager
 from dataclasses import replace
 
 from bt_orchestrator.asking.handler import OrderReading
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.jobs.releases import released_before
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import Generating
+from bt_orchestrator.ports import Generating, MadeScript
 from bt_orchestrator.script.orders.desk import MadeScripts, Reading, Wanted
+from bt_orchestrator.script.writing.script_text import write_script
 
 
 class RecipeOrders:
@@ -43,13 +47,25 @@ class RecipeOrders:
             made = await self._made(choices)
 
     async def _made(self, choices: Sequence[RecipeChoice]) -> MadeScripts:
-        """Return what is made, without what is out of service when it is done."""
+        """Return what is made, without what is out of service when it is done.
+
+        A script that was released for the same is taken in its place (semantics 6.11).
+        """
         different = [one for at, one in enumerate(choices) if one not in choices[:at]]
         while True:
             without = frozenset(self._state.out_of_service)
             made = await self._generating.make(different, without)
             if without == frozenset(self._state.out_of_service):
-                return tuple(zip(different, made, strict=True))
+                return tuple(zip(different, map(self._released, made), strict=True))
+
+    def _released(self, made: MadeScript | Refused) -> MadeScript | Refused:
+        if isinstance(made, Refused) or made.made_from is None:
+            return made
+        before = released_before(self._state, made.made_from, made.digest)
+        if before is None:
+            return made
+        text = write_script(before, None)
+        return MadeScript(made.name, text, digest(before), before.made_from)
 
 
 def _with(

@@ -145,6 +145,9 @@ ENDED_KEPT = 100
 """Number of ended jobs that a cell lists unless somebody clears them, the last ones; the journal
 has them all."""
 
+RELEASED_KEPT = 64
+"""Number of released scripts of orders by recipe that a cell keeps, those that were used last."""
+
 ENDED_SHOWN = 10
 """Number of them in a status, which is sent often; the others are asked for."""
 

@@ -236,6 +236,15 @@ class MadeFrom:
     """Of the file without this key, as it was generated; it tells what was edited since."""
     generator: str = ''
     """Version of the program."""
+    without: tuple[str, ...] = ()
+    """Components out of service that could have done one of its operations."""
+
+    def says_the_same(self, other: MadeFrom | None) -> bool:
+        """Tell whether both name the same recipe, cell, overrides and components in service."""
+        if other is None or not self.recipe_digest or not self.cell_digest:
+            return False
+        names = ('recipe', 'recipe_digest', 'cell_digest', 'overrides_digest', 'without')
+        return all(getattr(self, name) == getattr(other, name) for name in names)
 
 
 @dataclass(frozen=True)

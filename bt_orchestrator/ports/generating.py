@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol
 
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.script import MadeFrom
 
 
 class MadeScript(NamedTuple):
@@ -15,6 +16,9 @@ class MadeScript(NamedTuple):
     name: str
     """As findings call it."""
     text: str
+    digest: str = ''
+    made_from: MadeFrom | None = None
+    """None: not known."""
 
 
 class Generating(Protocol):

@@ -16,4 +16,5 @@ def read_origin(script: Fields) -> MadeFrom | None:
     if fields is None:
         return None
     texts = {name: fields.text(name) or '' for name in _TEXTS}
-    return MadeFrom(version=fields.optional_whole('version') or 0, **texts)
+    without = tuple(name.text for name in fields.names('without'))
+    return MadeFrom(version=fields.optional_whole('version') or 0, without=without, **texts)

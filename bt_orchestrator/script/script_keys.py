@@ -171,6 +171,13 @@ MADE_FROM = Table(
             'name of this file as it was generated, without this key',
         ),
         Key('generator', Kind.TEXT, 'version of the program that wrote it', '"1.0.0"', rule='8.1'),
+        Key(
+            'without',
+            Kind.NAMES,
+            'components out of service that could have done one of its operations',
+            '[component_4b]',
+            rule='6.11',
+        ),
     ),
 )
 

@@ -28,6 +28,13 @@ class Inputs:
     types: ActionTypes
 
     @property
+    def able(self) -> frozenset[str]:
+        """The components that have a capability which an operation asks for."""
+        wanted = {name for operation in self.recipe.operations for name in operation.do}
+        components = self.cell.components.items()
+        return frozenset(name for name, one in components if wanted & one.capabilities.keys())
+
+    @property
     def made_from(self) -> MadeFrom:
         """What a script says about its origin; it lacks the digest of its text."""
         has_overrides = self.overrides != NO_OVERRIDES

@@ -53,7 +53,8 @@ def make(
         found = _freely(found, inputs, without, judge)
     comments = comments_of(found, inputs, without)
     bare = write_script(replace(found.script, made_from=None), inputs.cell, comments)
-    made_from = replace(inputs.made_from, text_digest=text_digest(bare))
+    lacking = tuple(sorted(without & inputs.able))
+    made_from = replace(inputs.made_from, text_digest=text_digest(bare), without=lacking)
     script = replace(found.script, made_from=made_from)
     made = Made(
         replace(found, script=script), made_from, write_script(script, inputs.cell, comments)

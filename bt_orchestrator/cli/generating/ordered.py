@@ -11,7 +11,7 @@ from bt_orchestrator.cli.generating.inputs import NO_OVERRIDES, Inputs
 from bt_orchestrator.cli.generating.making import Made, NotVouchedFor, make
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.codec import digest_of, to_plain
+from bt_orchestrator.model.codec import digest, digest_of, to_plain
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.planning.outcome import NotMade
@@ -64,7 +64,8 @@ class RecipeMaker:
             made = self.make(choice, OrderPlaces(f'recipe {choice.words}'), without)
         except Refused as refused:
             return refused
-        return MadeScript(f'the script of {choice.words}', made.text)
+        name, script = f'the script of {choice.words}', made.generated.script
+        return MadeScript(name, made.text, digest(script), made.made_from)
 
     def _one(
         self, file: Shelved, choice: RecipeChoice, places: OrderPlaces, without: frozenset[str]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.jobs.order import Job, Terms
-from bt_orchestrator.model.limits import ENDED_KEPT
+from bt_orchestrator.model.limits import ENDED_KEPT, RELEASED_KEPT
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, FlagState, JobState, Phase
 from bt_orchestrator.model.wish import STOP_AFTER, Wish
@@ -44,6 +44,7 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
     state.jobs.add(queued, event.position)
     state.order_ids.add(event.job)
     _note_recipe(event, state)
+    _keep_released(state, queued)
     note_work(state, queued)
 
 
@@ -70,7 +71,9 @@ def job_updated(event: e.JobUpdated, state: CellState) -> None:
         state.jobs.move(event.job, event.position, ranked=True)
     _forget_unused(state, before)
     _note_recipe(event, state)
-    note_work(state, state.jobs.queued(event.job))
+    changed = state.jobs.queued(event.job)
+    _keep_released(state, changed)
+    note_work(state, changed)
 
 
 def job_held(event: e.JobHeld, state: CellState) -> None:
@@ -98,6 +101,7 @@ def script_released(event: e.ScriptReleased, state: CellState) -> None:
     for job in state.queue:
         if job.unreleased == event.digest:
             state.jobs.release_script(job.job.id)
+            _keep_released(state, job)
             note_work(state, state.jobs.queued(job.job.id))
 
 
@@ -199,6 +203,17 @@ def _note_recipe(event: e.OrderEvent, state: CellState) -> None:
     if event.recipe_digest:
         key = recipe_key(event.recipe, event.recipe_version)
         state.recipe_digests.setdefault(key, event.recipe_digest)
+
+
+def _keep_released(state: CellState, job: JobState) -> None:
+    """Keep a released script of an order by recipe, beyond the end of its job (semantics 6.11)."""
+    if job.job.recipe is None or job.digest not in state.released:
+        return
+    kept = state.released_scripts
+    kept.pop(job.digest, None)
+    kept[job.digest] = job.job.script
+    if len(kept) > RELEASED_KEPT:
+        del kept[next(iter(kept))]
 
 
 def _begin_flags(state: CellState, script: Script) -> None:

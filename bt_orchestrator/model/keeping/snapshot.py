@@ -90,6 +90,7 @@ def nearest(state: CellState, *, with_ids: bool = False) -> CellState:
             state.order_ids.others, state.order_ids.runs, list(state.order_ids.sealed)
         )
     else:
+        near.released_scripts = {}
         for name in near.jobs:
             near.order_ids.add(name)
     return near

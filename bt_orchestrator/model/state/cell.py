@@ -103,6 +103,9 @@ class CellState:
     released: dict[str, tuple[str, ...]] = field(default_factory=dict)
     """By digests of generated scripts: digests of the cells for which each is released (semantics
     6.10)."""
+    released_scripts: dict[str, Script] = field(default_factory=dict)
+    """Of these, by digest: those that orders by recipe used, the last one at the end (semantics
+    6.11)."""
     done_once: dict[str, str] = field(default_factory=dict)
     """Arguments of the last attempt of each task (`same_task`), if it succeeded since Stopped
     (semantics 5.1)."""

@@ -153,7 +153,7 @@ def _named(key: str, rows: Mapping[str, Any], comments: Mapping[str, str]) -> It
 
 
 def _given(made_from: MadeFrom) -> Row:
-    return {name: value for name, value in vars(made_from).items() if value != ''}
+    return {name: value for name, value in vars(made_from).items() if value not in ('', ())}
 
 
 def _parameter_row(parameter: Parameter) -> Row:

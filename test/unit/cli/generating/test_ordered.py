@@ -20,9 +20,12 @@ from bt_orchestrator.cli.generating import ordered
 from bt_orchestrator.cli.generating.inputs import Inputs
 from bt_orchestrator.cli.generating.making import Made, make
 from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.ports import MadeScript
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.orders.order_file import named_places
+from bt_orchestrator.script.script_file import parse_script
 
 TYPES = FakeActionTypes()
 NEWEST = RecipeChoice(('BOX-7',))
@@ -88,6 +91,19 @@ def test_what_is_out_of_service_is_left_out() -> None:
     assert made_at(NEWEST, frozenset({'robot_a'})) == (4, 'robot_b')
     with pytest.raises(Refused, match='out of service'):
         made_at(NEWEST, frozenset({'robot_b'}))
+
+
+def test_a_script_says_without_whom_it_was_made() -> None:
+    """Only components count that could have done an operation (semantics 6.11)."""
+    without = frozenset({'robot_a', 'belt'})
+    made = maker().make(NEWEST, HERE, without)
+    assert made.made_from.without == ('robot_a',)
+    assert 'without: [robot_a]' in made.text
+    given = maker().script(NEWEST, without)
+    assert isinstance(given, MadeScript)
+    read = parse_script(given.text, 'box.yaml', maker()._cell, TYPES)
+    assert (digest(read), read.made_from) == (given.digest, given.made_from)
+    assert 'without' not in maker().make(NEWEST, HERE).text.split('sections:')[0]
 
 
 def test_it_is_made_once_until_something_of_it_changes(monkeypatch: pytest.MonkeyPatch) -> None:
