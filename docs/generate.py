@@ -32,7 +32,7 @@ from tables import (
 
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
-from bt_orchestrator.script.recipes.recipe_keys import OVERRIDES, RECIPE
+from bt_orchestrator.script.orders.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 from bt_orchestrator.script.shifts.shifts_keys import SHIFTS
 

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from bt_orchestrator.cli.bookkeeping.process import BooksProcess
-from bt_orchestrator.cli.generating.ordered import RecipeMaker
-from bt_orchestrator.cli.generating.process import GeneratingProcess
 from bt_orchestrator.cli.processes.foresight_process import ForesightProcess
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.errors import Finding, NotRead, Refused
+from bt_orchestrator.extending import RECIPES
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.recipe import Recipe
@@ -25,10 +24,12 @@ from bt_orchestrator.ports import (
     Foresight,
     Generating,
     Journal,
+    MadeScript,
 )
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.orders.by_recipe import Maker, recipes
 from bt_orchestrator.script.orders.duplicates import refuse_duplicates
 from bt_orchestrator.script.orders.order_file import (
     OrderFile,
@@ -36,8 +37,8 @@ from bt_orchestrator.script.orders.order_file import (
     bind_order,
     draft_order,
 )
+from bt_orchestrator.script.orders.terms import Wrong
 from bt_orchestrator.script.parameter_uses import action_types
-from bt_orchestrator.script.recipes.recipe_file import read_recipe
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.sim.simulation import Simulation
@@ -130,11 +131,12 @@ def load_recipes(paths: Sequence[Path], cell_file: Path, types: ActionTypes) -> 
     """
     findings = Findings()
     cell = findings.of(partial(load_cell, cell_file, types))
-    recipes = []
-    if cell is not None:
-        recipes = [findings.of(partial(read_recipe, path, cell, types)) for path in paths]
+    read = []
+    if cell is not None and paths:
+        reader = recipes().read_recipe
+        read = [findings.of(partial(reader, path, cell, types)) for path in paths]
     findings.refuse()
-    return [recipe for recipe in recipes if recipe is not None]
+    return [recipe for recipe in read if recipe is not None]
 
 
 def load_script(
@@ -167,10 +169,11 @@ def build_bookkeeping(journal: Path) -> Bookkeeping:
 
 
 def build_generating(
-    cell: Cell, recipes: Sequence[Path], soon: Callable[[Callable[[], None]], None]
+    cell: Cell, folders: Sequence[Path], soon: Callable[[Callable[[], None]], None]
 ) -> Generating:
     """Build what generates scripts, in a process that starts with the first order by recipe."""
-    return GeneratingProcess(cell, recipes, soon)
+    missing = RECIPES.missing
+    return NotGenerating(missing) if missing else recipes().generating(cell, folders, soon)
 
 
 def _admitted(path: Path, cell: Cell, types: ActionTypes) -> Script:
@@ -183,7 +186,7 @@ def load_jobs(
     folders: Sequence[Path],
     types: ActionTypes,
     instead: Replacement | None = None,
-    recipes: Sequence[Path] = (),
+    recipe_folders: Sequence[Path] = (),
 ) -> tuple[Cell, list[Given]]:
     """Read a cell, work orders and their scripts, and bind them to jobs.
 
@@ -192,7 +195,7 @@ def load_jobs(
     An order without id is called WO-1, WO-2 and so on, whatever is free.
 
     :param instead: used for all orders of the script that it replaces
-    :param recipes: folders in which recipes are looked up
+    :param recipe_folders: in which recipes are looked up
     :raises Refused: with every mistake in all files
     """
     findings = Findings()
@@ -204,8 +207,8 @@ def load_jobs(
         findings.add(file.places.findings)
     jobs = None
     if cell is not None:
-        maker = RecipeMaker(cell, types, recipes)
-        jobs = _bind(files, _ScriptShelf(cell, folders, types, instead, maker), findings)
+        shelf = _ScriptShelf(cell, folders, types, instead, recipe_folders)
+        jobs = _bind(files, shelf, findings)
     findings.refuse()
     assert cell is not None
     assert jobs is not None
@@ -247,6 +250,23 @@ def queue(simulation: Simulation, given: Sequence[Given]) -> None:
         raise Refused(refused)
 
 
+class NotGenerating:
+    """Generates nothing, and says what to install. Implements `ports.Generating`."""
+
+    def __init__(self, missing: str) -> None:
+        self._missing = missing
+
+    async def make(self, *_: object) -> Sequence[MadeScript | Refused]:
+        """Refuse.
+
+        :raises NotRead: always
+        """
+        raise NotRead(f'an order by recipe needs an extension; {self._missing}')
+
+    def close(self) -> None:
+        """Nothing works."""
+
+
 class _ScriptShelf:
     """Reads each script once, however many orders name it."""
 
@@ -256,13 +276,14 @@ class _ScriptShelf:
         folders: Sequence[Path],
         types: ActionTypes,
         instead: Replacement | None,
-        maker: RecipeMaker,
+        recipe_folders: Sequence[Path],
     ) -> None:
         self._cell = cell
         self._folders = folders
         self._types = types
         self._instead = instead
-        self._maker = maker
+        self._recipe_folders = recipe_folders
+        self._maker: Maker | None = None
         self._scripts: dict[Path, Script] = {}
         self.types_by_component = action_types(cell, types)
         self.most_items = cell.most_items
@@ -280,7 +301,11 @@ class _ScriptShelf:
     def _named_or_made(self, file: OrderFile) -> Script:
         places, recipe = file.places, file.order.recipe
         if recipe is not None:
-            return self._maker.make(recipe, places).generated.script
+            if missing := RECIPES.missing:
+                raise Refused([places.finding(Wrong('recipe', missing, ''))])
+            if self._maker is None:
+                self._maker = recipes().maker(self._cell, self._types, self._recipe_folders)
+            return self._maker.ordered(recipe, places)
         place = places.place('script')
         return self._read(find_script(file.order.script, self._folders, places.file, place))
 

@@ -30,8 +30,8 @@ from bt_orchestrator.report.pace_text import script_pace
 from bt_orchestrator.script.checks.timeless import of_recipe, of_scripts, timeless
 from bt_orchestrator.script.checks.warnings import ReadScript, warnings
 from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.orders.by_recipe import is_recipe
 from bt_orchestrator.script.orders.order_file import is_order
-from bt_orchestrator.script.recipes.recipe_file import is_recipe
 
 DESCRIPTION = """\
 Read scripts, recipes and work orders against the cell they are for, and print every mistake in
@@ -132,7 +132,9 @@ def _read(args: argparse.Namespace, types: ActionTypes) -> _Checked:
     recipes = findings.of(partial(bootstrap.load_recipes, recipe_files, args.cell, types))
     loaded = findings.of(partial(bootstrap.load_scripts, names, args.cell, folders, types))
     shelf = recipe_folders(args.recipes)
-    bind = partial(bootstrap.load_jobs, order_files, args.cell, folders, types, recipes=shelf)
+    bind = partial(
+        bootstrap.load_jobs, order_files, args.cell, folders, types, recipe_folders=shelf
+    )
     bound = findings.of(bind)
     findings.refuse()
     assert recipes is not None

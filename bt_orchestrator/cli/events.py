@@ -18,8 +18,9 @@ from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.output import opened
-from bt_orchestrator.cli.parquet_folder import PARQUET, tables_in
+from bt_orchestrator.cli.parquet_folder import tables_in
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.extending import PARQUET
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
@@ -78,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--format',
-        choices=(*OUTPUTS, PARQUET),
+        choices=(*OUTPUTS, PARQUET.name),
         help='with --journal: how it is written (default jsonl)',
     )
     parser.add_argument(
@@ -103,7 +104,7 @@ def _refuse_contradictions(args: argparse.Namespace) -> None:
         raise WrongUse('--last and --since-seq both say where to begin; leave one of them out')
     if args.journal is None and any(getattr(args, name) for name in _OF_JOURNAL):
         raise WrongUse('filters, --follow, --format and -o are for a journal: add --journal FILE')
-    if args.follow and args.format in ('xes', PARQUET):
+    if args.follow and args.format in ('xes', PARQUET.name):
         raise WrongUse(f'{args.format} is written when all events are known; leave --follow out')
 
 
@@ -177,7 +178,7 @@ def _output(args: argparse.Namespace, records: Records) -> Iterator[Callable[[st
 
     :raises WrongUse: it cannot be written
     """
-    if args.format == PARQUET:
+    if args.format == PARQUET.name:
         with tables_in(args.output, records.extent().history) as write:
             yield write
         return

@@ -19,6 +19,7 @@ from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.diagnosis.domain import keep_to_this_computer
 from bt_orchestrator.diagnosis.ros_says import ros_says
 from bt_orchestrator.errors import OrchestratorError, Refused
+from bt_orchestrator.extending import EXTENSIONS, ExtensionMissing
 from bt_orchestrator.ros.fast_dds import keep_off_shared_memory
 
 PROGRAM = 'bt-orchestrator'
@@ -135,7 +136,9 @@ def _carry_out(words: Sequence[str]) -> int:
         print_mistakes(refused)
         return 1
     except OrchestratorError as error:
-        return _complain(verb, str(error), 2 if isinstance(error, WrongUse) else 1)
+        return _complain(
+            verb, str(error), 2 if isinstance(error, WrongUse | ExtensionMissing) else 1
+        )
     except RuntimeError as error:
         if not type(error).__module__.startswith('rclpy'):
             raise  # a defect
@@ -246,7 +249,13 @@ def help_line(verb: str) -> str:
 
 
 def _module(verb: str) -> ModuleType:
-    """Import a verb; the others are not, for they may need ROS 2, and time."""
+    """Import a verb; the others are not, for they may need ROS 2, and time.
+
+    :raises ExtensionMissing: it is that of an extension, which is not there
+    """
+    extension = next((one for one in EXTENSIONS if one.verb == verb), None)
+    if extension is not None:
+        extension.demand(with_packages=False)
     return importlib.import_module(f'bt_orchestrator.cli.{VERBS[verb][0]}')
 
 

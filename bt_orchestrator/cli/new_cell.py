@@ -16,6 +16,7 @@ from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.cell_file import CELL_FILE
 from bt_orchestrator.script.cell_keys import MOST_SECTIONS
+from bt_orchestrator.script.orders.by_recipe import recipes
 from bt_orchestrator.script.report import START, Report
 from bt_orchestrator.script.ros_names import check_token
 from bt_orchestrator.script.starter.starter_files import (
@@ -24,7 +25,6 @@ from bt_orchestrator.script.starter.starter_files import (
     SCRIPT,
     SCRIPT_FILE,
     starter_files,
-    starter_recipe_files,
 )
 from bt_orchestrator.script.starter.starter_plan import FoundServer, Plan, plan_cell
 
@@ -102,9 +102,9 @@ def new_cell(args: argparse.Namespace, found: Iterable[FoundServer], types: Acti
     schemas = _schemas()
     places = {file: _from(file, name) for file, name in SCHEMAS.items() if name in schemas}
     texts = (
-        _with_recipe(args.name, plan, places, types)
+        recipes().starter(args.name, plan, places, types)
         if args.recipe
-        else (starter_files(args.name, plan, places))
+        else starter_files(args.name, plan, places)
     )
     _write({folder / name: text for name, text in texts.items()})
     used = {SCHEMAS[file] for file in texts} & schemas.keys()
@@ -113,22 +113,6 @@ def new_cell(args: argparse.Namespace, found: Iterable[FoundServer], types: Acti
     for line in _summary(plan, folder, texts, from_graph=args.from_graph):
         print(line)
     return 0
-
-
-def _with_recipe(
-    name: str, plan: Plan, schemas: Mapping[str, str], types: ActionTypes
-) -> dict[str, str]:
-    # Imported here, because it takes the tree and the engine, to try what it generates.
-    from bt_orchestrator.cli.generating.inputs import inputs_of
-    from bt_orchestrator.cli.generating.making import make
-
-    texts = starter_recipe_files(name, plan, schemas)
-    inputs = inputs_of(texts[RECIPE_FILE], texts[CELL_FILE], types)
-    cell, recipe, *others = texts
-    return {one: texts[one] for one in (cell, recipe)} | {
-        SCRIPT_FILE: make(inputs).text,
-        **{one: texts[one] for one in others},
-    }
 
 
 def _from(file: str, schema: str) -> str:

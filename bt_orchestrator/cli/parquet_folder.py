@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
+from importlib import import_module
 from pathlib import Path
 
 from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.wrong_use import WrongUse
-
-PARQUET = 'parquet'
+from bt_orchestrator.extending import PARQUET
 
 
 @contextmanager
@@ -22,14 +21,11 @@ def tables_in(folder: Path | None, history: str) -> Iterator[Callable[[str], Non
     """
     if folder is None:
         raise WrongUse('parquet is two tables in a folder; name it: -o FOLDER')
-    if find_spec('pyarrow') is None:
-        raise WrongUse(
-            "parquet: pyarrow cannot be imported; install it with: pip install 'pyarrow>=15'"
-        )
-    from bt_orchestrator.report.parquet.export import ParquetExport
-
+    PARQUET.demand()
     try:
-        export = ParquetExport(folder, history)
+        export = import_module('bt_orchestrator.report.parquet.export').ParquetExport(
+            folder, history
+        )
     except OSError as error:
         raise WrongUse(cannot_write(folder, error)) from error
     try:

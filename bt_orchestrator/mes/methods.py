@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import METHODS, Method
 from bt_orchestrator.model.requests import ADD, Request
 from bt_orchestrator.model.requests.table import JOB
+from bt_orchestrator.report.isa95.return_status import ReturnStatus
 
 STORING = (job_control.STORE, job_control.STORE_AND_START)
 """The methods that bring an order; Update brings one of a job that is there."""

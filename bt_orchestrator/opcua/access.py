@@ -7,10 +7,9 @@ from pathlib import Path
 
 from bt_orchestrator.doors.listening import LOOPBACK, is_loopback
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.extending import OPCUA
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
-
-PORT = 4840
 
 
 class AccessRefused(OrchestratorError):
@@ -26,7 +25,7 @@ class Access:
     pki: Path
     """Folder of the certificates (`opcua.pki`)."""
     host: str = LOOPBACK
-    port: int = PORT
+    port: int = OPCUA.port
     is_insecure: bool = False
     """Unencrypted connections are accepted as well; passwords are encrypted all the same."""
 

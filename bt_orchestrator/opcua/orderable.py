@@ -9,7 +9,7 @@ from pathlib import Path
 
 from bt_orchestrator.script.declared import Declared
 from bt_orchestrator.script.order_files import OrderFiles
-from bt_orchestrator.script.recipes.declared import DeclaredRecipe
+from bt_orchestrator.script.orders.by_recipe import DeclaredRecipe
 
 LOOK_AGAIN_S = 30.0
 """Between two looks at the folders."""

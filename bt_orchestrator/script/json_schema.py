@@ -15,7 +15,7 @@ from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.conditions.condition_keys import CONDITION
 from bt_orchestrator.script.keys import Key, Kind, Table
 from bt_orchestrator.script.names import NAME_WITHOUT_DOTS
-from bt_orchestrator.script.recipes.recipe_keys import OVERRIDES, RECIPE
+from bt_orchestrator.script.orders.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.references import OPEN
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT

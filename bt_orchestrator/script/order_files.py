@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from bt_orchestrator.extending import RECIPES
 from bt_orchestrator.script.declared import Declared, declared, script_files
+from bt_orchestrator.script.orders.by_recipe import DeclaredRecipe, recipes
 from bt_orchestrator.script.read_once import ReadOnce
-from bt_orchestrator.script.recipes.declared import (
-    DeclaredRecipe,
-    declared_version,
-    recipe_files,
-    recipes_of,
-)
 
 
 class OrderFiles:
@@ -21,15 +17,16 @@ class OrderFiles:
     What cannot be read is left out, and an order of it tells why.
     """
 
-    def __init__(self, trees: Sequence[Path] = (), recipes: Sequence[Path] = ()) -> None:
+    def __init__(self, trees: Sequence[Path] = (), folders: Sequence[Path] = ()) -> None:
         """Prepare; nothing is read.
 
         :param trees: folders of scripts
-        :param recipes: folders of recipes
+        :param folders: of recipes
         """
-        self._trees, self._recipes = tuple(trees), tuple(recipes)
+        self._trees = tuple(trees)
         self._of_scripts = ReadOnce(declared)
-        self._of_recipes = ReadOnce(declared_version)
+        has_recipes = folders and not RECIPES.missing
+        self._of_recipes = recipes().orderable(folders) if has_recipes else list
 
     def scripts(self) -> list[Declared]:
         """Return the scripts that orders can name: the first of each name."""
@@ -37,4 +34,4 @@ class OrderFiles:
 
     def recipes(self) -> list[DeclaredRecipe]:
         """Return the recipes that orders can name, by name."""
-        return list(recipes_of(self._of_recipes.of(recipe_files(self._recipes))))
+        return self._of_recipes()

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence, Set
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.keys import Table
-from bt_orchestrator.script.recipes.recipe_keys import OVERRIDES, RECIPE
+from bt_orchestrator.script.orders.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.report import START, Report, nearest
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 from bt_orchestrator.script.shifts.shifts_keys import SHIFTS

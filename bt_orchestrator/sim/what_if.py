@@ -33,10 +33,10 @@ from bt_orchestrator.ports import (
 )
 from bt_orchestrator.replies import begin
 from bt_orchestrator.script.lookup import find_below
+from bt_orchestrator.script.orders.by_recipe import recipes
 from bt_orchestrator.script.orders.desk import ANY_PATH
 from bt_orchestrator.script.orders.plain_order import bound, mistakes, order_from
 from bt_orchestrator.script.parameter_uses import action_types
-from bt_orchestrator.script.recipes.shelf import shelved
 from bt_orchestrator.sim.made_before import MadeBefore, Make, choices_in
 from bt_orchestrator.sim.run_on import LONGEST_S, RunOn
 
@@ -136,7 +136,7 @@ class EngineWhatIf:
             return None
         if self._make is None:
             return 'no script is generated here'
-        here = {one.name for one in shelved(self._recipes)}
+        here = recipes().names(self._recipes)
         missing = [name for name in order.recipe.recipes if name not in here]
         return f'there is no recipe {missing[0]} here' if missing else None
 

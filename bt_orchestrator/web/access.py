@@ -8,10 +8,10 @@ from pathlib import Path
 
 from bt_orchestrator.doors.listening import LOOPBACK, address_in, is_everywhere, is_loopback
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.extending import PAGE
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
 
-PORT = 8080
 IDLE_S = 15 * 60.0
 """Without a command or a sign of life for so long, a session is locked."""
 
@@ -30,7 +30,7 @@ class Access:
     users: Path
     """File of the users and their roles (`users/`)."""
     host: str = LOOPBACK
-    port: int = PORT
+    port: int = PAGE.port
     certificate: Path | None = None
     """PEM; with `key`: the page speaks TLS."""
     key: Path | None = None

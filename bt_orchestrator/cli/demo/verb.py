@@ -26,11 +26,11 @@ from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.numbers import factor, port
 from bt_orchestrator.cli.watch import live_or, say
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.extending import OPCUA, PAGE
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import JobQueued
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.opcua.access import PORT as OPCUA_PORT
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.report.forecast_fold import forecast
 from bt_orchestrator.report.forecast_text import forecast_lines
@@ -43,7 +43,6 @@ from bt_orchestrator.script.orders.order_file import read_order
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.sim.controllers.selection import WrongSelection, select
 from bt_orchestrator.stop_signals import StopSignals
-from bt_orchestrator.web.access import PORT
 
 DESCRIPTION = """\
 Show the whole path on this machine: simulated controllers in two processes, the tree node in a
@@ -114,10 +113,10 @@ def _add_doors(parser: argparse.ArgumentParser) -> None:
         '--page',
         nargs='?',
         type=port,
-        const=PORT,
+        const=PAGE.port,
         metavar='PORT',
-        help=f'serve the operator page as well, on this computer (default port {PORT}), and go '
-        'on after the order, until Ctrl-C',
+        help=f'serve the operator page as well, on this computer (default port {PAGE.port}), and '
+        'go on after the order, until Ctrl-C',
     )
     parser.add_argument(
         '--shifts',
@@ -130,10 +129,10 @@ def _add_doors(parser: argparse.ArgumentParser) -> None:
         '--opcua',
         nargs='?',
         type=port,
-        const=OPCUA_PORT,
+        const=OPCUA.port,
         metavar='PORT',
         help='serve OPC UA clients as well, on this computer and without encryption '
-        f'(default port {OPCUA_PORT}), and go on after the order, until Ctrl-C',
+        f'(default port {OPCUA.port}), and go on after the order, until Ctrl-C',
     )
 
 
@@ -173,6 +172,9 @@ def _checked(args: argparse.Namespace, types: ActionTypes) -> DemoRecord:
 
     :raises OrchestratorError: a file or a fault is wrong; nothing has been started yet
     """
+    for extension, port_asked in ((PAGE, args.page), (OPCUA, args.opcua)):
+        if port_asked is not None:
+            extension.demand()
     path = args.cell or shipped('config', 'reference_cell.yaml')
     order = args.order or shipped('config', 'orders', 'wo_1001.yaml')
     try:

@@ -14,6 +14,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest, digest_of, to_plain
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.recipe import Recipe
+from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.outcome import NotMade
 from bt_orchestrator.ports import ActionTypes, MadeScript
 from bt_orchestrator.script.orders.order_file import OrderPlaces
@@ -57,6 +58,10 @@ class RecipeMaker:
             except Refused as refused:
                 reasons += refused.findings
         raise Refused(reasons)
+
+    def ordered(self, choice: RecipeChoice, places: OrderPlaces) -> Script:
+        """Return the script of an order, as `make` makes it."""
+        return self.make(choice, places).generated.script
 
     def script(self, choice: RecipeChoice, without: frozenset[str]) -> MadeScript | Refused:
         """Return the text of what is made, or why nothing is."""

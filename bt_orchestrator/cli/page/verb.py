@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 
 from bt_orchestrator.cli.door import open_door
@@ -19,7 +18,7 @@ from bt_orchestrator.cli.page.access_options import access_of, add_access_option
 from bt_orchestrator.cli.page.plant_options import add_plant_options, plant_of
 from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.cli.server_log import server_log
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.extending import PAGE
 from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
@@ -49,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
-    _check_packages()
+    PAGE.demand()
     access = access_of(args)
     from bt_orchestrator.cli.journal_file import open_records
     from bt_orchestrator.web.page import Page
@@ -72,17 +71,3 @@ def run(args: argparse.Namespace) -> int:
             stop.notify(server.stop)
             server.wait()
     return 0
-
-
-def _check_packages() -> None:
-    """Refuse to begin without the packages of the extra `page`.
-
-    :raises WrongUse: says how to get them
-    """
-    missing = [name for name in ('starlette', 'uvicorn') if find_spec(name) is None]
-    if missing:
-        raise WrongUse(
-            f'page: {" and ".join(missing)} cannot be imported; install what the page needs with: '
-            'pip install starlette uvicorn, or on Ubuntu: '
-            'apt install python3-starlette python3-uvicorn'
-        )

@@ -9,17 +9,16 @@ from __future__ import annotations
 import pickle
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from bt_orchestrator.child_process import ChildFailed, ChildProcess, be_modest, serve
 from bt_orchestrator.errors import NotKept
+from bt_orchestrator.extending import RECIPES
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.ports import ActionTypes, CheckedOrder, Consequence, Moment
-
-if TYPE_CHECKING:
-    from bt_orchestrator.cli.generating.ordered import RecipeMaker
+from bt_orchestrator.script.orders.by_recipe import Maker, recipes
 
 NICE = 19
 """Lowest priority: whatever the cell needs comes first."""
@@ -89,7 +88,7 @@ class _Answers:
 
     def __init__(self) -> None:
         self._setup: _Setup | None = None
-        self._makers: dict[str, RecipeMaker] = {}
+        self._makers: dict[str, Maker] = {}
         """By the digest of the cell; of the last one only."""
 
     def __call__(self, question: bytes) -> bytes:
@@ -107,26 +106,18 @@ class _Answers:
         from bt_orchestrator.sim.what_if import EngineWhatIf
 
         assert self._setup is not None
-        trees, recipes, any_path = self._setup
+        trees, folders, any_path = self._setup
         types = InstalledActionTypes()
-        what_if = EngineWhatIf(
-            moment,
-            types,
-            trees,
-            recipes,
-            any_path=any_path,
-            make=lambda choice, without: self._maker(moment.cell, types).script(choice, without),
-        )
+        make = None if RECIPES.missing else self._maker(moment.cell, types).script
+        what_if = EngineWhatIf(moment, types, trees, folders, any_path=any_path, make=make)
         return getattr(what_if, method)(what)
 
-    def _maker(self, cell: Cell, types: ActionTypes) -> RecipeMaker:
+    def _maker(self, cell: Cell, types: ActionTypes) -> Maker:
         """Return what generates scripts for a cell; it keeps those that it has made."""
-        from bt_orchestrator.cli.generating.ordered import RecipeMaker
-
         assert self._setup is not None
         name = digest(cell)
         if name not in self._makers:
-            self._makers = {name: RecipeMaker(cell, types, self._setup.recipes)}
+            self._makers = {name: recipes().maker(cell, types, self._setup.recipes)}
         return self._makers[name]
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from asyncua import ua
 
-from bt_orchestrator.mes.return_status import ReturnStatus
+from bt_orchestrator.report.isa95.return_status import ReturnStatus
 
 
 def answer(status: ReturnStatus, *outputs: ua.Variant) -> ua.CallMethodResult:

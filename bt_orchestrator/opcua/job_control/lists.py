@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 from asyncua import ua
 
-from bt_orchestrator.mes.job_order import job_order
-from bt_orchestrator.mes.job_response import has_response, response_of
-from bt_orchestrator.mes.job_states import states_of
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.status import ListedJob
 from bt_orchestrator.opcua.job_control.structures import Structures, listed
+from bt_orchestrator.report.isa95.job_order import job_order
+from bt_orchestrator.report.isa95.job_response import has_response, response_of
+from bt_orchestrator.report.isa95.job_states import states_of
 
 MOST = 100
 """MaxDownloadableJobOrders: the most in JobOrderList. The queue of the cell may be longer."""

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from asyncua import ua
 
 from bt_orchestrator.mes.job_book import News
-from bt_orchestrator.mes.job_states import MACHINES
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_control import METHODS
 from bt_orchestrator.model.status import CellStatus, ListedJob
@@ -24,6 +23,7 @@ from bt_orchestrator.opcua.job_control.structures import Structures
 from bt_orchestrator.opcua.job_control.work_masters import WorkMasters
 from bt_orchestrator.opcua.nodesets import JOB_CONTROL
 from bt_orchestrator.opcua.space import Call, Space
+from bt_orchestrator.report.isa95.job_states import MACHINES
 
 RECEIVER, RESULTS = 'JobOrderControl', 'JobOrderResults'
 

@@ -9,9 +9,7 @@ from asyncua import ua
 
 from bt_orchestrator.doors.tickets import Outcome
 from bt_orchestrator.errors import NodeUnreachable
-from bt_orchestrator.mes.job_order import JobOrder, changes, reason_in, work_order
 from bt_orchestrator.mes.methods import REQUESTS, STORING, refused
-from bt_orchestrator.mes.return_status import ReturnStatus, Unfit
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.job_control import METHODS, Method
 from bt_orchestrator.model.jobs.order import order_id_fault
@@ -24,6 +22,8 @@ from bt_orchestrator.opcua.job_control.shown import Shown
 from bt_orchestrator.opcua.job_control.status_events import StatusEvents
 from bt_orchestrator.opcua.job_control.structures import comment_from, order_from
 from bt_orchestrator.opcua.space import Call
+from bt_orchestrator.report.isa95.job_order import JobOrder, changes, reason_in, work_order
+from bt_orchestrator.report.isa95.return_status import ReturnStatus, Unfit
 
 _WITH_ORDER = (*STORING, job_control.UPDATE)
 

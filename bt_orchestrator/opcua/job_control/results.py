@@ -7,9 +7,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from asyncua import ua
 
 from bt_orchestrator.errors import NodeUnreachable
-from bt_orchestrator.mes.job_response import response_of
-from bt_orchestrator.mes.job_states import are_known, has_all
-from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.status import ListedJob
 from bt_orchestrator.opcua.job_control.answers import answer, one
 from bt_orchestrator.opcua.job_control.jobs import Jobs
@@ -21,6 +18,9 @@ from bt_orchestrator.opcua.job_control.structures import (
     states_from,
 )
 from bt_orchestrator.opcua.space import Call
+from bt_orchestrator.report.isa95.job_response import response_of
+from bt_orchestrator.report.isa95.job_states import are_known, has_all
+from bt_orchestrator.report.isa95.return_status import ReturnStatus
 
 
 class Results:

@@ -9,14 +9,14 @@ from collections.abc import Sequence
 from asyncua import ua
 
 from bt_orchestrator.mes.job_book import News
-from bt_orchestrator.mes.job_order import job_order
-from bt_orchestrator.mes.job_response import response_of
-from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.opcua.arguments import Argument
 from bt_orchestrator.opcua.job_control.structures import Structures
 from bt_orchestrator.opcua.notices import Told, id_of
 from bt_orchestrator.opcua.space import Space
+from bt_orchestrator.report.isa95.job_order import job_order
+from bt_orchestrator.report.isa95.job_response import response_of
+from bt_orchestrator.report.isa95.return_status import ReturnStatus
 
 CHANGED, REFUSED = 'JobOrderChangedEventType', 'RequestRefusedEventType'
 

@@ -9,19 +9,19 @@ from typing import Any
 
 from asyncua import ua
 
-from bt_orchestrator.mes.job_order import RESOURCES, JobOrder
-from bt_orchestrator.mes.job_response import COUNTS, PACKED_QUANTITY, JobResponse
-from bt_orchestrator.mes.job_states import State
-from bt_orchestrator.mes.machinery import RUNS_PLANNED
-from bt_orchestrator.mes.parts import (
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.opcua.values import moment
+from bt_orchestrator.report.isa95.job_order import RESOURCES, JobOrder
+from bt_orchestrator.report.isa95.job_response import COUNTS, PACKED_QUANTITY, JobResponse
+from bt_orchestrator.report.isa95.job_states import State
+from bt_orchestrator.report.isa95.machinery import RUNS_PLANNED
+from bt_orchestrator.report.isa95.parts import (
     Parameter,
     Text,
     WorkMaster,
     text_to_plain,
     texts_from_plain,
 )
-from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.opcua.values import moment
 
 ORDER, RESPONSE = 'ISA95JobOrderDataType', 'ISA95JobResponseDataType'
 LISTED, STATE = 'ISA95JobOrderAndStateDataType', 'ISA95StateDataType'

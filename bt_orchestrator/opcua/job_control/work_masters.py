@@ -6,11 +6,11 @@ from collections.abc import Iterable
 
 from asyncua import ua
 
-from bt_orchestrator.mes.parts import Parameter, Text, WorkMaster
 from bt_orchestrator.model.script import Parameter as Declared
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.job_control.structures import listed, work_master
-from bt_orchestrator.script.recipes.declared import DeclaredVersion
+from bt_orchestrator.report.isa95.parts import Parameter, Text, WorkMaster
+from bt_orchestrator.script.orders.by_recipe import DeclaredVersion
 
 
 class WorkMasters:

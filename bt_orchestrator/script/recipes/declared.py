@@ -2,55 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 
 from bt_orchestrator.errors import Finding, Refused
-from bt_orchestrator.model.script import Parameter
 from bt_orchestrator.script.fields import file_fields
 from bt_orchestrator.script.lookup import scripts_in
+from bt_orchestrator.script.orders.by_recipe import DeclaredRecipe, DeclaredVersion
+from bt_orchestrator.script.orders.recipe_keys import RECIPE
 from bt_orchestrator.script.parameters import read_parameters
+from bt_orchestrator.script.read_once import ReadOnce
 from bt_orchestrator.script.recipes.drafts import RecipeDraft
-from bt_orchestrator.script.recipes.recipe_keys import RECIPE
 from bt_orchestrator.script.recipes.shelf import shelved_at
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
 
 
-@dataclass(frozen=True)
-class DeclaredVersion:
-    """The head of one version of a recipe, and what its operations do."""
+class DeclaredRecipes:
+    """The recipes in some folders; a file that stays as it is is read once."""
 
-    name: str
-    """By which an order names the recipe."""
-    version: int
-    params: Mapping[str, Parameter]
-    operations: Mapping[str, tuple[str, ...]]
-    """By id, the capabilities of which one does it."""
-    has_mistakes: bool = False
-    """In what is read here: then nothing of it can be used."""
+    def __init__(self, folders: Sequence[Path]) -> None:
+        """Prepare; nothing is read."""
+        self._folders = tuple(folders)
+        self._files = ReadOnce(declared_version)
 
-
-@dataclass(frozen=True)
-class DeclaredRecipe:
-    """A recipe, with the versions of it that can be ordered."""
-
-    name: str
-    versions: tuple[DeclaredVersion, ...]
-    """The newest last."""
-
-    @property
-    def newest(self) -> DeclaredVersion:
-        """The version that is made where an order names none."""
-        return self.versions[-1]
-
-
-def recipe_files(folders: Sequence[Path]) -> Iterator[Path]:
-    """Yield the files in which recipes are looked up, in their order."""
-    for folder in folders:
-        yield from scripts_in(folder)
+    def read(self) -> list[DeclaredRecipe]:
+        """Return those that orders can name, by name."""
+        files = chain.from_iterable(map(scripts_in, self._folders))
+        return list(recipes_of(self._files.of(files)))
 
 
 def declared_version(path: Path) -> DeclaredVersion:

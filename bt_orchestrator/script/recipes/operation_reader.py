@@ -12,13 +12,13 @@ from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.circles import circles
 from bt_orchestrator.script.drafts import Position, RepeatDraft
 from bt_orchestrator.script.fields import Fields, fields_of
+from bt_orchestrator.script.orders.recipe_keys import OPERATION, REWORK
 from bt_orchestrator.script.recipes.drafts import (
     Candidate,
     OperationDraft,
     RecipeDraft,
     given_by_all,
 )
-from bt_orchestrator.script.recipes.recipe_keys import OPERATION, REWORK
 from bt_orchestrator.script.report import Place, Report, did_you_mean, listing, nearest
 from bt_orchestrator.script.task_options import written_options
 from bt_orchestrator.script.task_reader import read_id

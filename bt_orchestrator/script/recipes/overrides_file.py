@@ -11,8 +11,8 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.script.circles import circles
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
+from bt_orchestrator.script.orders.recipe_keys import CHANGE, OVERRIDES
 from bt_orchestrator.script.recipes.bindings import misfit, unknown_operation
-from bt_orchestrator.script.recipes.recipe_keys import CHANGE, OVERRIDES
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.task_options import written_options

@@ -7,24 +7,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Operation, Recipe, Rework
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.checks.repeats import check_repeats
-from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.identity_reader import check_serials, read_lots
 from bt_orchestrator.script.names import check_id
+from bt_orchestrator.script.orders.recipe_keys import RECIPE
 from bt_orchestrator.script.parameters import read_parameters
 from bt_orchestrator.script.recipes.balance import check_balance
 from bt_orchestrator.script.recipes.drafts import OperationDraft, RecipeDraft
 from bt_orchestrator.script.recipes.operation_reader import OperationReader
 from bt_orchestrator.script.recipes.operation_values import OperationValues
-from bt_orchestrator.script.recipes.recipe_keys import RECIPE
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.source_text import read_text
-from bt_orchestrator.script.yaml_nodes import MapNode
 
 
 def read_recipe(path: Path, cell: Cell, types: ActionTypes) -> Recipe:
@@ -45,17 +42,6 @@ def parse_recipe(text: str, file: str, cell: Cell, types: ActionTypes) -> Recipe
     recipe = _recipe(fields, cell, types, report)
     report.refuse()
     return recipe
-
-
-def is_recipe(path: Path) -> bool:
-    """Tell whether a file is meant as a recipe; one that cannot be read is none."""
-    try:
-        root = compose(read_text(path), Report(str(path)))
-    except Refused:
-        return False
-    keys = {entry.key.text for entry in root.entries} if isinstance(root, MapNode) else set()
-    of_others = {'order', 'quantity', 'sections'}
-    return 'operations' in keys or ('recipe' in keys and not keys & of_others)
 
 
 def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> Recipe:

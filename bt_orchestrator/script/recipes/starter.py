@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from bt_orchestrator.model.cell import CONVEYOR
+from bt_orchestrator.script.cell_file import CELL_FILE
+from bt_orchestrator.script.starter.starter_files import (
+    ORDER_FILE,
+    RECIPE_FILE,
+    SCRIPT,
+    SCRIPT_FILE,
+    cell_text,
+    order_text,
+    with_schemas,
+)
 from bt_orchestrator.script.starter.starter_plan import Device, Plan
 
 _RECIPE = """\
@@ -18,14 +28,24 @@ operations:  # each comes after the one above it, unless `after` says otherwise
 """
 
 
-def recipe_text(plan: Plan, script: str, file: str, cell: str, script_file: str) -> str:
+def starter_recipe_files(name: str, plan: Plan, schemas: Mapping[str, str]) -> dict[str, str]:
+    """Return the texts of a starter cell with a recipe, from which the script is generated."""
+    texts = {
+        CELL_FILE: cell_text(name, plan, _able),
+        RECIPE_FILE: _recipe_text(plan),
+        ORDER_FILE: order_text(),
+    }
+    return with_schemas(texts, schemas)
+
+
+def _recipe_text(plan: Plan) -> str:
     """Return a recipe that uses every device once."""
-    head = _RECIPE.format(file=file, cell=cell, script=script, script_file=script_file)
+    head = _RECIPE.format(file=RECIPE_FILE, cell=CELL_FILE, script=SCRIPT, script_file=SCRIPT_FILE)
     names = (name for device in plan.components for name, *_ in _capabilities(device, plan))
     return head + ''.join(f'  - {{id: {name}, do: {name}}}\n' for name in names)
 
 
-def able(device: Device, plan: Plan, indent: str) -> Iterator[str]:
+def _able(device: Device, plan: Plan, indent: str) -> Iterator[str]:
     """Yield the lines of the cell file that say what a device can do."""
     preparing = [task for task in device.preparations if task != plan.index_task]
     if preparing:

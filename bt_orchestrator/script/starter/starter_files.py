@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from bt_orchestrator.script.cell_file import CELL_FILE
 from bt_orchestrator.script.names import LONGEST_NAME
-from bt_orchestrator.script.recipes.starter import able, recipe_text
 from bt_orchestrator.script.starter.starter_plan import Device, FoundServer, Plan
 
 SCRIPT = 'first_product'
 QUANTITY = 3
 SCRIPT_FILE, ORDER_FILE = f'trees/{SCRIPT}.yaml', 'order.yaml'
 RECIPE_FILE = f'recipes/{SCRIPT}.yaml'
+
+Able = Callable[[Device, Plan, str], Iterable[str]]
 
 _DURATION_S = 1.0
 _CELL = """\
@@ -49,28 +50,20 @@ def starter_files(name: str, plan: Plan, schemas: Mapping[str, str]) -> dict[str
     :param schemas: where the schema of each file is, by the file's path; may lack some
     """
     texts = {
-        CELL_FILE: ''.join(_cell(name, plan)),
+        CELL_FILE: cell_text(name, plan),
         SCRIPT_FILE: ''.join(_script(plan)),
-        ORDER_FILE: _order(),
+        ORDER_FILE: order_text(),
     }
-    return _with_schemas(texts, schemas)
+    return with_schemas(texts, schemas)
 
 
-def starter_recipe_files(name: str, plan: Plan, schemas: Mapping[str, str]) -> dict[str, str]:
-    """Return the texts of a starter cell with a recipe, from which the script is generated."""
-    texts = {
-        CELL_FILE: ''.join(_cell(name, plan, with_capabilities=True)),
-        RECIPE_FILE: recipe_text(plan, SCRIPT, RECIPE_FILE, CELL_FILE, SCRIPT_FILE),
-        ORDER_FILE: _order(),
-    }
-    return _with_schemas(texts, schemas)
-
-
-def _with_schemas(texts: Mapping[str, str], schemas: Mapping[str, str]) -> dict[str, str]:
+def with_schemas(texts: Mapping[str, str], schemas: Mapping[str, str]) -> dict[str, str]:
+    """Return texts that name their schemas to editors."""
     return {file: _modeline(schemas.get(file)) + text for file, text in texts.items()}
 
 
-def _order() -> str:
+def order_text() -> str:
+    """Return the work order."""
     return _ORDER.format(file=ORDER_FILE, script=SCRIPT, quantity=QUANTITY)
 
 
@@ -81,15 +74,22 @@ def _modeline(schema: str | None) -> str:
 # --- cell file ------------------------------------------------------------------------------
 
 
-def _cell(name: str, plan: Plan, *, with_capabilities: bool = False) -> Iterator[str]:
+def cell_text(name: str, plan: Plan, able: Able = lambda *_: ()) -> str:
+    """Return the cell file.
+
+    :param able: yields the lines that say what a device can do
+    """
+    return ''.join(_cell(name, plan, able))
+
+
+def _cell(name: str, plan: Plan, able: Able) -> Iterator[str]:
     yield _CELL.format(script=SCRIPT, name=name, sections=plan.sections)
     yield from _served(plan.conveyor, '  ')
     if plan.index_task:
         yield f'  task: {plan.index_task}  # moves the belt by one position\n'
     yield '  timeout: 30.0  # seconds a move may take\n'
     yield '  duration: 2.0  # nominal seconds, for the simulation\n'
-    if with_capabilities:
-        yield from able(plan.conveyor, plan, '  ')
+    yield from able(plan.conveyor, plan, '  ')
     yield 'components:  # durations are nominal seconds of each task, for the simulation\n'
     for device in plan.components:
         yield f'  {device.name}:\n'
@@ -100,8 +100,7 @@ def _cell(name: str, plan: Plan, *, with_capabilities: bool = False) -> Iterator
         durations = ', '.join(f'{task}: {_DURATION_S}' for task in device.type.constants)
         if durations:
             yield f'    durations: {{{durations}}}\n'
-        if with_capabilities:
-            yield from able(device, plan, '    ')
+        yield from able(device, plan, '    ')
     yield from _left_out(plan.unusable)
 
 

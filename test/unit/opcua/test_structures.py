@@ -13,13 +13,13 @@ from fakes.bare_space import BareSpace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.mes.job_order import DESCRIPTION, RESOURCES, job_order
-from bt_orchestrator.mes.job_response import response_of
-from bt_orchestrator.mes.machinery import KINDS
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.status import JobStatus, ListedJob
 from bt_orchestrator.opcua import nodesets
 from bt_orchestrator.opcua.job_control.structures import Structures
+from bt_orchestrator.report.isa95.job_order import DESCRIPTION, RESOURCES, job_order
+from bt_orchestrator.report.isa95.job_response import response_of
+from bt_orchestrator.report.isa95.machinery import KINDS
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(st.characters()),

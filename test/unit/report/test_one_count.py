@@ -24,7 +24,6 @@ from hypothesis import given
 
 from bt_orchestrator.mes import counts as packml
 from bt_orchestrator.mes.job_book import JobBook
-from bt_orchestrator.mes.job_response import JobResponse, response_of, response_of_record
 from bt_orchestrator.model.codec import from_record, to_plain
 from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, record_of
 from bt_orchestrator.model.records import Extent
@@ -39,6 +38,7 @@ from bt_orchestrator.report.account.live import Live
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import Planned, us_of
 from bt_orchestrator.report.account.rows import write_csv
+from bt_orchestrator.report.isa95.job_response import JobResponse, response_of, response_of_record
 from bt_orchestrator.report.items_csv import write_items
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.runtime.overview import Overview

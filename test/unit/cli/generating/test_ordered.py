@@ -70,7 +70,7 @@ def test_mistakes(text: str, expected: list[str]) -> None:
         Path('cell.yaml'),
         [],
         TYPES,
-        recipes=[Path('recipes')],
+        recipe_folders=[Path('recipes')],
     )
     assert mistakes(load) == expected
 

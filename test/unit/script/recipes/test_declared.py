@@ -8,7 +8,7 @@ import pytest
 from fakes.shipped import RECIPES
 
 from bt_orchestrator.script.order_files import OrderFiles
-from bt_orchestrator.script.recipes.declared import DeclaredRecipe
+from bt_orchestrator.script.orders.by_recipe import DeclaredRecipe
 
 
 def recipes(*folders: Path) -> list[DeclaredRecipe]:

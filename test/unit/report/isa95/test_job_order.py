@@ -10,7 +10,11 @@ from typing import Any
 import pytest
 
 from bt_orchestrator.mes.job_book import JobBook
-from bt_orchestrator.mes.job_order import (
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import known_event, to_text
+from bt_orchestrator.model.jobs.order import RecipeChoice, Terms
+from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.report.isa95.job_order import (
     RECIPE_VERSION,
     JobOrder,
     changes,
@@ -18,12 +22,8 @@ from bt_orchestrator.mes.job_order import (
     reason_in,
     work_order,
 )
-from bt_orchestrator.mes.parts import Parameter, Text, WorkMaster
-from bt_orchestrator.mes.return_status import ReturnStatus, Unfit
-from bt_orchestrator.model import events as e
-from bt_orchestrator.model.codec import known_event, to_text
-from bt_orchestrator.model.jobs.order import RecipeChoice, Terms
-from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.report.isa95.parts import Parameter, Text, WorkMaster
+from bt_orchestrator.report.isa95.return_status import ReturnStatus, Unfit
 
 MALFORMED, NOT_ACCEPTED = ReturnStatus.MALFORMED, ReturnStatus.NOT_ACCEPTED
 

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum
 
-from bt_orchestrator.mes.parts import Parameter, Text, text_to_plain, texts_from_plain
+from bt_orchestrator.report.isa95.parts import Parameter, Text, text_to_plain, texts_from_plain
 
 RUNS_PLANNED = 'RunsPlanned'
 REASON = 'ReasonForStateChange'

@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import pytest
 
-from bt_orchestrator.mes.job_response import (
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.job_record import Counts, JobRecord
+from bt_orchestrator.model.jobs.order import Terms
+from bt_orchestrator.model.status import JobStatus, ListedJob
+from bt_orchestrator.report.isa95.job_response import (
     JobResult,
     b2mml,
     has_response,
     response_of,
     response_of_record,
 )
-from bt_orchestrator.mes.parts import Parameter, Text
-from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.jobs.job_record import Counts, JobRecord
-from bt_orchestrator.model.jobs.order import Terms
-from bt_orchestrator.model.status import JobStatus, ListedJob
+from bt_orchestrator.report.isa95.parts import Parameter, Text
 
 ENDED = ListedJob(
     JobStatus(

