@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from copy import copy
+from dataclasses import replace
+
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.line_model import LineModel
+from bt_orchestrator.planning.order import quoted
 from bt_orchestrator.planning.outcome import (
     LIMITS,
     SAME_S,
-    Claim,
     Generated,
     Impossible,
     Judge,
     Limits,
+    NotFound,
 )
 from bt_orchestrator.planning.planner import Planner
 from bt_orchestrator.planning.problem import Problem
 from bt_orchestrator.planning.reasons import Reasons
-from bt_orchestrator.planning.scripts import chosen
 
 NO_OVERRIDES = Overrides()
 
@@ -44,27 +48,28 @@ def generate(
     problem = Problem(cell, recipe, overrides, without, keep)
     best = Planner(problem, judge, limits).best(LineModel(problem.plans))
     if best is None:
-        raise Impossible([_not_kept(problem)])
-    plan = best.solution.plan
-    moved = tuple(
-        name for name, one in chosen(plan, problem.plans).items() if problem.is_moved(one)
-    )
-    is_known = keep is None and best.bound_s <= best.per_item_s + SAME_S
-    claim = Claim(
-        best.pace,
-        best.judged_s,
-        bound_s=best.bound_s if is_known else None,
-        spread_s=best.solution.spread_us / 1_000_000,
-        moved=moved,
-    )
-    us = round(best.per_item_s * 1_000_000)
+        raise Impossible([_not_kept(problem, limits.nodes)])
+    claim = best.claim
+    if keep is not None or (claim.bound_s or 0.0) > claim.per_item_s + SAME_S:
+        claim = replace(claim, bound_s=None)
+    us = round(claim.per_item_s * 1_000_000)
     reasons = Reasons(problem, LineModel(problem.plans), limits.nodes // 10)
     return Generated(best.script, reasons.made(best.solution, us, best.script), claim)
 
 
-def _not_kept(problem: Problem) -> str:
-    givers = ', '.join(f'`{one.giver}`' for one in problem.plans.reach.held)
+def _not_kept(problem: Problem, nodes: int) -> str:
+    """Say what devices cannot keep together; without any one of it there would be a plan."""
+    plans = copy(problem.plans)
+    needed = plans.held
+    for one in plans.held:
+        plans.held = tuple(other for other in needed if other is not one)
+        with suppress(NotFound):
+            if LineModel(plans).best(nodes) is None:
+                needed = plans.held
+    told = ', and '.join(
+        f'`{one.name}` of `{one.giver}` for {quoted(one.takers)}' for one in needed
+    )
     return (
-        f'no device could keep what each of {givers} gives: one keeps it for one operation, '
-        'for so many sections as it has room, and not in a repeat'
+        f'no device can keep {told}: one keeps it for one operation, for so many sections as it '
+        'has room, and not in a repeat'
     )

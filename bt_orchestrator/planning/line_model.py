@@ -163,8 +163,11 @@ class LineModel(LineRows):
     def is_exact(self) -> bool:
         """Tell whether what the model says of a plan is no bound, but its pace."""
         choices = [self._choice(key) for key in self._keys]
-        keeps = self._plans.reach.held
-        return not self._plans.shared and not keeps and all(one.is_alone for one in choices)
+        return (
+            not self._plans.shared
+            and not self._plans.held
+            and all(one.is_alone for one in choices)
+        )
 
     def exclude(self, plan: Plan) -> None:
         """Leave a plan out from now on."""

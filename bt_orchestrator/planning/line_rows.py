@@ -68,7 +68,9 @@ class LineRows:
         ways = self._plans.choices
         for piece in range(len(ways)):
             self._model.equal({self._chosen[key]: 1 for key in self._in(piece, bool)}, 1)
-        for first, second in dict.fromkeys(self._plans.reach.links):
+        for first, second in dict.fromkeys(
+            (one.first, one.second) for one in self._plans.reach.links
+        ):
             for section in sorted({one.section for one in ways[second]}):
                 self._none_before(first, second, section)
 
@@ -83,7 +85,7 @@ class LineRows:
         """A device keeps one thing for one operation, as far as it has room, in no repeat."""
         givers: dict[tuple[str, str], list[int]] = defaultdict(list)
         number_of = self._plans.pieces.number_of
-        for held in self._plans.reach.held:
+        for held in self._plans.held:
             giver = number_of[held.giver]
             for key in self._in(giver, bool):
                 choice = self._choice(key)

@@ -38,11 +38,11 @@ def ends(candidates: Mapping[str, Sequence[Candidate]]) -> tuple[Ends | None, li
     if not places:
         faults.append('no operation places the item on the belt')
     if len(places) > 1:
-        faults.append(f'{len(places)} operations place the item: {_list(places)}')
+        faults.append(f'{len(places)} operations place the item: {quoted(places)}')
     if not good:
         faults.append('no operation takes good items out')
     if len(good) > 1:
-        faults.append(f'{len(good)} operations take a good item out: {_list(good)}')
+        faults.append(f'{len(good)} operations take a good item out: {quoted(good)}')
     if faults:
         return None, faults
     rejecting = any(one.may_reject for ways in candidates.values() for one in ways)
@@ -55,7 +55,8 @@ def _runs_for(ways: Sequence[Candidate], *, rejected: bool) -> bool:
     return any(one.runs_for.includes(rejected) for one in ways)
 
 
-def _list(names: Iterable[str]) -> str:
+def quoted(names: Iterable[str]) -> str:
+    """Return ids as messages name them."""
     return ', '.join(f'`{name}`' for name in names)
 
 
@@ -103,7 +104,7 @@ class Order:
             if not behind:
                 yield f'an item that `{name}` rejects is never taken out'
             if len(behind) > 1:
-                yield f'an item that `{name}` rejects is taken out twice, by {_list(behind)}'
+                yield f'an item that `{name}` rejects is taken out twice, by {quoted(behind)}'
 
     def _needs_item(self, name: str) -> bool:
         return any(one.needs_belt or one.may_reject for one in self._candidates[name])

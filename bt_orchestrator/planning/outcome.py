@@ -76,8 +76,6 @@ class Claim:
     """No other binding takes less time for each item; None: this is not known."""
     spread_s: float = 0.0
     """Work of all sections; what is above an even share counts twice."""
-    moved: tuple[str, ...] = ()
-    """Operations that are done elsewhere than in the script that was to be kept."""
 
     @property
     def per_item_s(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
 from itertools import product
 
 from bt_orchestrator.model.recipe import Recipe
@@ -32,11 +33,6 @@ class Choice:
     def us(self) -> int:
         """Microseconds of all its members."""
         return sum(one.us for one in self.members)
-
-    @cached_property
-    def belt_us(self) -> int:
-        """Microseconds for which the belt rests."""
-        return self.us if self.needs_belt else 0
 
     @cached_property
     def needs_belt(self) -> bool:
@@ -124,26 +120,15 @@ def _sorted(
         piece: {of[one] for name in piece for one in order.before[name]} - {piece}
         for piece in pieces
     }
+    try:
+        TopologicalSorter({piece: sorted(one) for piece, one in waits.items()}).prepare()
+    except CycleError as circle:
+        return [], tuple(piece[0] for piece in circle.args[1])
     left, found = list(pieces), []
     while left:
-        ready = next((one for one in left if waits[one].isdisjoint(left)), None)
-        if ready is None:
-            return [], _circle(left, waits)
-        found.append(ready)
-        left.remove(ready)
+        found.append(next(one for one in left if waits[one].isdisjoint(left)))
+        left.remove(found[-1])
     return found, ()
-
-
-def _circle(
-    left: Sequence[tuple[str, ...]], waits: Mapping[tuple[str, ...], set[tuple[str, ...]]]
-) -> tuple[str, ...]:
-    way = [left[0]]
-    while True:
-        before = next(one for one in left if one in waits[way[-1]])
-        if before in way:
-            circle = way[way.index(before) :]
-            return tuple(one[0] for one in (before, *circle[::-1]))
-        way.append(before)
 
 
 def _choices(candidates: Sequence[Sequence[Candidate]], repeats: bool) -> list[Choice]:

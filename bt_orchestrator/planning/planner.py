@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.line_model import LineModel, Solution
-from bt_orchestrator.planning.outcome import SAME_S, Judge, Limits, NotFound
+from bt_orchestrator.planning.outcome import SAME_S, Claim, Judge, Limits, NotFound
 from bt_orchestrator.planning.problem import Problem
-from bt_orchestrator.proof.pace import Pace, pace
+from bt_orchestrator.proof.pace import pace
 
 _BIND = '`bind` operations that share a zone or a component otherwise, in the overrides'
 
@@ -20,15 +20,7 @@ class Best:
 
     solution: Solution
     script: Script
-    pace: Pace
-    judged_s: float | None
-    bound_s: float
-    """The model has no plan that takes less time for each item."""
-
-    @property
-    def per_item_s(self) -> float:
-        """Seconds from one item to the next."""
-        return self.pace.per_item_s if self.judged_s is None else self.judged_s
+    claim: Claim
 
 
 class Planner:
@@ -49,11 +41,13 @@ class Planner:
         for solution in self._solutions(model):
             own_s = solution.us / 1_000_000
             bound_s = solution.bound_us / 1_000_000 if bound_s is None else bound_s
-            if best is None or own_s < best.per_item_s - SAME_S:
+            if best is None or own_s < best.claim.per_item_s - SAME_S:
                 found = self._judged(solution, bound_s)
-                is_better = best is None or (found and found.per_item_s < best.per_item_s - SAME_S)
+                is_better = best is None or (
+                    found and found.claim.per_item_s < best.claim.per_item_s - SAME_S
+                )
                 best = found if is_better else best
-            if best is not None and own_s >= best.per_item_s - SAME_S:
+            if best is not None and own_s >= best.claim.per_item_s - SAME_S:
                 break  # the others are no better
         if best is None and bound_s is not None:
             raise NotFound([f'the engine gets to the end with none of the best plans; {_BIND}'])
@@ -78,7 +72,10 @@ class Planner:
         found = pace(script, self._problem.cell)
         if found is None:
             return None
-        if not (found.not_counted and self._problem.plans.shared):
-            return Best(solution, script, found, None, bound_s)
-        judged_s = self._judge.pace_s(script)
-        return None if judged_s is None else Best(solution, script, found, judged_s, bound_s)
+        claim = Claim(found, None, bound_s, solution.spread_us / 1_000_000)
+        if found.not_counted and self._problem.plans.shared:
+            judged_s = self._judge.pace_s(script)
+            if judged_s is None:
+                return None
+            claim = replace(claim, judged_s=judged_s)
+        return Best(solution, script, claim)

@@ -25,6 +25,7 @@ class Plans:
         """
         self.pieces: Pieces = reach.pieces
         self.reach = reach
+        self.held = reach.held
         self.move_us = move_us
         self.choices = [
             [one for one in ways if one.section in within]

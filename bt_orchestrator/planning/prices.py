@@ -58,13 +58,14 @@ class _Prices:
         return self._price(component, best)
 
     def _price(self, component: str, best: Best) -> Price:
-        own = self._claim
-        is_exact = best.judged_s is None and best.bound_s >= best.per_item_s - SAME_S
+        own, claim = self._claim, best.claim
+        bound_s = claim.bound_s or 0.0
+        is_exact = claim.judged_s is None and bound_s >= claim.per_item_s - SAME_S
         return Price(
             component,
-            more_s=best.per_item_s - own.per_item_s,
-            at_least_s=best.bound_s - own.per_item_s,
-            spread_s=best.solution.spread_us / 1_000_000 - own.spread_s,
+            more_s=claim.per_item_s - own.per_item_s,
+            at_least_s=bound_s - own.per_item_s,
+            spread_s=claim.spread_s - own.spread_s,
             is_least=is_exact and best.solution.is_spread_least,
         )
 

@@ -15,7 +15,7 @@ from bt_orchestrator.planning.outcome import Impossible
 from bt_orchestrator.planning.pieces import Pieces
 from bt_orchestrator.planning.plans import Plan, Plans
 from bt_orchestrator.planning.reach import Held, Reach
-from bt_orchestrator.planning.scripts import script_of
+from bt_orchestrator.planning.scripts import PlanWriter
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Problem:
 
     def script(self, plan: Plan) -> Script:
         """Write a plan down."""
-        return script_of(plan, self.plans, self.cell, self.recipe, self.without)
+        return PlanWriter(plan, self.plans, self.cell, self.recipe, self.without).script()
 
     def is_moved(self, one: Candidate) -> bool:
         """Tell whether an operation would be done elsewhere than in the script that is kept."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 from bt_orchestrator.model.cell import CONVEYOR, Cell
@@ -25,14 +25,9 @@ from bt_orchestrator.planning.section_lists import Entry, Group, Listed
 from bt_orchestrator.planning.values import Values
 
 
-def script_of(
-    plan: Plan, plans: Plans, cell: Cell, recipe: Recipe, without: frozenset[str]
-) -> Script:
-    """Write a plan down as a script."""
-    return _Writer(plan, plans, cell, recipe, without).script()
+class PlanWriter:
+    """Writes a plan down as a script."""
 
-
-class _Writer:
     def __init__(
         self, plan: Plan, plans: Plans, cell: Cell, recipe: Recipe, without: frozenset[str]
     ) -> None:
@@ -42,6 +37,7 @@ class _Writer:
         self._lists = plans.lists(plan)
 
     def script(self) -> Script:
+        """Return the script."""
         initialization, order = self._initialization()
         return Script(
             name=self._recipe.script,
@@ -99,19 +95,15 @@ class _Writer:
 
     def _flags(self) -> Iterator[Dependency]:
         """Yield a flag for all that a device keeps: data that travels with an item needs none."""
-        held = self._plans.reach.held
-        kept = [one for one in held if one.is_kept_by(self._chosen[one.giver])]
+        kept = [one for one in self._plans.held if one.is_kept_by(self._chosen[one.giver])]
         devices = [self._chosen[one.giver].component.name for one in kept]
         members = (member for entry in self._listed() for member in entry.choice.members)
         rank = {member.operation.id: rank for rank, member in enumerate(members)}
         for one, device in zip(kept, devices, strict=True):
             flag = device if devices.count(device) == 1 else f'{device}_{one.name}'
             last = max(one.takers, key=lambda taker: rank[taker])
-            capacity = self._holds(one.giver)[one.name]
+            capacity = self._chosen[one.giver].capability.holds[one.name]
             yield Dependency(flag.replace('.', '_'), one.giver, last, capacity)
-
-    def _holds(self, giver: str) -> Mapping[str, int]:
-        return self._chosen[giver].capability.holds
 
     def _zones(self) -> Iterator[Zone]:
         """Yield the workspaces that several sections use."""
@@ -163,9 +155,4 @@ class _Writer:
 
 def chosen(plan: Plan, plans: Plans) -> dict[str, Candidate]:
     """Return the candidate of each operation, in the order of the recipe."""
-    found = {member.operation.id: member for choice in plans.of(plan) for member in choice.members}
-    return {name: found[name] for name in _ids(plans, found)}
-
-
-def _ids(plans: Plans, found: Mapping[str, Candidate]) -> Sequence[str]:
-    return [name for names in plans.pieces.members for name in names if name in found]
+    return {one.operation.id: one for choice in plans.of(plan) for one in choice.members}

@@ -23,23 +23,11 @@ Group = tuple[Track, ...]
 
 @dataclass(frozen=True)
 class Listed:
-    """The list of one section, and how long it takes."""
+    """The list of one section."""
 
     groups: tuple[Group, ...]
     releases_early: bool
     """Its last groups run while the belt moves."""
-    turn_us: int
-    """From the belt's rest to the moment at which it may move."""
-    whole_us: int
-    is_plain: bool
-    """Nothing in it could run side by side."""
-
-    def us(self, move_us: int) -> int:
-        """Return how long it takes for each item, with the move of the belt."""
-        return max(self.turn_us + move_us, self.whole_us)
-
-
-NOTHING = Listed((), releases_early=False, turn_us=0, whole_us=0, is_plain=True)
 
 
 def listed(pieces: Pieces, entries: Sequence[Entry]) -> Listed:
@@ -60,14 +48,7 @@ def listed(pieces: Pieces, entries: Sequence[Entry]) -> Listed:
         else:
             middle = [*(one for one in middle if one is not closing), closing]
     parts = [_side_by_side(pieces, part) for part in (lead, middle, trail)]
-    took_us = [sum(_us(group) for group in part) for part in parts]
-    return Listed(
-        groups=tuple(group for part in parts for group in part),
-        releases_early=bool(trail),
-        turn_us=took_us[1],
-        whole_us=sum(took_us),
-        is_plain=_is_plain(entries),
-    )
+    return Listed(tuple(group for part in parts for group in part), bool(trail))
 
 
 def _parted(
@@ -81,18 +62,17 @@ def _parted(
             leading |= 1 << one.piece
     trailing, rest = 0, here & ~leading
     for one in reversed(entries):
-        behind = pieces.all_behind[one.piece]
-        if rest >> one.piece & 1 and not behind & ~trailing and _may_trail(one.choice):
+        behind, stays = (
+            pieces.all_behind[one.piece],
+            one.choice.needs_belt or one.choice.may_reject,
+        )
+        if rest >> one.piece & 1 and not behind & ~trailing and not stays:
             trailing |= 1 << one.piece
     middle = rest & ~trailing
     lead, between, trail = (
         [one for one in entries if part >> one.piece & 1] for part in (leading, middle, trailing)
     )
     return lead, between, trail
-
-
-def _may_trail(choice: Choice) -> bool:
-    return not choice.needs_belt and not choice.may_reject
 
 
 def _closing(pieces: Pieces, middle: Sequence[Entry]) -> Entry | None:
@@ -111,16 +91,12 @@ def _closing(pieces: Pieces, middle: Sequence[Entry]) -> Entry | None:
 # --- side by side -----------------------------------------------------------------------------
 
 
-def _is_plain(entries: Sequence[Entry]) -> bool:
-    return sum(not one.choice.is_alone for one in entries) < 2
-
-
 def _side_by_side(pieces: Pieces, entries: Sequence[Entry]) -> list[Group]:
     """Part entries into groups that take the least time one after the other.
 
     The entries of a group fall into tracks that have nothing to do with each other.
     """
-    if _is_plain(entries):
+    if sum(not one.choice.is_alone for one in entries) < 2:
         return [((one,),) for one in entries]
     best: list[tuple[int, int, list[Group]]] = [(0, 0, [])]
     for end in range(1, len(entries) + 1):

@@ -24,7 +24,7 @@ class Outage:
     slower: float = 0.0
     """As a part of the time with all components."""
     elsewhere: tuple[str, ...] = ()
-    """Operations that another component does."""
+    """Operations that are done elsewhere."""
     only_there: tuple[str, ...] = ()
     """Operations that no other component can do."""
     reasons: tuple[str, ...] = ()
@@ -63,21 +63,12 @@ def outages(
         else:
             seconds, before = found.claim.per_item_s, whole.claim.per_item_s
             slower = seconds / before - 1 if before else 0.0
-            yield Outage(name, seconds, slower, elsewhere(whole, found))
+            yield Outage(name, seconds, slower, moved(whole.script, found))
 
 
 def _only_at(component: str, whole: Generated) -> tuple[str, ...]:
     facts = (one for one in whole.made.values() if one.capability and not one.alternatives)
     return tuple(one.operation for one in facts if one.component == component)
-
-
-def elsewhere(before: Generated, now: Generated) -> tuple[str, ...]:
-    """Return the operations that another component does."""
-    return tuple(
-        task
-        for task, one in now.made.items()
-        if one.capability and task in before.made and before.made[task].component != one.component
-    )
 
 
 def moved(old: Script, now: Generated) -> tuple[str, ...]:

@@ -23,8 +23,8 @@ STEPS = """
 """
 PRESS = 'press: {task: TASK_B}'
 BACKWARDS = (
-    'impossible: `fit` cannot come behind `pick`: that is done in section 3 at the earliest and '
-    '`fit` only at press_a in section 2; items move down the belt only'
+    'impossible: items move down the belt only, and these demands contradict each other: `fit` '
+    'comes after `pick`; `pick` only at picker_b in section 3; `fit` only at press_a in section 2'
 )
 LINE = {
     **ENDS,

@@ -50,30 +50,30 @@ def rejected(operation: str) -> str:
     return f'- {{id: {operation}, do: pack, runs_for: rejected, after: [bore]}}'
 
 
+ROOM = ': one keeps it for one operation, for so many sections as it has room, and not in a repeat'
 NOT_KEPT = (
-    'no device could keep what each of `m0`, `m1`, `m2` gives: one keeps it for one operation, '
-    'for so many sections as it has room, and not in a repeat'
+    'no device can keep `depth` of `m0` for `i0`, and `depth` of `m1` for `i1`, and `depth` of '
+    f'`m2` for `i2`{ROOM}'
 )
+TWO_KEPT = f'no device can keep `depth` of `m0` for `i0`, and `depth` of `m1` for `i1`{ROOM}'
+TWO_OF_THREE = TWO_KEPT.replace('1', '2').replace('0', '1')
 
-
+DOWN = 'items move down the belt only, and these demands contradict each other: '
 BACKWARDS = (
-    '`bore` cannot come behind `fit`: that is done in section 3 at the earliest and `bore` only '
-    'at drill_a in section 2; items move down the belt only'
+    f'{DOWN}`bore` comes after `fit`; `fit` only at press_a in section 3; `bore` only at drill_a '
+    'in section 2'
 )
 TOO_EARLY = (
-    'items are placed by `place` in section 3 at the earliest, and `bore` only at drill_a in '
-    'section 2'
+    f'{DOWN}`place` places the item before `bore`; `place` only at feeder in section 3; `bore` '
+    'only at drill_a in section 2'
 )
 TOO_LATE = (
-    '`fit` is done by press_a in section 3 at the earliest, and `box` takes the item out in '
-    'section 2'
+    f'{DOWN}`box` takes the item out after `fit`; `fit` only at press_a in section 3; `box` only '
+    'at packer in section 2'
 )
 TOO_FAR = (
-    'gauge_a holds 1 `depth`, but `i0` is 2 sections on; bind nearer, or the device must keep 2'
-)
-TWO_KEPT = (
-    'only gauge_a can do `m0` and `m1`, and it cannot keep `depth` of both; a second component, '
-    'or a name for each'
+    f'{DOWN}`i0` at most 1 section behind `m0`, whose device holds 1 `depth`: bind nearer, or it '
+    'has to hold more; `m0` only at gauge_a in section 2; `i0` only at fitter in section 4'
 )
 CONTRADICTION = (
     'items move down the belt only, and these demands contradict each other: `dry` comes after '
@@ -98,6 +98,7 @@ REJECTS = BORE.replace('}', ', on_failure: reject}')
         (moved('fitter', 4), measured(1), TOO_FAR),
         (LINE, measured(2), TWO_KEPT),
         ({**LINE, 'gauge_b': LINE['gauge_a']}, measured(3), NOT_KEPT),
+        (LINE, measured(3), TWO_OF_THREE),
         (LINE, steps(REJECTS, rejected('out'), rejected('bin')), OUT_TWICE),
     ],
 )
