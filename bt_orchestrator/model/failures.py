@@ -269,7 +269,7 @@ def _is_open(failed: TaskState, task: Task) -> bool:
     This is so if the attempt was cancelled while running, or was lost. With any other end the
     server itself reports that it was not done, and a goal never accepted has moved nothing.
     """
-    if not task.qty_change or failed.reason in _NEVER_BEGUN:
+    if not task.qty_change or failed.reason in _NEVER_BEGUN or failed.never_begun:
         return False
     return _is_own_cancel(failed) or failed.reason in (Reason.IN_DOUBT, Reason.SERVER_LOST)
 

@@ -54,6 +54,10 @@ class Reason(Enum):
     IN_DOUBT = 'in_doubt'
 
 
+WITHDRAWN = 'withdrawn before it was sent'
+"""Message of a goal that was cancelled while it waited for its server."""
+
+
 class GoalStatus(Enum):
     """How a goal ended, as far as the gateway can tell."""
 
@@ -98,6 +102,8 @@ class GoalEnd:
     topic_says: str = ''
     """Without a result: the end of the goal by the status topic, which decides nothing (decision
     0018): succeeded, canceled or aborted; empty: it does not say."""
+    never_begun: bool = False
+    """It was cancelled, and no server ever had it."""
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import (
     GoalEnd,
     GoalRequest,
@@ -15,7 +16,7 @@ from bt_orchestrator.model.goal import (
     StateReading,
 )
 from bt_orchestrator.model.script import Task, index_task
-from bt_orchestrator.model.state import CellState, TaskState
+from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.uptime import seconds_between
 from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
 from bt_orchestrator.runtime import contests
@@ -25,6 +26,9 @@ from bt_orchestrator.runtime.ledger import Ledger
 GRACE_S = 5.0
 """Seconds that a cancelled goal has to reach its terminal status (semantics 2.4)."""
 
+_NEVER_ARRIVED = GoalEnd(
+    GoalStatus.CANCELED, message='it never reached its server', never_begun=True
+)
 
 CARRIED_OUT = {e.OrchestratorStarted, e.TaskStarted, e.TaskResent, e.TaskCancelRequested}
 """Events that ask for goals of an earlier orchestrator, send a goal or cancel one."""
@@ -157,6 +161,9 @@ class Flights:
         """Return the event for a goal of an earlier orchestrator that its server denies (9.2)."""
         running, task = self._ledger.state.running[key], self._task(key)
         assert running.goal is not None
+        if running.cancel_cause is not None and self._is_proven(key, end):
+            ended = of_end(self._ledger.state, key, goal, _NEVER_ARRIVED)
+            return changed(ended, never_begun=True)
         if self._may_go_again(key, end):
             return e.TaskResent(
                 **key._asdict(),
@@ -173,11 +180,9 @@ class Flights:
         assert running.goal is not None
         if running.cancel_cause is not None or running.copied:
             return False
-        if self._never_arrived(task.component, running, end):
-            self._provably_lost.add(running.goal)  # and will not arrive while the line is checked
-        return task.repeatable or running.goal in self._provably_lost
+        return self._is_proven(key, end) or task.repeatable
 
-    def _never_arrived(self, component: str, running: TaskState, end: GoalEnd) -> bool:
+    def _is_proven(self, key: e.TaskKey, end: GoalEnd) -> bool:
         """Tell whether it is proven that a goal never reached its server (semantics 9.2).
 
         The same server instance that it was sent to does not know it, at a time when it would
@@ -185,13 +190,19 @@ class Flights:
         wall clock has to agree, because servers forget by theirs. A status topic that lists the
         goal disproves it: the server forgets sooner than the cell file says.
         """
+        running, component = self._ledger.state.running[key], self._task(key).component
+        assert running.goal is not None
+        if running.goal in self._provably_lost:
+            return True  # and it does not arrive while the line is checked
         remembered_s = self._ledger.state.cell.components[component].result_timeout_s
-        if end.topic_says:
+        if end.topic_says or running.copied:
             return False
         is_same = end.denied_by is not None and end.denied_by == running.server
         ago_s = seconds_between(running.sent_up, self._clock.uptime())
         passed = (ago_s, self._ledger.now - running.sent)
-        return is_same and all(s is not None and 0.0 <= s < remembered_s for s in passed)
+        if is_same and all(s is not None and 0.0 <= s < remembered_s for s in passed):
+            self._provably_lost.add(running.goal)
+        return running.goal in self._provably_lost
 
     # --- during the commit ------------------------------------------------------------------
 

@@ -85,6 +85,7 @@ def failed(
         controller_said=controller_words(end.result) if end else '',
         last_feedback=feedback_text(goal.feedback, LAST_FEEDBACK_BYTES),
         topic_says=end.topic_says if end else '',
+        never_begun=end.never_begun if end else False,
     )
 
 
@@ -107,7 +108,7 @@ def _refusal(
 def _words(task: TaskState, end: GoalEnd) -> str:
     if _is_foreign_cancel(task, end):
         who = 'cancelled by somebody else: another client, an HMI, or the controller itself'
-    elif task.cancel_cause == ABORT and end.status in _AFTER_ABORT:
+    elif task.cancel_cause == ABORT and end.status in _AFTER_ABORT and not end.never_begun:
         who = (
             f'after an abort of the cell: {_AFTER_ABORT[end.status]}; how far it came is not known'
         )

@@ -13,6 +13,7 @@ from bt_orchestrator.model.goal import (
     REQUEST_CHECKS,
     RESULT_CHECK_S,
     SERVER_LEASE_S,
+    WITHDRAWN,
     GoalEnd,
     GoalRequest,
     GoalStatus,
@@ -235,7 +236,7 @@ class VirtualClient:
         """End a goal that was not sent now, by a deadline: a settle follows the clock."""
         del self._waiting[goal]
         goal.stop_timer()
-        end = GoalEnd(GoalStatus.CANCELED, message='withdrawn before it was sent')
+        end = GoalEnd(GoalStatus.CANCELED, message=WITHDRAWN, never_begun=True)
         goal.timer = self._clock.call_at(self._clock.steady(), lambda: self.end(goal, end))
 
     def _give_up(self, goal: VirtualGoal) -> None:

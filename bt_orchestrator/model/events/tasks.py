@@ -120,6 +120,8 @@ class TaskFailed(TaskEvent):
     topic_says: str = ''
     """Where no result came: succeeded, canceled or aborted, by the action's status topic; it
     decides nothing."""
+    never_begun: bool = False
+    """The goal was cancelled, and no server ever had it."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -63,6 +63,7 @@ def task_failed(event: e.TaskFailed, state: CellState) -> None:
         controller_said=event.controller_said,
         last_feedback=event.last_feedback,
         topic_says=event.topic_says,
+        never_begun=event.never_begun,
     )
     # While an operator is asked, the robot stays where it stopped (semantics 4.4).
     if not will_hold(state, event.key, state.task(event.key) or index_task(state.cell)):

@@ -77,9 +77,10 @@ class TaskState:
     refused: Mapping[str, Any] = field(default_factory=dict)
     """Results of the last attempt, if they were refused (semantics 2.8, 6.8)."""
     controller_said: str = ''
-    """As in `task.failed`, of the last attempt; the next two too."""
+    """As in `task.failed`, of the last attempt; the next three too."""
     last_feedback: str = ''
     topic_says: str = ''
+    never_begun: bool = False
     end: End | None = None
     """How it ended, in phase DONE; None: from a journal older than this field."""
     not_before: float = 0.0

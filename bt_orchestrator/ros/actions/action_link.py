@@ -14,7 +14,7 @@ from rclpy.node import Node
 from bt_orchestrator.model.action_type import TASK, ActionType
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.contest import Contest
-from bt_orchestrator.model.goal import GoalRequest, GoalStatus, SeenContest
+from bt_orchestrator.model.goal import WITHDRAWN, GoalEnd, GoalRequest, GoalStatus, SeenContest
 from bt_orchestrator.news import News
 from bt_orchestrator.ros.actions.fresh_participant import KEPT_FRESH_S
 from bt_orchestrator.ros.actions.goal import RosGoal
@@ -145,7 +145,8 @@ class ActionLink:
             return
         goal.cancel_requested = True
         if goal in self._goals.waiting and not goal.adopted:
-            self._goals.end(goal, GoalStatus.CANCELED, message='withdrawn before it was sent')
+            end = GoalEnd(GoalStatus.CANCELED, message=WITHDRAWN, never_begun=True)
+            self._goals.end_with(goal, end)
         elif goal.accepted or (goal.adopted and goal in self._goals.in_flight):
             self._client.request_cancel(goal.id)
 

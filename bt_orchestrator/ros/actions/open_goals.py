@@ -70,16 +70,20 @@ class OpenGoals:
         denied_by: str | None = None,
         topic_says: str = '',
     ) -> None:
-        """End a goal and free what its client keeps; arguments as in `GoalEnd`."""
+        """End a goal; arguments as in `GoalEnd`."""
+        self.end_with(goal, GoalEnd(status, result or {}, message, denied_by, topic_says))
+
+    def end_with(self, goal: RosGoal, end: GoalEnd) -> None:
+        """End a goal and free what its client keeps."""
         self.waiting.pop(goal, None)
         self.in_flight.pop(goal, None)
         self._clients.forget(goal.id)
         if goal.question is not None and goal.question.is_open:
-            if status in GIVEN_UP:
+            if end.status in GIVEN_UP:
                 self._remember_unanswered(goal.question)
             else:  # an answer that was lost on its way
                 goal.question.drop()
-        goal.end = GoalEnd(status, result or {}, message, denied_by, topic_says)
+        goal.end = end
         self._news.add(goal)
 
     def answered_late(self, goal: RosGoal) -> None:

@@ -71,6 +71,7 @@ SAMPLES: dict[str, Any] = {
     'seq': 7,
     'server': '010f6d0a',
     'uptime': 86400.125,
+    'never_begun': True,
     'boot': '3f6d1c1e-9a3f-4a53-9d2b-6ad1a4d1e0c5',
     'time': 12.5,
     'script': 'test',

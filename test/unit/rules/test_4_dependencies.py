@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from fakes.commands import Abort
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
@@ -288,6 +289,22 @@ def test_4_3_the_belt_waits_until_somebody_says_what_the_slot_holds(
     assert run.state.packml.value == 'Held'
     assert not any(run.answer(word).accepted for word in ('retry', 'reject', 'abort_job'))
     assert run.times('belt.index_started') == moves
+
+
+def test_4_3_a_placing_that_no_server_ever_had_leaves_no_doubt() -> None:
+    run = cut_off('place', '=absent')
+    assert run.times('hold.raised') == []
+    assert run.ended
+    assert run.counts() == {'started': 1, 'missing': 1}
+
+
+def test_4_3_after_an_abort_a_hold_says_that_no_server_had_the_goal() -> None:
+    run = Line(faults={'a1': '=absent'}).begin(THREE).go(until=1.0)
+    assert run.command(Abort).accepted
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert hold.message == 'withdrawn before it was sent'
+    assert 'reject' in hold.answers
 
 
 def test_4_3_an_item_that_was_placed_after_all_drains() -> None:

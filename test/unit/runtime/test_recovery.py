@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.clocks import SetClock
-from fakes.commands import AnswerHold, Pause, Resume
+from fakes.commands import Abort, AnswerHold, ControlJob, Pause, Resume
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
 from fakes.reading import Reading
@@ -22,6 +22,7 @@ from bt_orchestrator.model.fault import parse_fault
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.store.memory import MemoryStore
@@ -343,6 +344,47 @@ def test_9_2_a_goal_that_the_status_topic_lists_has_arrived() -> None:
     assert not world.events(e.TaskAdopted), 'its server does not know it any more'
     (hold,) = second.state.holds.values()
     assert (hold.reason, hold.topic_says) == ('in_doubt', 'succeeded')
+
+
+def cancelled_before_it_arrived(command: Asked, wait_s: float = 0.0) -> tuple[World, Orchestrator]:
+    """Kill an orchestrator that has cancelled `place`, which never arrived, and start another."""
+    line = Line()
+    text = THREE.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    world = World(line.cell)
+    world.gateway.unsent = 'TASK_A'
+    first = begun(world, line.script(text), 1)
+    world.go_until_starts(first, 'place')
+    assert first.ask(command).accepted
+    first.close()
+    world.gateway.unsent = None
+    world.clock.sleep(wait_s)
+    second = world.orchestrator()
+    world.go(second)
+    return world, second
+
+
+def test_9_2_a_cancelled_goal_that_never_arrived_is_cancelled_and_asks_nobody() -> None:
+    world, second = cancelled_before_it_arrived(ControlJob('abort', 'J', ann()))
+    (failed,) = world.events(e.TaskFailed)
+    assert isinstance(failed, e.TaskFailed)
+    told = (failed.reason, failed.message, failed.never_begun)
+    assert told == ('canceled', 'it never reached its server', True)
+    assert not world.events(e.HoldRaised), 'no robot has placed the item'
+    assert not world.events(e.TaskResent)
+    assert not second.state.jobs
+
+
+def test_9_2_a_cancelled_goal_that_may_have_arrived_asks_a_person() -> None:
+    _, second = cancelled_before_it_arrived(ControlJob('abort', 'J', ann()), RESULT_TIMEOUT_S)
+    (hold,) = second.state.holds.values()
+    assert hold.reason == 'in_doubt'
+
+
+def test_9_2_after_an_abort_of_the_cell_a_hold_says_that_the_goal_never_arrived() -> None:
+    _, second = cancelled_before_it_arrived(Abort(ann('a hand in the cell')))
+    (hold,) = second.state.holds.values()
+    assert (hold.reason, hold.message) == ('in_doubt', 'it never reached its server')
+    assert 'reject' in hold.answers, 'it is known that the item was not placed'
 
 
 def test_9_2_a_server_may_have_forgotten_what_it_did_long_ago() -> None:
