@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from program_process import PATIENCE_S, ProgramProcess, program_in
 
-from bt_orchestrator.cli.main import PROGRAM
+from bt_orchestrator.cli.verbs import PROGRAM
 
 STAYING = ('run', 'sim-cell')
 LOOKING = ('status',)

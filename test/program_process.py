@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from bt_orchestrator.cli.main import PROGRAM as NAME
+from bt_orchestrator.cli.verbs import PROGRAM as NAME
 
 PATIENCE_S = 60.0
 """Longest time that a program may take to be ready or to end, on a busy machine."""

@@ -66,7 +66,7 @@ def asked(args: argparse.Namespace, name: str, **given: Any) -> Asked:
     try:
         return ask(name, By(args.who, origin(), args.reason or ''), **given)
     except BadArguments as error:
-        raise WrongUse(f'{args.verb}: {error}') from error
+        raise WrongUse(str(error)) from error
 
 
 def ask_and_print(

@@ -3,92 +3,37 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import io
 import os
 import sys
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
-from types import ModuleType
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from bt_orchestrator.cli.asked_verbs import in_one_line, request_of, what_to_know
 from bt_orchestrator.cli.command_parser import CommandParser
 from bt_orchestrator.cli.mistakes import print_mistakes
+from bt_orchestrator.cli.verbs import (
+    GROUPS,
+    PROGRAM,
+    VERBS,
+    action_of,
+    actions_of,
+    command_of,
+    declare_actions,
+    help_line,
+    is_verb,
+)
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.diagnosis.domain import keep_to_this_computer
 from bt_orchestrator.diagnosis.ros_says import ros_says
 from bt_orchestrator.errors import OrchestratorError, Refused
-from bt_orchestrator.extending import EXTENSIONS, ExtensionMissing
+from bt_orchestrator.extending import ExtensionMissing
 from bt_orchestrator.ros.fast_dds import keep_off_shared_memory
-
-PROGRAM = 'bt-orchestrator'
 
 _NO_TEXT = (
     'the argument {!r} is not UTF-8, which ROS 2, journals and files of this project have; set '
     'the locale to UTF-8, or rename the file'
 )
-
-GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
-    'set up a cell and its products': {
-        'new-cell': ('new_cell', "write the first cell file, script and order of one's own cell"),
-        'check': ('check', 'name every mistake of scripts and their cell, with places and hints'),
-        'generate': ('generating.verb', 'write the script of a recipe for a cell'),
-        'render': ('render', 'draw a script for review: SVG, PNG or PDF'),
-        'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),
-        'release-script': ('release_script', ''),
-    },
-    'run the cell': {
-        'demo': (
-            'demo.verb',
-            'run a simulated cell, its node and an order, with a live view',
-        ),
-        'sim-cell': ('sim_cell', 'serve each component as a simulated ROS 2 action server'),
-        'run': ('run', 'run the tree node of a cell: it takes orders and carries them out'),
-        'page': ('page.verb', 'serve the operator page of a node, for any browser'),
-        'opcua': ('opcua.verb', 'serve a node over OPC UA, for an MES or a SCADA'),
-    },
-    'give it work': {
-        'submit': ('submit', 'give work orders to a node'),
-        'queue': ('queue', 'list the jobs of a node, and change their order and their options'),
-        'what-if': ('what_if', 'say when jobs would end after some requests, and request nothing'),
-    },
-    'see what it does': {
-        'status': ('status', 'print how a cell stands'),
-        'watch': ('watch', 'show a node on the terminal, as it changes'),
-        'events': ('events', 'print the events of a node as they come, or those of a journal'),
-    },
-    'decide': {
-        'answer': ('answer', 'answer a hold: a task that failed, or whatever waits for a person'),
-        'reset': ('cell_command', ''),
-        'start': ('cell_command', ''),
-        'pause': ('at_once', ''),
-        'resume': ('resume', ''),
-        'stop': ('at_once', ''),
-        'abort': ('at_once', ''),
-        'clear': ('clear', ''),
-        'remove-item': ('remove_item', ''),
-        'out-of-service': ('service', ''),
-        'in-service': ('service', ''),
-        'request': ('request', 'make any request to the cell by its name, or list all requests'),
-    },
-    'look back': {
-        'history': ('history.verb', 'print the jobs of a journal, their items and their events'),
-        'report': ('reporting.verb', 'account for a shift, a day or a job: output and lost time'),
-        'journal': ('journal', 'restore a backup of a journal'),
-    },
-    'maintain': {
-        'doctor': ('doctor', 'check this machine and the cell on it, and say what to do'),
-        'user': ('user', 'manage the users of pages and OPC UA servers, and their roles'),
-        'completion': ('completion', 'print what makes bash, zsh or fish complete command lines'),
-    },
-}
-"""What a person wants to do: module and one line of help of each verb.
-
-An empty line of help stands in the table of requests. A module has `add_arguments` and `run`.
-"""
-
-VERBS = {verb: about for group in GROUPS.values() for verb, about in group.items()}
 
 TAKE_ROS_ARGUMENTS = ('run', 'sim-cell', 'demo', 'page', 'opcua')
 """Verbs that are ROS 2 nodes: --ros-args is for them, up to -- or the end."""
@@ -131,7 +76,8 @@ def _carry_out(words: Sequence[str]) -> int:
     verb = _verb(words)
     try:
         args = parsed(words)
-        return int(_module(args.verb).run(args))
+        verb = args.verb
+        return int(args.carry_out(args))
     except Refused as refused:
         print_mistakes(refused)
         return 1
@@ -162,14 +108,14 @@ def parsed(words: Sequence[str]) -> argparse.Namespace:
     if not words:
         _parser_of_verbs().print_help()
         raise SystemExit(2)
-    if verb in VERBS and own_words[0] == verb:
-        parser = CommandParser(prog=f'{PROGRAM} {verb}')
-        _module(verb).add_arguments(parser)
-        if not VERBS[verb][1]:
-            parser.epilog = what_to_know(request_of(verb))
+    if is_verb(verb) and own_words[0] == verb:
+        command = command_of(own_words)
+        if command.typed != command.words:
+            old = ' '.join(command.typed)
+            print(f'{PROGRAM}: `{old}` is now `{command.name}`', file=sys.stderr)
         # Options may stand anywhere, as in `queue add --held ORDER`.
-        args = parser.parse_intermixed_args(own_words[1:])
-        args.verb = verb
+        args = command.parser().parse_intermixed_args(command.rest)
+        args.verb, args.carry_out = command.name, command.action.run
     else:
         args = _parser_of_verbs().parse_args(own_words)
     args.ros_args = words
@@ -227,8 +173,10 @@ def _parser_of_verbs(
     for name in VERBS:
         options: dict[str, Any] = {'help': help_line(name)} if has_help_lines else {}
         verb = verbs.add_parser(name, **options)
-        if name == with_options_of:
-            _module(name).add_arguments(verb)
+        if name == with_options_of and actions_of(name):
+            declare_actions(verb, name, with_options=True)
+        elif name == with_options_of:
+            action_of(name).add_arguments(verb)
     return parser
 
 
@@ -241,22 +189,6 @@ def _groups() -> Iterator[str]:
             begin, rest = f'  {verb}'.ljust(width), ' ' * width
             yield textwrap.fill(help_line(verb), 79, initial_indent=begin, subsequent_indent=rest)
         yield ''
-
-
-def help_line(verb: str) -> str:
-    """Return what a verb does."""
-    return VERBS[verb][1] or in_one_line(request_of(verb))
-
-
-def _module(verb: str) -> ModuleType:
-    """Import a verb; the others are not, for they may need ROS 2, and time.
-
-    :raises ExtensionMissing: it is that of an extension, which is not there
-    """
-    extension = next((one for one in EXTENSIONS if one.verb == verb), None)
-    if extension is not None:
-        extension.demand(with_packages=False)
-    return importlib.import_module(f'bt_orchestrator.cli.{VERBS[verb][0]}')
 
 
 class _Version(argparse.Action):

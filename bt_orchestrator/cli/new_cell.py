@@ -8,9 +8,9 @@ from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.folders import shipped
-from bt_orchestrator.cli.main import PROGRAM
 from bt_orchestrator.cli.numbers import seconds, whole
 from bt_orchestrator.cli.output import cannot_write
+from bt_orchestrator.cli.verbs import PROGRAM
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.ports import ActionTypes

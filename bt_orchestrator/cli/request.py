@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator.cli.asked_verbs import in_one_line
+from bt_orchestrator.cli.asked.words import in_one_line
 from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.ordering.order_request import give_orders

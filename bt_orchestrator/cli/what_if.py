@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import importlib
 import io
 import json
 import shlex
@@ -20,6 +19,7 @@ from bt_orchestrator.cli.folders import (
 )
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.processes.planning_process import PlanningProcess
+from bt_orchestrator.cli.verbs import command_of, is_verb
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import counted
 from bt_orchestrator.model.commands import Answer
@@ -33,8 +33,8 @@ Work out when the jobs of a running cell would end after some requests, with the
 virtual time. Nothing is asked of the cell, and the line does not notice. Each request is one word
 of this command line, written as it would be typed, without a reason:
 
-  what-if 'queue next WO-7'
-  what-if 'submit rush.yaml' 'queue hold WO-3'
+  what-if 'job next WO-7'
+  what-if 'submit rush.yaml' 'job hold WO-3'
   what-if 'answer 3 skip'
 
 New orders are read here, with the scripts of --trees or of the folder trees, and the recipes of
@@ -105,24 +105,21 @@ def _asked(text: str) -> Sequence[Asked]:
 
     :raises WrongUse: it asks nothing
     """
-    from bt_orchestrator.cli.main import VERBS, parsed
+    from bt_orchestrator.cli.main import parsed
 
     try:
         words = shlex.split(text)
     except ValueError as error:
         raise WrongUse(f'what-if: {text!r}: {error}') from error
-    if not words or words[0] not in VERBS:
+    if not words or not is_verb(words[0]):
         raise WrongUse(f'what-if: expected a verb with its words, found {text!r}')
-    module = importlib.import_module(f'bt_orchestrator.cli.{VERBS[words[0]][0]}')
-    parser = argparse.ArgumentParser()
-    module.add_arguments(parser)
-    if '--reason' not in parser.format_usage():
+    if '--reason' not in command_of(words).parser().format_usage():
         raise WrongUse(_ASKS_NOTHING)
     reason = [] if '--reason' in words else ['--reason', 'what if']
     args = parsed([*words, *reason])
     door = _Collecting()
     with instead_of_a_door(door), contextlib.redirect_stdout(io.StringIO()):
-        module.run(args)
+        args.carry_out(args)
     return door.asked
 
 

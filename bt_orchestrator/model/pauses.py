@@ -21,4 +21,4 @@ NAMED = frozenset((RESTARTED, RESTORED, MISSING, TWIN, UNKNOWN_GOAL))
 
 def release_command(hold: str) -> str:
     """Return the command that releases one hold of any owner."""
-    return f'bt-orchestrator resume --hold {hold} --reason WHY'
+    return f'bt-orchestrator cell resume --hold {hold} --reason WHY'

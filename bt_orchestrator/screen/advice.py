@@ -97,7 +97,7 @@ def _typed(request: Request, hold: Hold) -> str:
         case About.ITEM:
             return f'{verb} {shlex.quote(hold.item or "")}'
         case About.CELL:
-            return f'{verb} --hold {hold.id}'
+            return f'cell {verb} --hold {hold.id}'
     return f'answer {hold.id} {request.word}'
 
 
@@ -118,9 +118,9 @@ def _next_choices(status: CellStatus) -> Iterator[Choice]:
     waits = any(job.state not in OVER for job in status.jobs)
     if status.state is PackmlState.ABORTED:
         clear, who = CELL[Cause.CLEAR].word, _of(CELL[Cause.CLEAR], status)
-        shown = f'{clear} --as-shown {status.seq}'
+        shown = f'cell {clear} --as-shown {status.seq}'
         yield Choice(clear, shown, 'if the belt is as shown here', who=who)
-        each = f'{clear} --belt 1=ITEM,2=empty'
+        each = f'cell {clear} --belt 1=ITEM,2=empty'
         yield Choice(clear, each, 'else: every slot as it really is', who=who, is_complete=False)
     elif status.state is PackmlState.IDLE and waits:
         yield _to_cell(CELL[Cause.START], status)
@@ -134,7 +134,7 @@ def _next_choices(status: CellStatus) -> Iterator[Choice]:
 
 
 def _to_cell(request: Request, status: CellStatus) -> Choice:
-    return Choice(request.word, request.word, request.effect, who=_of(request, status))
+    return Choice(request.word, f'cell {request.word}', request.effect, who=_of(request, status))
 
 
 def alike_lines(status: CellStatus, shell: Shell) -> list[str]:

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 from collections.abc import Iterator
 
-from bt_orchestrator.cli.main import GROUPS, PROGRAM, VERBS, help_line
+from bt_orchestrator.cli.verbs import (
+    GROUPS,
+    PROGRAM,
+    VERBS,
+    actions_of,
+    command_of,
+    help_line,
+)
 from bt_orchestrator.node_parameters import MOST_JOBS, NodeParameters, Words, described
 from tables.markdown import cell, table
 
@@ -23,13 +29,15 @@ def verbs() -> Iterator[str]:
 
 def options_of_the_verbs() -> Iterator[str]:
     """Yield what every verb takes."""
-    for name, (module, _) in VERBS.items():
-        line = help_line(name)
-        yield f'### `{PROGRAM} {name}`'
-        yield ''
-        yield f'{line[0].upper()}{line[1:]}.'
-        yield ''
-        yield from table(('argument', 'meaning'), map(_argument, _declared(module)))
+    for verb in VERBS:
+        for name in actions_of(verb) or ('',):
+            words = [verb, name] if name else [verb]
+            line = actions_of(verb)[name].effect if name else help_line(verb)
+            yield f'### `{PROGRAM} {" ".join(words)}`'
+            yield ''
+            yield f'{line[0].upper()}{line[1:]}.'
+            yield ''
+            yield from table(('argument', 'meaning'), map(_argument, _declared(words)))
 
 
 def parameters_of_the_node() -> Iterator[str]:
@@ -47,10 +55,10 @@ def _argument(action: argparse.Action) -> tuple[str, str]:
     return f'`{cell(words + value)}`', f'{cell(text)}{needed}'
 
 
-def _declared(module: str) -> list[argparse.Action]:
-    """Return what a verb declares, groups included."""
+def _declared(words: list[str]) -> list[argparse.Action]:
+    """Return what a verb or an action of it declares, groups included."""
     parser = argparse.ArgumentParser(add_help=False)
-    importlib.import_module(f'bt_orchestrator.cli.{module}').add_arguments(parser)
+    command_of(words).action.add_arguments(parser)
     return parser._actions  # noqa: SLF001 - argparse has no other list of them
 
 

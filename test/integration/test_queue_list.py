@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bt_orchestrator.cli.ordering.order_terms import add_term_options, changed_terms
 from bt_orchestrator_interfaces.srv import ListJobs, QueueList
 from fakes.line import THREE, Line
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.cli.ordering.order_terms import add_term_options, changed_terms
 from bt_orchestrator.cli.queue import others
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob

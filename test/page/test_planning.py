@@ -86,7 +86,7 @@ def test_a_job_is_moved_by_keys_when_it_is_known_what_comes_of_it(
     tab.log_in('operate')
     tab.until(lambda: in_queue(tab) == ['a', 'b'], 'the queue')
 
-    status, output, errors = planned.verb('what-if', 'queue move b 1', '--json')
+    status, output, errors = planned.verb('what-if', 'job move b 1', '--json')
     assert status == 0, errors
     told = {one['job']: one['ends_s'] for one in json.loads(output)['after']}
     assert in_order(told) == ['long', 'b', 'a']

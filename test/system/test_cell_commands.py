@@ -26,7 +26,9 @@ def test_7_2_abort_clear_reset_start_and_the_job_finishes(manual_cell: CellProce
     watch.ros.spin_until(lambda: cell.goals(event='started', component='worker'), 'the long goal')
     watch.until('item.placed', item='WO-1/2')
 
-    status, output, errors = run_verb(cell.folder, 'abort', '--reason', 'smoke', '--who', 'Ada')
+    status, output, errors = run_verb(
+        cell.folder, 'cell', 'abort', '--reason', 'smoke', '--who', 'Ada'
+    )
     assert (status, errors) == (0, ''), output
     watch.until('cell.state_changed', state='Aborted')
     told = watch.until_state('Aborted')
@@ -59,7 +61,7 @@ def test_7_2_abort_clear_reset_start_and_the_job_finishes(manual_cell: CellProce
     assert watch.answer(hold.id, 'mark_done').accepted
     seen = watch.until_status(lambda s: not s.holds, 'no hold')
     status, output, errors = run_verb(
-        cell.folder, 'clear', '--as-shown', str(seen.seq), '--reason', 'looked'
+        cell.folder, 'cell', 'clear', '--as-shown', str(seen.seq), '--reason', 'looked'
     )
     assert (status, errors) == (0, ''), output
     assert watch.command('reset').accepted
@@ -79,12 +81,12 @@ def test_7_3_pauses_of_two_operators_are_released_one_by_one(small_cell: CellPro
     small_cell.run_small()
     watch.until_state('Held')
     assert [hold.owner for hold in watch.status.holds] == ['Ada', 'Bob']
-    status, _, errors = run_verb(folder, 'resume', '--who', 'Cat', '--reason', 'x')
+    status, _, errors = run_verb(folder, 'cell', 'resume', '--who', 'Cat', '--reason', 'x')
     assert status == 1
     assert 'none of the pauses is yours' in errors
-    assert run_verb(folder, 'resume', '--who', 'Ada', '--reason', 'x')[0] == 0
+    assert run_verb(folder, 'cell', 'resume', '--who', 'Ada', '--reason', 'x')[0] == 0
     assert not watch.seen('task.started')
-    assert run_verb(folder, 'resume', '--who', 'Cat', '--all', '--reason', 'x')[0] == 0
+    assert run_verb(folder, 'cell', 'resume', '--who', 'Cat', '--all', '--reason', 'x')[0] == 0
     assert watch.until_ended('WO-1').packed == 1
     small_cell.stop()
 

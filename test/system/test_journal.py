@@ -133,12 +133,12 @@ def until_canceled(cell: CellProcesses, goal: str) -> None:
 
 def test_9_1_abort_cancels_goals_on_a_full_disk(start_cell: StartCell, tmp_path: Path) -> None:
     cell, goal = broken_at_work(start_cell, tmp_path / 'cell' / 'journal.sqlite3')
-    status, _, errors = cell.verb('pause', '--reason', 'a visitor')
+    status, _, errors = cell.verb('cell', 'pause', '--reason', 'a visitor')
     assert status == 1
     assert 'cannot be written' in errors
     assert not cell.goals(event='cancel')
 
-    status, said, errors = cell.verb('abort', '--reason', 'smoke')
+    status, said, errors = cell.verb('cell', 'abort', '--reason', 'smoke')
     assert status == 0, errors
     assert '1 goal is being cancelled; this is not on record' in said
     until_canceled(cell, goal)
@@ -147,8 +147,8 @@ def test_9_1_abort_cancels_goals_on_a_full_disk(start_cell: StartCell, tmp_path:
     )
     assert (shown.state, shown.stop_reason) == ('Held', 'own_fault')
     assert list(shown.commands) == ['abort']
-    assert cell.verb('pause', '--reason', 'a visitor')[0] == 1
-    assert cell.verb('abort', '--reason', 'to be sure')[0] == 0
+    assert cell.verb('cell', 'pause', '--reason', 'a visitor')[0] == 1
+    assert cell.verb('cell', 'abort', '--reason', 'to be sure')[0] == 0
     cell.stop()
 
 
@@ -156,7 +156,7 @@ def test_9_1_an_abort_that_finds_the_disk_full_cancels_goals(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     cell, goal = broken_at_work(start_cell, tmp_path / 'cell' / 'journal.sqlite3')
-    status, said, errors = cell.verb('abort', '--reason', 'smoke')
+    status, said, errors = cell.verb('cell', 'abort', '--reason', 'smoke')
     assert status == 0, errors
     assert 'this is not on record' in said
     until_canceled(cell, goal)
@@ -167,7 +167,7 @@ def test_9_1_the_end_of_the_node_cancels_goals_on_a_full_disk(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     cell, goal = broken_at_work(start_cell, tmp_path / 'cell' / 'journal.sqlite3')
-    assert cell.verb('pause', '--reason', 'a visitor')[0] == 1
+    assert cell.verb('cell', 'pause', '--reason', 'a visitor')[0] == 1
     assert cell.node.stop() == 0, cell.node.errors
     assert cell.goals(event='ended', goal=goal, status='canceled')
 

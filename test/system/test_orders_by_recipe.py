@@ -182,7 +182,7 @@ def _the_rest_of_a_job_is_made_without_it(cell: CellProcesses) -> None:
     assert watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[order])).accepted
     watch.until('item.placed', job='H')
     told = watch.command('out_of_service', component='worker', who='Ada')
-    assert 'to make the rest without it now: queue requeue H' in told.message
+    assert 'to make the rest without it now: job requeue H' in told.message
     # A kill between the record of a goal and its sending would ask about that goal.
     watch.until_status(lambda told: told.stands.cause, 'the line to stand')
 

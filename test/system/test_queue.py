@@ -59,7 +59,7 @@ def test_the_queue_is_changed_while_a_job_runs(small_cell: CellProcesses) -> Non
         assert status == 0, errors
     assert queue(small_cell) == ['c AllowedToStart', 'a NotAllowedToStart', 'b AllowedToStart']
     change = ['--priority', '7', '--due', '2036-05-18T06:00Z', '--details', '{"lot": 7}']
-    status, _, errors = small_cell.verb('queue', 'update', 'a', *change, *WHY)
+    status, _, errors = small_cell.verb('job', 'update', 'a', *change, *WHY)
     assert status == 0, errors
     assert 'NotAllowedToStart, priority 7, due 2036-05-18' in small_cell.verb('queue')[1]
     answer = watch.call(srv.QueueList, 'queue/list', srv.QueueList.Request())
@@ -70,15 +70,15 @@ def test_the_queue_is_changed_while_a_job_runs(small_cell: CellProcesses) -> Non
     assert (moved['job'], moved['who'], moved['reason']) == ('c', 'Ada', 'rush')
     assert 'bt-orchestrator at ' in moved['origin']
 
-    refused = small_cell.verb('queue', 'hold', 'long', *WHY)
+    refused = small_cell.verb('job', 'hold', 'long', *WHY)
     assert refused[0] == 1
     assert 'RevokeStart (hold) is for jobs that are AllowedToStart' in refused[2]
-    assert small_cell.verb('queue', 'stop', 'long', *WHY)[0] == 0
+    assert small_cell.verb('job', 'stop', 'long', *WHY)[0] == 0
     assert watch.until('job.completed', job='long')['exit_status'] == 'stopped'
     assert watch.until('job.completed', job='b')['counts']['packed'] == 2
     assert [e['job'] for e in watch.seen('job.started')] == ['long', 'c', 'b']
 
-    assert small_cell.verb('queue', 'release', 'a', *WHY)[0] == 0
+    assert small_cell.verb('job', 'release', 'a', *WHY)[0] == 0
     assert watch.until_ended('a').packed == 1
     small_cell.stop()
 
@@ -98,7 +98,7 @@ def test_6_7_a_job_waits_for_its_start_also_across_a_restart(
     cell.kill_and_restart_node()
     (job,) = cell.watch.call(srv.ListJobs, 'list_jobs', srv.ListJobs.Request()).jobs
     assert (job.job.state, job.job.awaits_start) == ('AllowedToStart', True)
-    status, _, errors = cell.verb('queue', 'update', 'late', '--start', in_seconds(2.0), *WHY)
+    status, _, errors = cell.verb('job', 'update', 'late', '--start', in_seconds(2.0), *WHY)
     assert status == 0, errors
     start = cell.watch.until('job.updated', job='late')['start']
     assert cell.watch.until('job.started', job='late')['time'] >= start
@@ -265,7 +265,7 @@ def ask_to_begin(cell: CellProcesses) -> None:
 
 def pause(cell: CellProcesses, job: str) -> None:
     """Pause the job that runs, and wait until its items have left the line."""
-    ask(cell, 'queue', 'pause', job)
+    ask(cell, 'job', 'pause', job)
     until_job(cell, job, 'InterruptedSuspended')
     cell.watch.until_status(lambda s: not any(x.slot for x in s.sections), 'an empty line')
 
@@ -298,9 +298,9 @@ def test_an_order_is_added_held_run_next_and_another_cancelled(small_cell: CellP
     held = order_files(small_cell, 'c')
     assert small_cell.verb('queue', 'add', *held, '--held')[0] == 0
     assert queue(small_cell)[-1] == 'c NotAllowedToStart'
-    ask(small_cell, 'queue', 'next', 'c')
+    ask(small_cell, 'job', 'next', 'c')
     assert queue(small_cell) == [f'{name} AllowedToStart' for name in 'cab']
-    ask(small_cell, 'queue', 'cancel', 'b')
+    ask(small_cell, 'job', 'cancel', 'b')
     until_listed(small_cell, 'long', 'c', 'a')
     assert decided(small_cell) == ['next c', 'cancel b']
     small_cell.stop()
@@ -310,7 +310,7 @@ def test_a_job_that_runs_is_paused_and_resumed(small_cell: CellProcesses) -> Non
     watch = small_cell.watch
     run_long(small_cell)
     pause(small_cell, 'long')
-    ask(small_cell, 'queue', 'resume', 'long')
+    ask(small_cell, 'job', 'resume', 'long')
     until_job(small_cell, 'long', 'Running')
     watch.until('item.placed', len(watch.seen('item.placed')) + 1)
     assert decided(small_cell) == ['pause long', 'resume long']
@@ -320,7 +320,7 @@ def test_a_job_that_runs_is_paused_and_resumed(small_cell: CellProcesses) -> Non
 def test_the_line_stops_after_the_current_item_and_goes_on(small_cell: CellProcesses) -> None:
     watch = small_cell.watch
     run_long(small_cell)
-    ask(small_cell, 'queue', 'stop-after', 'item')
+    ask(small_cell, 'cell', 'stop-after', 'item')
     watch.until_state('Stopped')
     assert not any(section.slot for section in watch.status.sections)
     ask_to_begin(small_cell)
@@ -333,9 +333,9 @@ def test_the_line_stops_after_the_current_item_and_goes_on(small_cell: CellProce
 def test_a_stop_after_the_current_job_is_taken_back(small_cell: CellProcesses) -> None:
     watch = small_cell.watch
     run_long(small_cell)
-    ask(small_cell, 'queue', 'stop-after', 'job')
+    ask(small_cell, 'cell', 'stop-after', 'job')
     watch.until_status(lambda s: s.stop_after == 'job', 'the stop that is to come')
-    ask(small_cell, 'queue', 'stop-after', 'never')
+    ask(small_cell, 'cell', 'stop-after', 'never')
     watch.until_status(lambda s: s.state == 'Execute' and not s.stop_after, 'no stop to come')
     assert decided(small_cell) == ['stop_after_job', 'stop_after_never']
     small_cell.stop()
@@ -345,12 +345,12 @@ def test_the_line_stops_after_an_aborted_job_which_is_cleared(small_cell: CellPr
     watch = small_cell.watch
     run_long(small_cell)
     assert small_cell.verb('submit', *order_files(small_cell, 'a'))[0] == 0
-    ask(small_cell, 'queue', 'stop-after', 'job')
+    ask(small_cell, 'cell', 'stop-after', 'job')
     pause(small_cell, 'long')
-    ask(small_cell, 'queue', 'abort', 'long')
+    ask(small_cell, 'job', 'abort', 'long')
     until_job(small_cell, 'long', 'Aborted')
     watch.until_state('Stopped')
-    ask(small_cell, 'queue', 'clear', 'long')
+    ask(small_cell, 'job', 'clear', 'long')
     until_listed(small_cell, 'a')
     ask_to_begin(small_cell)
     assert watch.until_ended('a').packed == 1

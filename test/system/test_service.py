@@ -26,7 +26,9 @@ def test_7_5_a_component_out_of_service_gets_no_goal_over_a_kill_of_the_node(
     watch.until('task.succeeded', task='work', item='WO-1/1')
 
     for name, why in (('worke', 'did you mean `worker`?'), ('worker', 'out of service already')):
-        status, _, errors = run_verb(cell.folder, 'out-of-service', name, '--reason', 'worn')
+        status, _, errors = run_verb(
+            cell.folder, 'component', 'out-of-service', name, '--reason', 'worn'
+        )
         assert status == 1
         assert why in errors
 
@@ -48,7 +50,7 @@ def test_7_5_a_component_out_of_service_gets_no_goal_over_a_kill_of_the_node(
     status, output, _ = run_verb(cell.folder, 'queue')
     assert 'needs worker, out of service' in output
 
-    assert run_verb(cell.folder, 'in-service', 'worker', '--reason', 'mended')[0] == 0
+    assert run_verb(cell.folder, 'component', 'in-service', 'worker', '--reason', 'mended')[0] == 0
     assert watch.until_ended('WO-1').packed == 2
     assert watch.until_ended('WO-2').packed == 1
     cell.stop()

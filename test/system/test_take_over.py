@@ -79,7 +79,7 @@ def test_9_2_without_auto_resume_it_waits_and_says_what_it_found(
     refused = ProgramProcess(plain, cell.folder, 'verb_resume_all')
     assert refused.wait() == 1
     assert f'resume --hold {hold.id} --reason WHY' in refused.errors
-    verb = ('resume', '--hold', hold.id, '--reason', 'looked at it', '--who', 'Ann')
+    verb = ('cell', 'resume', '--hold', hold.id, '--reason', 'looked at it', '--who', 'Ann')
     resumed = ProgramProcess(verb, cell.folder, 'verb_resume')
     assert resumed.wait() == 0, resumed.errors
     cell.watch.until_ended('WO-1')

@@ -39,7 +39,7 @@ def test_every_command_does_what_it_is_for(start_cell: StartCell, tmp_path: Path
     cell.run_small()
     cell.watch.until('hold.raised')
     for reason in ('as of a twin', 'as after a restart'):  # holds 2 and 3, as on the page
-        assert run_verb(cell.folder, 'pause', '--reason', reason)[0] == 0
+        assert run_verb(cell.folder, 'cell', 'pause', '--reason', reason)[0] == 0
 
     path = f'{program_in(tmp_path / "bin")}:{os.environ["PATH"]}'
     (tmp_path / 'cell' / 'trees').mkdir()

@@ -113,10 +113,13 @@ def test_7_3_two_that_meet_later_both_hold_until_somebody_has_looked(nodes: Node
     assert 'stop all but one: process ' in nodes.verb('doctor', '--node', 'bt_orchestrator').output
 
     a.kill()
-    plain = nodes.verb('resume', '--all', '--reason', 'x')
+    plain = nodes.verb('cell', 'resume', '--all', '--reason', 'x')
     assert plain.wait() == 1
     assert 'resume --hold 1 --reason WHY' in plain.errors
-    assert nodes.verb('resume', '--hold', '1', '--reason', 'the other one is gone').wait() == 0
+    assert (
+        nodes.verb('cell', 'resume', '--hold', '1', '--reason', 'the other one is gone').wait()
+        == 0
+    )
     assert b.stop() == 0
 
 

@@ -22,7 +22,7 @@ def test_requests_are_worked_out_and_not_made(start_cell: StartCell) -> None:
     orders = [order_file(cell, name, 20) for name in 'ab']
     assert cell.verb('submit', *orders)[0] == 0
 
-    status, output, errors = cell.verb('what-if', 'queue next b', '--json')
+    status, output, errors = cell.verb('what-if', 'job next b', '--json')
     assert status == 0, errors
     found = json.loads(output)
     before = {one['job']: one['ends_s'] for one in found['before']}

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from bt_orchestrator.cli.generating import extension
-from bt_orchestrator.cli.main import VERBS
+from bt_orchestrator.cli.verbs import VERBS
 from bt_orchestrator.extending import EXTENSIONS, PAGE, RECIPES, Extension, ExtensionMissing
 from bt_orchestrator.script.orders.by_recipe import Recipes
 

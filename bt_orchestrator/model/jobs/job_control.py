@@ -21,7 +21,7 @@ class Method:
     name: str
     """Method name in ISA-95 Job Control."""
     verb: str
-    """The word for it in commands, for instance `queue hold JOB`."""
+    """The word for it in commands, for instance `job hold JOB`."""
     meaning: str
     changes: Change
     also: tuple[str, ...] = ()
@@ -170,7 +170,7 @@ def _no_rest(job: str, facts: JobFacts) -> str | None:
     """Say why nothing of a job on the line can be made anew; None: something can."""
     if not facts.is_by_recipe:
         return (
-            f'{job} was ordered by its script, so it cannot be made anew; stop it (queue stop '
+            f'{job} was ordered by its script, so it cannot be made anew; stop it (job stop '
             f'{job}), and give an order for the rest'
         )
     if not facts.left:

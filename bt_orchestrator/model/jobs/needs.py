@@ -58,8 +58,8 @@ def on_the_line_words(
     if not to_begin:
         return f'{needs}{_for_items(job)}'
     if is_by_recipe:
-        return f'{needs}to make the rest without it now: queue requeue {job}'
-    return f'{needs}to make the rest otherwise, stop it (queue stop {job}) and queue the rest anew'
+        return f'{needs}to make the rest without it now: job requeue {job}'
+    return f'{needs}to make the rest otherwise, stop it (job stop {job}) and queue the rest anew'
 
 
 def items_wait_words(job: str, unavailable: Sequence[str]) -> str:
@@ -71,7 +71,7 @@ def items_wait_words(job: str, unavailable: Sequence[str]) -> str:
 def _for_items(job: str) -> str:
     return (
         'in-service lets it go on, or an engineer takes its items off (remove-item) or aborts it '
-        f'(queue abort {job})'
+        f'(job abort {job})'
     )
 
 

@@ -2,66 +2,142 @@
 
 from __future__ import annotations
 
+import shlex
+
 import pytest
 
-from bt_orchestrator.cli.main import VERBS, help_line, main, parsed
-from bt_orchestrator.model.requests import ANSWERS, TABLE, About, Why
+from bt_orchestrator.cli.main import main, parsed
+from bt_orchestrator.cli.verbs import actions_of, command_of, help_line
+from bt_orchestrator.model.requests import ANSWERS, TABLE, About, Request, Why
 
-ASKING = [verb for verb, (_, line) in VERBS.items() if not line]
-
-
-SUBJECTS = (About.CELL, About.ITEM, About.COMPONENT, About.SCRIPT)
+IN_GROUPS = (About.CELL, About.JOB, About.COMPONENT)
 
 
-def test_every_request_to_cell_items_components_and_scripts_has_its_verb() -> None:
-    words = {request.word.replace('_', '-') for request in TABLE if request.about in SUBJECTS}
-    assert {word for word in words if not word.startswith('stop-after')} == set(ASKING)
+def command(request: Request) -> list[str]:
+    """Return the verb of a request, and its action if it has one."""
+    word = request.word.replace('_', '-')
+    if word.startswith('stop-after'):
+        return ['cell', 'stop-after']
+    return [request.about.value, word] if request.about in (*IN_GROUPS, About.QUEUE) else [word]
 
 
-@pytest.mark.parametrize('verb', ASKING)
-def test_the_help_of_a_verb_says_what_it_does_and_who_may(
-    verb: str, capsys: pytest.CaptureFixture[str]
+ASKED = [one for one in TABLE if one.about is not About.HOLD]
+
+
+@pytest.mark.parametrize('request_', ASKED, ids=lambda one: one.name)
+def test_each_request_has_its_own_help(
+    request_: Request, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (request,) = (
-        one for one in TABLE if one.about in SUBJECTS and one.word == verb.replace('-', '_')
-    )
-    assert request.effect in help_line(verb)
-    with pytest.raises(SystemExit):
-        main([verb, '--help'])
+    words = command(request_)
+    with pytest.raises(SystemExit, match='0'):
+        main([*words, '--help'])
     told = ' '.join(capsys.readouterr().out.split())
-    assert request.effect[1:] in told
-    assert f'For: {", ".join(sorted_roles(request.roles))}.' in told
+    assert told.startswith(f'usage: bt-orchestrator {" ".join(words)} ')
+    assert request_.effect[1:] in told
+    for role in request_.roles:
+        assert role.value in told
 
 
-def sorted_roles(roles: frozenset[object]) -> list[str]:
-    return [name for name in ('view', 'mes', 'operate', 'engineer') if name in map(_value, roles)]
+def test_a_group_lists_its_actions(capsys: pytest.CaptureFixture[str]) -> None:
+    for about in IN_GROUPS:
+        with pytest.raises(SystemExit, match='0'):
+            main([about.value, '--help'])
+        told = ' '.join(capsys.readouterr().out.split())
+        for one in TABLE:
+            if one.about is about and 'stop_after' not in one.word:
+                assert f' {one.word.replace("_", "-")} {one.effect}' in told
 
 
-def _value(role: object) -> str:
-    return str(getattr(role, 'value', ''))
+def test_the_help_in_groups_names_what_a_person_looks_for() -> None:
+    assert {word for word in actions_of('cell') if word != 'stop-after'} <= set(
+        help_line('cell').partition(': ')[2].split(', ')
+    )
+    assert set(help_line('job').partition(': ')[2].split(', ')) <= set(actions_of('job'))
 
 
-@pytest.mark.parametrize('verb', ['pause', 'stop', 'abort', 'reset', 'start', 'resume'])
-def test_danger_does_not_wait_for_a_reason(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
-    (request,) = (one for one in TABLE if one.about is About.CELL and one.word == verb)
+OLD_FORMS = [
+    ('pause', 'cell pause'),
+    ('stop --reason "end of shift"', 'cell stop --reason "end of shift"'),
+    ('abort --json', 'cell abort --json'),
+    ('reset --reason w', 'cell reset --reason w'),
+    ('start --reason w', 'cell start --reason w'),
+    ('resume --hold 3 --reason w', 'cell resume --hold 3 --reason w'),
+    ('resume --all --reason w', 'cell resume --all --reason w'),
+    ('clear --as-shown 7 --reason w', 'cell clear --as-shown 7 --reason w'),
+    ('out-of-service arm --reason w', 'component out-of-service arm --reason w'),
+    ('in-service arm --reason w', 'component in-service arm --reason w'),
+    ('queue move A 2 --reason w', 'job move A 2 --reason w'),
+    ('queue --as B requeue A --reason w', 'job requeue A --as B --reason w'),
+    ('queue --reason next hold A', 'job hold A --reason next'),
+    ('queue remove A --reason w', 'job remove A --reason w'),
+    ('queue stop-after job --reason w', 'cell stop-after job --reason w'),
+    ('queue update A --param lot=A8 --reason w', 'job update A --param lot=A8 --reason w'),
+]
+
+
+@pytest.mark.parametrize(('old', 'new'), OLD_FORMS)
+def test_an_old_form_works_and_says_the_new_one(
+    old: str, new: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before, after = parsed(shlex.split(old)), parsed(shlex.split(new))
+    told = capsys.readouterr()
+    assert vars(before).keys() == vars(after).keys()
+    for name, value in vars(before).items():
+        if name not in ('carry_out', 'ros_args'):
+            assert value == getattr(after, name), name
+    assert told.out == ''
+    assert told.err.endswith(f'` is now `{after.verb}`\n')
+    assert len(told.err.splitlines()) == 1
+
+
+def test_every_old_form_is_known() -> None:
+    requests = {' '.join(command(one)): one for one in TABLE if one.about in IN_GROUPS}
+    for name, request in requests.items():
+        word = name.split()[1]
+        old = [word] if request.about is not About.JOB else ['queue', word]
+        if word == 'stop-after':
+            old = ['queue', word]
+        assert command_of(old).name == name
+
+
+@pytest.mark.parametrize(
+    'line', ['queue', 'queue --json', 'queue --node /list --json', 'queue list']
+)
+def test_queue_alone_lists(line: str) -> None:
+    assert parsed(line.split()).verb == 'queue list'
+
+
+@pytest.mark.parametrize(
+    ('line', 'said'),
+    [
+        ('cell', 'arguments are required: ACTION'),
+        ('cell puase', "found 'puase'; did you mean pause?"),
+        ('job mvoe A 2', "found 'mvoe'; did you mean move?"),
+        ('queue mvoe A 2', "found 'mvoe'"),
+        ('component --reason x', 'arguments are required: ACTION'),
+    ],
+)
+def test_a_wrong_action_is_told(line: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match='2'):
+        main(line.split())
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('word', ['pause', 'stop', 'abort', 'reset', 'start', 'resume'])
+def test_danger_does_not_wait_for_a_reason(word: str, capsys: pytest.CaptureFixture[str]) -> None:
+    (request,) = (one for one in TABLE if one.about is About.CELL and one.word == word)
     if request.why is Why.AFTERWARDS:
-        assert parsed([verb]).reason is None
+        assert parsed(['cell', word]).reason is None
     else:
         with pytest.raises(SystemExit):
-            parsed([verb])
+            parsed(['cell', word])
         assert '--reason' in capsys.readouterr().err
 
 
-def test_every_word_is_in_the_help_of_queue_and_answer(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    for verb in ('queue', 'answer'):
-        with pytest.raises(SystemExit):
-            main([verb, '--help'])
+def test_every_answer_is_in_the_help(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(['answer', '--help'])
     told = capsys.readouterr().out
-    for request in TABLE:
-        if request.about in (About.JOB, About.QUEUE):
-            assert f'queue {request.word} ' in told
     for word, request in ANSWERS.items():
         assert word in told
         assert request.effect in told

@@ -15,7 +15,9 @@ from types import ModuleType
 import pytest
 
 from bt_orchestrator.cli import main as program
-from bt_orchestrator.cli.main import VERBS, help_line, main, parsed, without_ros_arguments
+from bt_orchestrator.cli import verbs as verbs_of_program
+from bt_orchestrator.cli.main import main, parsed, without_ros_arguments
+from bt_orchestrator.cli.verbs import VERBS, actions_of, help_line
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Finding, OrchestratorError, Refused
 
@@ -39,7 +41,8 @@ def use(monkeypatch: pytest.MonkeyPatch) -> Use:
 
     def use(run: Callable[[argparse.Namespace], int]) -> None:
         verbs = {'check': ('fake', 'fake'), 'run': ('fake', 'fake')}
-        monkeypatch.setattr(program, 'VERBS', verbs)
+        for module in (program, verbs_of_program):
+            monkeypatch.setattr(module, 'VERBS', verbs)
         monkeypatch.setattr(program, 'GROUPS', {'test': verbs})
         monkeypatch.setitem(sys.modules, 'bt_orchestrator.cli.fake', FakeVerb(run))
 
@@ -200,12 +203,20 @@ def test_the_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
 )
 def test_options_may_stand_between_what_is_named(words: list[str]) -> None:
     args = parsed(['queue', *words])
-    assert (args.verb, args.action, args.what) == ('queue', 'add', ['a.yaml', 'b.yaml'])
+    assert (args.verb, args.orders) == ('queue add', [Path('a.yaml'), Path('b.yaml')])
     assert args.held
 
 
-def test_a_shell_shows_what_each_verb_does(tmp_path: Path) -> None:
-    line = 'bt-orchestrator re'
+@pytest.mark.parametrize(
+    ('line', 'shown'),
+    [
+        ('bt-orchestrator re', f'render|{help_line("render")}'),
+        ('bt-orchestrator job re', f'release|{actions_of("job")["release"].effect}'),
+        ('bt-orchestrator cell clear --as', '--as-shown '),
+        ('bt-orchestrator remove-item --rea', '--reason '),
+    ],
+)
+def test_a_shell_shows_what_each_verb_does(line: str, shown: str, tmp_path: Path) -> None:
     asked = {
         '_ARGCOMPLETE': '1',
         '_ARGCOMPLETE_SHELL': 'fish',
@@ -221,7 +232,7 @@ def test_a_shell_shows_what_each_verb_does(tmp_path: Path) -> None:
         text=True,
         check=True,
     )
-    assert f'render|{help_line("render")}' in done.stdout
+    assert shown in done.stdout
 
 
 def test_without_a_verb_all_of_them_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -58,7 +58,7 @@ def test_without_a_name_all_requests_are_listed(capsys: pytest.CaptureFixture[st
     [
         (('cell.fly',), "there is no request 'cell.fly'; `request` alone lists all"),
         (('job.next', 'job=A'), 'request job.next: say why, with --reason TEXT'),
-        (('job.next', '--reason', 'x'), 'request: job.next needs job: id of the job'),
+        (('job.next', '--reason', 'x'), 'job.next needs job: id of the job'),
     ],
 )
 def test_wrong_use_is_told_before_anything_is_asked(

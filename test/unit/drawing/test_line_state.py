@@ -163,7 +163,8 @@ def test_a_hold_of_the_whole_cell_stands_at_the_top() -> None:
     of_cell = hold(job=None, reason='restarted', answers=('resume',))
     found = line_state(status(holds=[of_cell]), Line().script(SCRIPT), Line().cell)
     assert found.headline.endswith(
-        '1 hold, after event 17; hold 1 (restarted): bt-orchestrator resume --hold 1 --reason WHY'
+        '1 hold, after event 17; hold 1 (restarted): '
+        'bt-orchestrator cell resume --hold 1 --reason WHY'
     )
 
 

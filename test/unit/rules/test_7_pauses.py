@@ -115,7 +115,7 @@ def test_7_3_a_hold_that_asks_for_a_look_is_released_by_its_number_only(
     assert not answer.accepted
     assert answer.message == (
         f'nothing was released; hold 1 ({reason}, look), which only its number releases: '
-        'bt-orchestrator resume --hold 1 --reason WHY'
+        'bt-orchestrator cell resume --hold 1 --reason WHY'
     )
     assert list(cell.state.holds) == ['1']
     assert cell.ask(Resume(ann('looked'), hold='1')).accepted
@@ -130,7 +130,7 @@ def test_7_3_resume_says_which_hold_is_left_and_how_it_ends(everyones: bool) -> 
     assert answer.accepted
     assert answer.message == (
         'still paused: hold 1 (restarted, look), which only its number releases: '
-        'bt-orchestrator resume --hold 1 --reason WHY'
+        'bt-orchestrator cell resume --hold 1 --reason WHY'
     )
     assert list(cell.state.holds) == ['1']
 
@@ -164,5 +164,5 @@ def test_7_3_a_node_that_finds_a_twin_lets_run_what_runs_and_starts_nothing() ->
 def test_7_3_an_answer_to_a_pause_is_told_how_it_is_released() -> None:
     answer = held_by('twin').ask(AnswerHold('1', 'retry', ann()))
     assert answer.message == (
-        'hold 1 (twin, look) takes no answer; bt-orchestrator resume --hold 1 --reason WHY'
+        'hold 1 (twin, look) takes no answer; bt-orchestrator cell resume --hold 1 --reason WHY'
     )

@@ -105,7 +105,7 @@ def test_7_6_it_stops_and_its_rest_is_queued_first_in_one_settle(node: Node) -> 
     node.run.go(until=3.0)
     begun = node.job('A').progress.started
     answer = node.run.service('press', out=True).message
-    way = 'A on the line needs press and waits; to make the rest without it now: queue requeue A'
+    way = 'A on the line needs press and waits; to make the rest without it now: job requeue A'
     assert way in answer.splitlines()
     before = len(node.run.records)
     told = node.requeued('A', at('table'))
@@ -225,7 +225,7 @@ def test_7_6_a_job_that_was_ordered_by_its_script_is_refused(node: Node) -> None
     ).value.accepted
     node.run.go(until=1.0)
     assert node.refused('S') == (
-        'S was ordered by its script, so it cannot be made anew; stop it (queue stop S), and give '
+        'S was ordered by its script, so it cannot be made anew; stop it (job stop S), and give '
         'an order for the rest'
     )
 
@@ -316,7 +316,7 @@ def test_7_6_items_on_the_line_that_need_what_is_out_of_service_are_told(node: N
     told = node.requeued('A', at('table'))
     assert (
         'its items on the line still need press and wait; in-service lets it go on, or an '
-        'engineer takes its items off (remove-item) or aborts it (queue abort A)'
+        'engineer takes its items off (remove-item) or aborts it (job abort A)'
     ) in told
     assert node.run.release(script(at('table').text)).accepted
     node.run.go()

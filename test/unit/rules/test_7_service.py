@@ -279,7 +279,7 @@ def test_7_5_the_operator_is_told_what_to_do_with_a_job_on_the_line() -> None:
     run = line().go(2.0)
     answer = run.service('a2', out=True)
     assert (
-        'J on the line needs a2 and waits; to make the rest otherwise, stop it (queue stop J) and '
+        'J on the line needs a2 and waits; to make the rest otherwise, stop it (job stop J) and '
         'queue the rest anew'
     ) in answer.message
     done = line(quantity=1).go(4.5)

@@ -97,7 +97,7 @@ def test_a_hold_shows_what_to_type() -> None:
 
 def test_a_cell_that_stands_shows_what_to_type_next() -> None:
     found = drawn(picture(statuses.status(state=PackmlState.STOPPED)))
-    at = found.index('bt-orchestrator reset --reason "WHY"   gets the cell ready to start')
+    at = found.index('bt-orchestrator cell reset --reason "WHY"   gets the cell ready to start')
     assert found[at - 1].startswith('next ───')
 
 

@@ -125,7 +125,7 @@ def test_a_hold_of_the_whole_cell_is_told_by_its_message() -> None:
     PlainView(NODE, said.append).on_event(hold)
     assert [line.strip() for line in said] == [
         '0.00 s  HOLD 1: restarted (1 job)',
-        'bt-orchestrator resume --hold 1 --reason "WHY"',
+        'bt-orchestrator cell resume --hold 1 --reason "WHY"',
     ]
 
 
@@ -161,7 +161,7 @@ def test_what_can_be_typed_where_a_cell_has_come_to_stand() -> None:
         said.clear()
         for seq in (7, 8):
             view.on_status(statuses.status(state=PackmlState.ABORTED, seq=seq))
-        assert [line.split(' --')[0] for line in said] == ['next: bt-orchestrator clear'] * 2
+        assert [line.split(' --')[0] for line in said] == ['next: bt-orchestrator cell clear'] * 2
 
 
 def test_notes_are_told_once() -> None:

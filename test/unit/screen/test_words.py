@@ -54,32 +54,41 @@ def test_a_whole_status() -> None:
 @pytest.mark.parametrize(
     ('about', 'lines'),
     [
-        ({'state': PackmlState.STOPPED}, ['reset --reason "WHY"   gets the cell ready to start']),
+        (
+            {'state': PackmlState.STOPPED},
+            ['cell reset --reason "WHY"   gets the cell ready to start'],
+        ),
         (
             {'state': PackmlState.ABORTED},
             [
-                'clear --as-shown 7 --reason "WHY"   if the belt is as shown here',
-                'clear --belt 1=ITEM,2=empty --reason "WHY"   else: every slot as it really is',
+                'cell clear --as-shown 7 --reason "WHY"   if the belt is as shown here',
+                (
+                    'cell clear --belt 1=ITEM,2=empty --reason "WHY"   '
+                    'else: every slot as it really is'
+                ),
             ],
         ),
         (
             {'state': PackmlState.STOPPED, 'jobs': []},
             [
                 'submit ORDER.yaml   gives it a work order',
-                'reset --reason "WHY"   gets the cell ready to start',
+                'cell reset --reason "WHY"   gets the cell ready to start',
             ],
         ),
         (
             {'state': PackmlState.STOPPED, 'jobs': [], 'waits_for': 'reset and start'},
-            ['reset --reason "WHY"   gets the cell ready to start'],
+            ['cell reset --reason "WHY"   gets the cell ready to start'],
         ),
-        ({'state': PackmlState.IDLE}, ['start --reason "WHY"   lets the cell begin to work']),
+        ({'state': PackmlState.IDLE}, ['cell start --reason "WHY"   lets the cell begin to work']),
         ({'state': PackmlState.IDLE, 'jobs': []}, ['submit ORDER.yaml   gives it a work order']),
         (
             {'state': PackmlState.COMPLETE, 'jobs': []},
             ['submit ORDER.yaml   gives it a work order'],
         ),
-        ({'state': PackmlState.COMPLETE}, ['reset --reason "WHY"   gets the cell ready to start']),
+        (
+            {'state': PackmlState.COMPLETE},
+            ['cell reset --reason "WHY"   gets the cell ready to start'],
+        ),
         ({'state': PackmlState.EXECUTE}, []),
         ({'state': PackmlState.STOPPED, 'holds': [statuses.hold()]}, []),
     ],
@@ -195,7 +204,7 @@ def test_why_a_component_can_be_sent_nothing(component: ComponentStatus, said: s
         ),
         (
             {'answers': ('resume',), 'task': None, 'item': None, 'section': None},
-            ['bt-orchestrator resume --hold 1 --reason "WHY"'],
+            ['bt-orchestrator cell resume --hold 1 --reason "WHY"'],
         ),
         ({'answers': ('retry',)}, ['bt-orchestrator answer 1 retry --reason "WHY"']),
         ({'answers': ()}, []),
@@ -259,11 +268,11 @@ def test_7_1_a_reader_is_offered_the_answers_of_the_role(
 def test_7_1_the_next_command_names_who_may_give_it() -> None:
     status = statuses.status(state=PackmlState.ABORTED, unauthenticated_role=Role.OPERATE)
     said = [line.strip() for line in words.status_lines(status, NODE)]
-    clear = 'bt-orchestrator clear --as-shown 7 --reason "WHY"   if the belt is as shown here'
+    clear = 'bt-orchestrator cell clear --as-shown 7 --reason "WHY"   if the belt is as shown here'
     assert f'next: an engineer may: {clear}' in said
     status = statuses.status(state=PackmlState.STOPPED, unauthenticated_role=Role.OPERATE)
     said = [line.strip() for line in words.status_lines(status, NODE)]
-    assert 'next: bt-orchestrator reset --reason "WHY"   gets the cell ready to start' in said
+    assert 'next: bt-orchestrator cell reset --reason "WHY"   gets the cell ready to start' in said
 
 
 def test_a_node_of_another_name_stands_in_the_command() -> None:
@@ -327,12 +336,12 @@ def test_a_job_that_needs_a_component_out_of_service_says_so_and_what_can_be_don
     assert not any('queue stop' in line for line in words.status_lines(status, NODE))
     running = statuses.job(unavailable=('arm', 'belt'), started_at=3.0)
     lines = list(words.status_lines(statuses.status(jobs=[running]), NODE))
-    offered = f'stop it (queue stop {running.id}) and queue the rest anew'
+    offered = f'stop it (job stop {running.id}) and queue the rest anew'
     assert any('needs arm and belt' in line and offered in line for line in lines)
     for more, way in (
-        ({}, 'to make the rest without it now: queue requeue WO-1'),
-        ({'started': 10}, 'or aborts it (queue abort WO-1)'),
-        ({'ending': 'stopping'}, 'or aborts it (queue abort WO-1)'),
+        ({}, 'to make the rest without it now: job requeue WO-1'),
+        ({'started': 10}, 'or aborts it (job abort WO-1)'),
+        ({'ending': 'stopping'}, 'or aborts it (job abort WO-1)'),
     ):
         job = statuses.job(unavailable=('arm',), started_at=3.0, by_recipe=True, **more)
         told = '\n'.join(words.status_lines(statuses.status(jobs=[job]), NODE))

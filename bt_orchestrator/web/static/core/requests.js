@@ -24,7 +24,7 @@ export function meaningOf(offer, parameter) {
 
 /** Verbs of the command line, and answers, where the node names them in a sentence. */
 const VERB =
-  /\b(?:bt-orchestrator ([a-z-]+)(?: [^;,.()]*)?|(remove-item) \S+|(mark_done|abort_job)\b|(?<=\b(?:with|say) )([a-z_]+)\b(?! \d))/g;
+  /\b(?:bt-orchestrator (?:(?:cell|component) )?([a-z-]+)(?: [^;,.()]*)?|(remove-item) \S+|(mark_done|abort_job)\b|(?<=\b(?:with|say) )([a-z_]+)\b(?! \d))/g;
 const KINDS = ['cell', 'item', 'component', 'script', 'hold'];
 
 /** A message of the node, with the words of the buttons here in place of verbs of the command line. */

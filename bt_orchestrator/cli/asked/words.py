@@ -1,18 +1,9 @@
-"""Help of the verbs that make requests to a cell, from the table of requests."""
+"""Help of a request, from its declaration."""
 
 from __future__ import annotations
 
-from bt_orchestrator.model.requests import About, Request, Why, of_word
+from bt_orchestrator.model.requests import Request, Why
 from bt_orchestrator.model.roles import Role
-
-
-def request_of(verb: str) -> Request:
-    """Return what a verb asks for, for instance remove-item."""
-    word = verb.replace('-', '_')
-    subjects = (About.CELL, About.ITEM, About.COMPONENT, About.SCRIPT)
-    request = next(filter(None, (of_word(about, word) for about in subjects)), None)
-    assert request is not None, f'{verb} asks for nothing of the table'
-    return request
 
 
 def in_one_line(request: Request) -> str:

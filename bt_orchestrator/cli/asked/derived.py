@@ -1,0 +1,126 @@
+"""An action of the command line, derived from the declaration of its request."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+from bt_orchestrator.cli.action import Action
+from bt_orchestrator.cli.asked.typed import TYPED, one_word
+from bt_orchestrator.cli.asked.words import in_one_line, what_to_know
+from bt_orchestrator.cli.door import ask_and_print
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options
+from bt_orchestrator.model.pauses import NAMED
+from bt_orchestrator.model.requests import (
+    About,
+    Kind,
+    Parameter,
+    Request,
+    Why,
+    of_word,
+    words_about,
+)
+
+_NO_LOCKOUT = (
+    'It protects nobody at the machine: lock out its energy before you reach into the machine.'
+)
+
+_MORE: Mapping[str, str] = {
+    'cell.clear': 'Look at the belt and at `status`. If they agree, name the seq that `status` '
+    'prints; it is refused if the belt has changed since. Otherwise name what stands in every '
+    'slot. An item that is not there any more is taken out. Any other difference is refused, '
+    'with what to do about it.',
+    'cell.resume': 'Without an option it releases your own pauses. The cell goes on when no pause '
+    f'and no other hold is left. The holds {", ".join(sorted(NAMED))} ask somebody to look at the '
+    'line first: each is released only by --hold.',
+    'component.out_of_service': _NO_LOCKOUT,
+    'component.in_service': _NO_LOCKOUT,
+    'script.release_script': 'The release is for the cell file that the node runs with. Read the '
+    'script before. `generate ... --release` generates a script and releases it.',
+}
+"""What a user should know besides what is declared."""
+
+_EITHER = {'cell.clear': True, 'cell.resume': False}
+"""Requests with parameters that exclude each other, and whether one is needed."""
+
+
+def actions_about(about: About) -> dict[str, Action]:
+    """Return the action of each word that is asked of a subject."""
+    actions = {}
+    for word in words_about(about):
+        request = of_word(about, word)
+        assert request is not None
+        action = of_request(request)
+        same = action._replace(effect=f'the same as {request.word}')
+        actions[one_word(word)] = action if word == request.word else same
+    return actions
+
+
+def of_request(request: Request) -> Action:
+    """Return what a user types for a request."""
+    declare, run = partial(_declare, request), partial(run_request, request)
+    return Action(declare, run, in_one_line(request))
+
+
+def _declare(request: Request, parser: argparse.ArgumentParser) -> None:
+    parser.description = ' '.join([what_to_know(request), _MORE.get(request.name, '')]).strip()
+    options: argparse._ActionsContainer = parser
+    if request.name in _EITHER:
+        options = parser.add_mutually_exclusive_group(required=_EITHER[request.name])
+    for one in request.parameters:
+        flag, settings = TYPED.get(f'{request.name}.{one.name}', ('', {}))
+        settings = {'help': one.meaning, **_by_kind(one), **settings}
+        if one.is_required:
+            parser.add_argument(one.name, **settings)
+        else:
+            options.add_argument(flag or f'--{one_word(one.name)}', dest=one.name, **settings)
+    add_answer_options(parser, request)
+
+
+def add_answer_options(parser: argparse.ArgumentParser, request: Request) -> None:
+    """Declare who asks which node, and how the answer is printed."""
+    parser.add_argument('--json', action='store_true', help='print the answer as JSON')
+    add_who_options(parser, required=request.why is Why.FIRST)
+    add_node_options(parser)
+
+
+def _by_kind(one: Parameter) -> dict[str, Any]:
+    name = one_word(one.name).upper()
+    if one.kind is Kind.YES_NO:
+        return {'action': 'store_true'}
+    return {'metavar': name, **({'type': _whole(one)} if one.kind is Kind.WHOLE else {})}
+
+
+def _whole(one: Parameter) -> Any:
+    low, high = one.span
+
+    def whole(text: str) -> int:
+        digits = text.removeprefix('-') if low < 0 else text
+        is_number = digits.isascii() and digits.isdecimal() and len(digits) < 21
+        if not is_number or not low <= int(text) <= high:
+            wanted = f'expected a whole number from {low} to {high}'
+            raise argparse.ArgumentTypeError(f'{wanted}, found {text!r}')
+        return int(text)
+
+    return whole
+
+
+def run_request(request: Request, args: argparse.Namespace) -> int:
+    """Ask what was typed; returns 1 when it was refused."""
+    return ask_and_print(args, request.name, as_json=args.json, **given(request, args))
+
+
+def given(request: Request, args: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments of a request that were typed."""
+    values = {one: getattr(args, one.name) for one in request.parameters}
+    typed = {one: value for one, value in values.items() if not _is_none(one, value)}
+    return {
+        one.name: dict(value) if one.kind is Kind.VALUES else value for one, value in typed.items()
+    }
+
+
+def _is_none(one: Parameter, value: object) -> bool:
+    """Tell whether nothing is meant: 0 is none where numbers begin with it."""
+    return value is None or (value in (0, '') and not one.is_required and one.span[0] == 0)

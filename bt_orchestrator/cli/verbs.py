@@ -1,0 +1,214 @@
+"""The verbs of the program, and what a command line of theirs means."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable, Mapping, Sequence
+from types import ModuleType
+from typing import NamedTuple
+
+from bt_orchestrator.cli.action import Action
+from bt_orchestrator.cli.asked.words import in_one_line
+from bt_orchestrator.cli.command_parser import CommandParser
+from bt_orchestrator.extending import EXTENSIONS
+from bt_orchestrator.model.requests import CELL, TABLE, About, Request, words_about
+
+PROGRAM = 'bt-orchestrator'
+
+GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
+    'set up a cell and its products': {
+        'new-cell': ('new_cell', "write the first cell file, script and order of one's own cell"),
+        'check': ('check', 'name every mistake of scripts and their cell, with places and hints'),
+        'generate': ('generating.verb', 'write the script of a recipe for a cell'),
+        'render': ('render', 'draw a script for review: SVG, PNG or PDF'),
+        'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),
+        'release-script': ('asked.derived', ''),
+    },
+    'run the cell': {
+        'demo': (
+            'demo.verb',
+            'run a simulated cell, its node and an order, with a live view',
+        ),
+        'sim-cell': ('sim_cell', 'serve each component as a simulated ROS 2 action server'),
+        'run': ('run', 'run the tree node of a cell: it takes orders and carries them out'),
+        'page': ('page.verb', 'serve the operator page of a node, for any browser'),
+        'opcua': ('opcua.verb', 'serve a node over OPC UA, for an MES or a SCADA'),
+    },
+    'give it work': {
+        'submit': ('submit', 'give work orders to a node'),
+        'queue': ('queue', 'list the jobs of a node, or add work orders to them'),
+        'job': (
+            'asked.job',
+            'change, hold or end one job: move, update, hold, pause, stop, abort',
+        ),
+        'what-if': ('what_if', 'say when jobs would end after some requests, and request nothing'),
+    },
+    'see what it does': {
+        'status': ('status', 'print how a cell stands'),
+        'watch': ('watch', 'show a node on the terminal, as it changes'),
+        'events': ('events', 'print the events of a node as they come, or those of a journal'),
+    },
+    'decide': {
+        'answer': ('answer', 'answer a hold: a task that failed, or whatever waits for a person'),
+        'cell': (
+            'asked.cell',
+            'command the cell: reset, start, pause, resume, stop, abort, clear',
+        ),
+        'component': ('asked.component', 'take a component out of service, or bring it back'),
+        'remove-item': ('asked.derived', ''),
+        'request': ('request', 'make any request to the cell by its name, or list all requests'),
+    },
+    'look back': {
+        'history': ('history.verb', 'print the jobs of a journal, their items and their events'),
+        'report': ('reporting.verb', 'account for a shift, a day or a job: output and lost time'),
+        'journal': ('journal', 'restore a backup of a journal'),
+    },
+    'maintain': {
+        'doctor': ('doctor', 'check this machine and the cell on it, and say what to do'),
+        'user': ('user', 'manage the users of pages and OPC UA servers, and their roles'),
+        'completion': ('completion', 'print what makes bash, zsh or fish complete command lines'),
+    },
+}
+"""What a person wants to do: module and one line of help of each verb.
+
+A module has `add_arguments` and `run`, or `ACTIONS` with those of each. A verb without a line of
+help is a request of the table.
+"""
+
+VERBS: Mapping[str, tuple[str, str]] = {
+    verb: about for group in GROUPS.values() for verb, about in group.items()
+}
+
+_MOVED: Mapping[tuple[str, ...], tuple[str, str]] = {
+    **{(one.word,): ('cell', one.word) for one in CELL.values()},
+    **{
+        (typed,): ('component', typed)
+        for typed in (word.replace('_', '-') for word in words_about(About.COMPONENT))
+    },
+    **{('queue', word): ('job', word) for word in words_about(About.JOB)},
+    ('queue', 'stop-after'): ('cell', 'stop-after'),
+}
+"""Old forms, which still work, and the new ones."""
+
+_HELP = ('-h', '--help')
+
+
+class Command(NamedTuple):
+    """What a command line asks for, and its other words."""
+
+    words: tuple[str, ...]
+    """The verb, and its action if it has any."""
+    action: Action
+    rest: Sequence[str]
+    typed: tuple[str, ...]
+    """What was typed for `words`, if it is an old form; else the same."""
+
+    @property
+    def name(self) -> str:
+        """As a person types it."""
+        return ' '.join(self.words)
+
+    def parser(self) -> CommandParser:
+        """Return what reads the rest."""
+        parser = CommandParser(prog=f'{PROGRAM} {self.name}')
+        self.action.add_arguments(parser)
+        return parser
+
+
+def command_of(words: Sequence[str]) -> Command:
+    """Return the command that a command line asks for.
+
+    :param words: the first is a verb, or an old form of one
+    :raises SystemExit: help for a group of actions was asked for, or its action is wrong
+    """
+    verb, *rest = words
+    typed: tuple[str, ...] = (verb,)
+    if verb in VERBS and (actions := actions_of(verb)):
+        place = _place_of_action(rest, actions)
+        default = getattr(module_of(verb), 'DEFAULT', '')
+        for_help = [] if place is not None else [word for word in rest if word in _HELP]
+        typed = (verb, default if place is None else rest[place])
+        if for_help or (typed not in _MOVED and typed[1] not in actions):
+            group = declare_actions(CommandParser(prog=f'{PROGRAM} {verb}'), verb)
+            group.parse_args(for_help if place is None else rest[place:])
+        rest = [word for at, word in enumerate(rest) if at != place]
+    new = _MOVED.get(typed, typed)
+    return Command(new, action_of(*new), rest, typed)
+
+
+def action_of(verb: str, action: str = '') -> Action:
+    """Return an action of a verb, or what a verb without actions takes and does."""
+    if action:
+        return actions_of(verb)[action]
+    module = module_of(verb)
+    if not VERBS[verb][1]:
+        made: Action = module.of_request(_request(verb))
+        return made
+    return Action(module.add_arguments, module.run)
+
+
+def is_verb(word: str | None) -> bool:
+    """Tell whether a command line may begin with a word."""
+    return word in VERBS or (word,) in _MOVED
+
+
+def actions_of(verb: str) -> Mapping[str, Action]:
+    """Return the actions of a verb; empty: it has none."""
+    return getattr(module_of(verb), 'ACTIONS', {})
+
+
+def declare_actions(
+    parser: CommandParser, verb: str, *, with_options: bool = False
+) -> CommandParser:
+    """Declare the actions of a verb, for help, mistakes and shells; returns the parser."""
+    parser.description = module_of(verb).DESCRIPTION
+    parser.epilog = f'{PROGRAM} {verb} ACTION --help says more about an action'
+    actions = parser.add_subparsers(dest='action', metavar='ACTION', required=True)
+    for name, action in actions_of(verb).items():
+        one = actions.add_parser(name, help=action.effect.replace('%', '%%'))
+        if with_options:
+            action.add_arguments(one)
+    return parser
+
+
+def _place_of_action(words: Sequence[str], actions: Mapping[str, Action]) -> int | None:
+    """Return where the action stands; options may stand before it."""
+    is_value = False
+    with_value: set[str] = set()
+    for place, word in enumerate(words):
+        if not word.startswith('-') and not is_value:
+            return place
+        if not with_value and not is_value:
+            with_value = _options_with_value(actions.values())
+        is_value = word in with_value
+    return None
+
+
+def _options_with_value(actions: Iterable[Action]) -> set[str]:
+    found = set()
+    for action in (*actions, *actions_of('job').values()):  # old forms: queue --as ID requeue
+        parser = CommandParser(add_help=False)
+        action.add_arguments(parser)
+        declared = parser._actions  # noqa: SLF001 - argparse has no other list of them
+        found |= {name for one in declared if one.nargs != 0 for name in one.option_strings}
+    return found
+
+
+def help_line(verb: str) -> str:
+    """Return what a verb does."""
+    return VERBS[verb][1] or in_one_line(_request(verb))
+
+
+def _request(verb: str) -> Request:
+    return next(one for one in TABLE if one.word == verb.replace('-', '_'))
+
+
+def module_of(verb: str) -> ModuleType:
+    """Import a verb; the others are not, for they may need ROS 2, and time.
+
+    :raises ExtensionMissing: it is that of an extension, which is not there
+    """
+    extension = next((one for one in EXTENSIONS if one.verb == verb), None)
+    if extension is not None:
+        extension.demand(with_packages=False)
+    return importlib.import_module(f'bt_orchestrator.cli.{VERBS[verb][0]}')
