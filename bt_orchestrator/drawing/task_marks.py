@@ -74,8 +74,7 @@ def held_mark(hold: Hold, wording: Wording = ENGLISH) -> TaskMark:
     """Return the mark of a held task, with the answers that are possible."""
     say = wording.say
     answers = ' | '.join(map(wording.answer, hold.answers))
-    message = wording.message(hold.message_words, hold.message)
-    said = wording.failure(hold.reason, message, hold.controller_said, hold.topic_says)
+    said = wording.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
     why = ', '.join(filter(None, (said, _attempt(hold, say))))
     return TaskMark(
         Mark.HELD,
@@ -83,7 +82,10 @@ def held_mark(hold: Hold, wording: Wording = ENGLISH) -> TaskMark:
         '; '.join(
             filter(
                 None,
-                (say('{why}; answer with {answers}', why=why, answers=answers), hold.answers_why),
+                (
+                    say('{why}; answer with {answers}', why=why, answers=answers),
+                    wording.message(hold.answers_why),
+                ),
             )
         ),
     )

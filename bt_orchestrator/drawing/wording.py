@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from bt_orchestrator.drawing.line_state import Mark
 from bt_orchestrator.model.hold_words import hold_name, why_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.wait import Wait
-from bt_orchestrator.model.words import Words
 
 
 class Wording:
@@ -41,12 +38,9 @@ class Wording:
         """Say what something waits for."""
         return wait.reason
 
-    def message(self, told: Sequence[Words], otherwise: str) -> str:  # noqa: ARG002
-        """Say a message of the node.
-
-        :param otherwise: the same in English
-        """
-        return otherwise
+    def message(self, message: str) -> str:
+        """Say a message of the node, which is in English."""
+        return message
 
     def failure(
         self, reason: str, message: str, controller_said: str = '', topic_says: str = ''

@@ -11,7 +11,7 @@ from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.script import Repeat, Task, index_task
 from bt_orchestrator.model.state import CellState, JobState, TaskState
-from bt_orchestrator.model.words import OR, OVERRUN, SLOT_OCCUPIED, Words
+from bt_orchestrator.model.words import OR, OVERRUN, SLOT_OCCUPIED, Words, sentence
 
 SHUTDOWN = 'shutdown'
 """Cancel cause after which a task is held whatever its policy (semantics 2.6)."""
@@ -60,8 +60,8 @@ def _why_no_round(state: CellState, key: e.TaskKey) -> str | None:
     assert key.job is not None
     assert key.item is not None
     if state.jobs[key.job].aborting:
-        return 'the job is being aborted'
-    return 'rounds are for good items' if state.items[key.item].rejected else None
+        return sentence('aborting')
+    return sentence('good_items') if state.items[key.item].rejected else None
 
 
 def begin_round(state: CellState, key: e.TaskKey) -> e.RoundBegun:
@@ -179,7 +179,10 @@ def why_not_offered(state: CellState, key: e.TaskKey, task: Task) -> str:
     for answer, obstacle in _obstacles(state, key, task):
         if obstacle:
             by_obstacle.setdefault(obstacle, []).append(answer)
-    return '; '.join(f'no {" or ".join(named)}: {why}' for why, named in by_obstacle.items())
+    return '; '.join(
+        sentence('no_answers', answers=' or '.join(named), words=why)
+        for why, named in by_obstacle.items()
+    )
 
 
 _NEVER = ''
@@ -191,30 +194,30 @@ def _obstacles(state: CellState, key: e.TaskKey, task: Task) -> Iterator[tuple[s
     if key.job is None:
         aborts = any(not job.aborting for job in _jobs_on_the_belt(state))
         yield from ((RETRY, None), (MARK_DONE, None))
-        yield ABORT_JOB, None if aborts else 'no job on the belt is left to abort'
+        yield ABORT_JOB, None if aborts else sentence('none_to_abort')
         return
     failed = state.tasks[key]
     unknown = _what_is_unknown(key, task) if _is_open(failed, task) else None
     again = _why_not_again(state, key, task)
     # A missing result would be missing again.
     is_missing = failed.reason is Reason.MISSING_RESULT
-    yield RETRY, again or ('the result would be missing again' if is_missing else None)
+    yield RETRY, again or (sentence('missing_again') if is_missing else None)
     yield AGAIN, _NEVER if _repeat(state, key) is None else again or _why_no_round(state, key)
     yield MARK_DONE, None
     would_stay = task.qty_change == -1 and again is None
-    yield SKIP, 'the item would not leave the belt' if would_stay else None
+    yield SKIP, sentence('would_stay') if would_stay else None
     yield REJECT, unknown or _why_not_rejected(state, key)
     is_aborting = state.jobs[key.job].aborting
-    yield ABORT_JOB, unknown or ('the job is being aborted' if is_aborting else None)
+    yield ABORT_JOB, unknown or (sentence('aborting') if is_aborting else None)
 
 
 def _why_not_again(state: CellState, key: e.TaskKey, task: Task) -> str | None:
     """Say why no further attempt makes sense (semantics 4.3, 7.1)."""
     failed = state.tasks[key]
     if _is_open(failed, task) and failed.cancel_cause == ABORT_JOB:
-        return 'the task was cancelled with its job'
+        return sentence('cancelled_with_job')
     skipped = effects.why_skipped(state, key, task)
-    return None if skipped is None else f'the task would be skipped ({skipped})'
+    return None if skipped is None else sentence('would_be_skipped', why=skipped)
 
 
 def _why_not_rejected(state: CellState, key: e.TaskKey) -> str | None:
@@ -223,20 +226,16 @@ def _why_not_rejected(state: CellState, key: e.TaskKey) -> str | None:
         return _NEVER
     item, tasks = state.items[key.item], state.script(key.job).sections[key.section]
     if item.rejected:
-        return 'the item is rejected already'
+        return sentence('rejected')
     if not item.present or item.gone:
-        return 'the item is not on the belt'
+        return sentence('not_there')
     in_turn = (task.id for step in tasks.steps[: tasks.turn_steps] for task in step.tasks)
-    return None if key.task in in_turn else 'the section has released the belt'
+    return None if key.task in in_turn else sentence('belt_released')
 
 
 def _what_is_unknown(key: e.TaskKey, task: Task) -> str:
-    return f'it is not known whether {key.item} was {_moved(key, task)}'
-
-
-def _moved(key: e.TaskKey, task: Task) -> str:
-    """Say what a task with `qty_change` does to its item."""
-    return f'{"placed in" if task.qty_change == 1 else "taken out of"} section {key.section}'
+    moved = 'placed' if task.qty_change == 1 else 'taken_out'
+    return sentence(f'{moved}_unknown', item=key.item, section=key.section)
 
 
 def _wanted(state: CellState, key: e.TaskKey) -> Words | None:

@@ -9,6 +9,7 @@ from typing import Any
 
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.frozen import made_at_once
+from bt_orchestrator.model.words import sentence
 
 SERVER_TIMEOUT_S = 5.0
 """Seconds that a request waits for a server that is not there."""
@@ -54,7 +55,7 @@ class Reason(Enum):
     IN_DOUBT = 'in_doubt'
 
 
-WITHDRAWN = 'withdrawn before it was sent'
+WITHDRAWN = sentence('withdrawn')
 """Message of a goal that was cancelled while it waited for its server."""
 
 

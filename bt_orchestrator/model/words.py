@@ -1,18 +1,22 @@
 """Sentences of the node as facts, from which each language can word them.
 
 This is the catalogue of their English; `web/static/strings` has it in the languages of the page.
+A sentence is made of its facts, and `facts_of` reads them out of it again: records keep sentences.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import string
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 OVERRUN, SLOT_OCCUPIED = 'overrun', 'slot_occupied'
 """Reasons of holds that say it all: also the kinds of their sentences."""
 
 SENTENCES: Mapping[str, str] = {
     'said': '{words}',
+    # contests, and questions about held tasks
     'several_servers': '{count} servers of {action}: {servers}; stop all but one',
     'foreign_goal': 'it runs goal {goals}, which no task here waits for',
     'foreign_goals': 'it runs goals {goals}, which no task here waits for',
@@ -22,11 +26,69 @@ SENTENCES: Mapping[str, str] = {
     OVERRUN: 'the belt would carry {item} out of section {section}',
     SLOT_OCCUPIED: '{there} stands where {item} would be placed',
     'hold': 'hold {hold}',
+    # pauses that must be named
+    'unfinished': 'unfinished jobs: {jobs}, goals in flight: {goals}',
+    'restored': 'the journal is a copy that ends with event {seq} of {time}; {words}. '
+    'Compare belt and queue with what was done since, before anything starts',
+    'missing': '{what}. The journal ends with event {seq} of {time}; {words}. Items may be '
+    'further than it says, or packed: compare belt, counts and queue with the line, before '
+    'anything starts',
+    'unknown_goal': '{server} runs goal {goal}, accepted {time} by its clock, for which no task '
+    'waits in the journal: the line may be further than the journal says. Compare belt and queue, '
+    'and see to it that the goal ends, before anything starts',
+    'twins': '{count} nodes answer as {name}, stop all but one: {words}',
+    'twin_place': 'process {process} on {host}, with cell {cell}, since {time}',
+    # why the line stands still
+    'stopped': 'the cell was stopped',
+    'starved': '{task} waits for {topic}',
+    # ends of attempts
+    'no_end': 'no end came within {seconds} s of the cancel request ({cause})',
+    'after_restart': 'after a restart of the orchestrator: {words}',
+    'foreign_cancel': 'cancelled by somebody else: another client, an HMI, or the controller '
+    'itself',
+    'after_abort_canceled': 'after an abort of the cell: the controller cancelled the goal as '
+    'asked; how far it came is not known',
+    'after_abort_aborted': 'after an abort of the cell: the controller ended the goal as aborted; '
+    'how far it came is not known',
+    'withdrawn': 'withdrawn before it was sent',
+    'no_server': 'no server of {action} within {seconds} s',
+    'refused': 'refused by the server',
+    'others_goal': 'it runs a goal of another client, {goal}',
+    'not_sent': 'not sent: {words}',
+    'not_known': 'the server does not know the goal (any more)',
+    'silent': 'the server of {action} is there and does not answer',
+    'gone': 'the server of {action} is gone',
+    'refused_result': 'expected {wanted}; found {found}',
+    'long_serial': 'expected a serial of at most {most} characters; found {found}',
+    'serial_here': 'the serial {serial} is of {item}, which is in work; if this is the same item '
+    'again, mark_done with the result {result}',
+    'serial_before': 'the serial {serial} is in the history; if this is the same item again, '
+    'mark_done with the result {result}',
+    # why answers are not offered
+    'no_answers': 'no {answers}: {words}',
+    'none_to_abort': 'no job on the belt is left to abort',
+    'missing_again': 'the result would be missing again',
+    'would_stay': 'the item would not leave the belt',
+    'aborting': 'the job is being aborted',
+    'good_items': 'rounds are for good items',
+    'cancelled_with_job': 'the task was cancelled with its job',
+    'would_be_skipped': 'the task would be skipped ({why})',
+    'rejected': 'the item is rejected already',
+    'not_there': 'the item is not on the belt',
+    'belt_released': 'the section has released the belt',
+    'placed_unknown': 'it is not known whether {item} was placed in section {section}',
+    'taken_out_unknown': 'it is not known whether {item} was taken out of section {section}',
 }
 """By kind. `said`: words of a device or a person, or others that are known in words only."""
 
-OR = ' | '
-"""Between possible answers."""
+OR, AND = ' | ', '; '
+"""Between possible answers; between sentences."""
+
+_LONGEST, _MOST_PARTS = 4, 40
+"""Parts of one sentence that has `; ` itself; of a message, beyond which nothing is looked for."""
+
+_FREE = ('words', 'what')
+"""Places of what may be several sentences itself."""
 
 
 @dataclass(frozen=True)
@@ -45,4 +107,86 @@ class Words:
         :param or_: its word between alternatives
         """
         answers = self.values.get('answers', '').replace(OR, f' {or_} ')
-        return sentences[self.kind].format(**{**self.values, 'answers': answers})
+        inner = {
+            name: text_of(facts_of(value), value, sentences, or_)
+            for name, value in self.values.items()
+            if name in _FREE
+        }
+        return sentences[self.kind].format(**{**self.values, 'answers': answers, **inner})
+
+
+def text_of(facts: Sequence[Words], otherwise: str, sentences: Mapping[str, str], or_: str) -> str:
+    """Return a message in a language.
+
+    :param otherwise: the same in English, where the language lacks a sentence
+    """
+    if not facts or not {one.kind for one in facts} <= sentences.keys():
+        return otherwise
+    return AND.join(one.text(sentences, or_) for one in facts)
+
+
+def sentence(kind: str, **values: object) -> str:
+    """Return a sentence of the catalogue in English."""
+    return SENTENCES[kind].format(**values)
+
+
+@lru_cache(maxsize=256)
+def facts_of(message: str) -> tuple[Words, ...]:
+    """Return the facts of a message that was made of sentences; empty: it has none of these."""
+    parts, found = message.split(AND)[:_MOST_PARTS], list[Words]()
+    while parts:
+        runs = ((size, _read(AND.join(parts[:size]))) for size in range(_LONGEST, 0, -1))
+        said = Words('said', {'words': parts[0]})
+        size, known = next(((size, one) for size, one in runs if one), (1, said))
+        found.append(known)
+        del parts[:size]
+    is_whole = message.count(AND) < _MOST_PARTS
+    return tuple(found) if is_whole and any(one.kind != 'said' for one in found) else ()
+
+
+def _read(text: str) -> Words | None:
+    """Return the sentence that a text is; of several, the one with the most words of its own."""
+    return next(
+        (
+            Words(kind, values)
+            for kind, pieces in _PIECES.items()
+            if (values := _values(pieces, text)) is not None
+        ),
+        None,
+    )
+
+
+def _values(pieces: Sequence[tuple[str, str | None]], text: str) -> dict[str, str] | None:
+    """Return what stands in the places of a sentence; None: the text is another one."""
+    values: dict[str, str] = {}
+    at, name = 0, None
+    for literal, following in pieces:
+        is_last = following is None
+        start = at
+        if name is not None:
+            start = len(text) - len(literal) if is_last else text.find(literal, at + 1)
+        if start < at or not text.startswith(literal, start):
+            return None
+        if name is not None:
+            values[name] = text[at:start]
+        at, name = start + len(literal), following
+    if any(not value or (AND in value and name not in _FREE) for name, value in values.items()):
+        return None
+    if 'answers' in values:
+        values['answers'] = values['answers'].replace(' or ', OR)
+    return values if at == len(text) else None
+
+
+def _pieces(template: str) -> list[tuple[str, str | None]]:
+    """Return each piece of a sentence with the place behind it, the last one without."""
+    pieces = [(literal, name) for literal, name, _, _ in string.Formatter().parse(template)]
+    return pieces if pieces[-1][1] is None else [*pieces, ('', None)]
+
+
+_PIECES = {
+    kind: _pieces(text)
+    for kind, text in sorted(
+        SENTENCES.items(), key=lambda one: -len(''.join(part for part, _ in _pieces(one[1])))
+    )
+    if kind != 'said'
+}

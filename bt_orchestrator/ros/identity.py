@@ -21,6 +21,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.limits import PLACE, cut
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ros.executor.handles import subscription
 from bt_orchestrator.ros.qos import LATCHED, publisher, subscribe
 from bt_orchestrator.ros.stamps import to_time
@@ -141,14 +142,12 @@ def in_words(name: str, identities: Sequence[Identity]) -> str:
     if len(identities) < 2:
         return ''
     places = '; '.join(map(where, identities))
-    return f'{len(identities)} nodes answer as {name}, stop all but one: {places}'
+    return sentence('twins', count=len(identities), name=name, words=places)
 
 
 def where(identity: Identity) -> str:
     """Say where a process is, what it runs and since when."""
     since = datetime.fromtimestamp(identity.started.sec)
-    return (
-        f'process {identity.pid} on {cut(identity.host, PLACE)}, with cell '
-        f'{cut(identity.cell, PLACE)}, '
-        f'since {since:%Y-%m-%d %H:%M:%S}'
-    )
+    host, cell = cut(identity.host, PLACE), cut(identity.cell, PLACE)
+    time = f'{since:%Y-%m-%d %H:%M:%S}'
+    return sentence('twin_place', process=identity.pid, host=host, cell=cell, time=time)

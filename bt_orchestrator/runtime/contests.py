@@ -9,6 +9,7 @@ from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import SeenContest
 from bt_orchestrator.model.pauses import UNKNOWN_GOAL
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.runtime.looks import in_utc, to_be_named
 
 
@@ -40,9 +41,5 @@ def _is_asked(state: CellState, goal: str) -> bool:
 
 def _message(state: CellState, news: SeenContest, goal: str) -> str:
     action = state.cell.components[news.component].action
-    at = f' at {news.node}' if news.node else ''
-    return (
-        f'{action}{at} runs goal {goal}, accepted {in_utc(news.before[goal])} by its clock, for '
-        'which no task waits in the journal: the line may be further than the journal says. '
-        'Compare belt and queue, and see to it that the goal ends, before anything starts'
-    )
+    server = f'{action} at {news.node}' if news.node else action
+    return sentence('unknown_goal', server=server, goal=goal, time=in_utc(news.before[goal]))

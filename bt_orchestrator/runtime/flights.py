@@ -18,6 +18,7 @@ from bt_orchestrator.model.goal import (
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.uptime import seconds_between
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
 from bt_orchestrator.runtime import contests
 from bt_orchestrator.runtime.goal_ends import TIMEOUT, failed, of_end
@@ -154,7 +155,7 @@ class Flights:
             self._ledger.record([asked])
             return
         self._given_up[uuid] = self._goals.pop(uuid)
-        message = f'no end came within {GRACE_S:g} s of the cancel request ({task.cancel_cause})'
+        message = sentence('no_end', seconds=f'{GRACE_S:g}', cause=task.cancel_cause)
         self._ledger.record([failed(self._ledger.state, key, goal, Reason.IN_DOUBT, message)])
 
     def _of_unknown(self, key: e.TaskKey, goal: Goal, end: GoalEnd) -> e.TaskEvent:
@@ -172,7 +173,7 @@ class Flights:
                 server=self._ledger.server(task.component),
                 uptime=self._ledger.uptime,
             )
-        message = f'after a restart of the orchestrator: {end.message}'
+        message = sentence('after_restart', words=end.message)
         return failed(self._ledger.state, key, goal, Reason.IN_DOUBT, message)
 
     def _may_go_again(self, key: e.TaskKey, end: GoalEnd) -> bool:

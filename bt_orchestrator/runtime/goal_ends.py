@@ -20,6 +20,7 @@ from bt_orchestrator.model.limits import (
     without_longest,
 )
 from bt_orchestrator.model.state import CellState, TaskState
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import Goal
 from bt_orchestrator.runtime.feedback import feedback_text
 
@@ -107,19 +108,17 @@ def _refusal(
 
 def _words(task: TaskState, end: GoalEnd) -> str:
     if _is_foreign_cancel(task, end):
-        who = 'cancelled by somebody else: another client, an HMI, or the controller itself'
+        who = sentence('foreign_cancel')
     elif task.cancel_cause == ABORT and end.status in _AFTER_ABORT and not end.never_begun:
-        who = (
-            f'after an abort of the cell: {_AFTER_ABORT[end.status]}; how far it came is not known'
-        )
+        who = sentence(_AFTER_ABORT[end.status])
     else:
         return end.message
-    return f'{who} ({end.message})' if end.message else who
+    return f'{who}; {end.message}' if end.message else who
 
 
 _AFTER_ABORT = {
-    GoalStatus.CANCELED: 'the controller cancelled the goal as asked',
-    GoalStatus.ABORTED: 'the controller ended the goal as aborted',
+    GoalStatus.CANCELED: 'after_abort_canceled',
+    GoalStatus.ABORTED: 'after_abort_aborted',
 }
 
 

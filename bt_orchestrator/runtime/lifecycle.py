@@ -16,6 +16,7 @@ from bt_orchestrator.model.line import is_complete
 from bt_orchestrator.model.packml import TRANSITIONS, Cause, PackmlState
 from bt_orchestrator.model.state import CellState, Phase
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.runtime.starvation import Starved
 
 AUTOMATIC = 'an order arrived'
@@ -97,7 +98,7 @@ def _due_reason(state: CellState, outlook: Outlook) -> tuple[StopReason | None, 
         first = next(iter(state.holds.values()))
         return (StopReason.OPERATOR if first.owner else StopReason.OWN_FAULT), hold_name(first)
     if state.packml in _STANDING and _is_interrupted(state):
-        return StopReason.OPERATOR, 'the cell was stopped'
+        return StopReason.OPERATOR, sentence('stopped')
     if outlook.starved is not None and state.packml.begins:
         return outlook.starved.reason, outlook.starved.words
     return None, ''

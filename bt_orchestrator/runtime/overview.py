@@ -23,7 +23,7 @@ from bt_orchestrator.model.status import (
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait
 from bt_orchestrator.model.wish import way_to_work
-from bt_orchestrator.model.words import Words
+from bt_orchestrator.model.words import Words, facts_of
 from bt_orchestrator.runtime.ends_unknown import Unknown
 from bt_orchestrator.runtime.engine import Engine
 from bt_orchestrator.runtime.job_overview import job_status
@@ -169,9 +169,11 @@ class Overview:
 
 
 def _stop_words(state: CellState) -> Words | None:
-    """Return the stop reason as facts, where it is about a hold."""
+    """Return the stop reason as facts; None: it is known in words only."""
     by_hold = state.stop_reason in (StopReason.OPERATOR, StopReason.OWN_FAULT)
-    return Words('hold', {'hold': next(iter(state.holds))}) if state.holds and by_hold else None
+    if state.holds and by_hold:
+        return Words('hold', {'hold': next(iter(state.holds))})
+    return next(iter(facts_of(state.stop_message)), None)
 
 
 def description_of(cell: Cell) -> CellDescription:

@@ -21,6 +21,7 @@ from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.pauses import MISSING, RESTARTED, RESTORED
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import EventStore, Snapshot
 from bt_orchestrator.runtime.looks import in_utc, to_be_named
 from bt_orchestrator.runtime.service import without_component
@@ -187,8 +188,10 @@ class Found(NamedTuple):
     """It was restored from a backup, and nobody has worked on it since."""
     missing: str
     """Which events are missing, in words; empty: none."""
-    end: str
-    """Its last event, in words."""
+    seq: int
+    """Its last event."""
+    time: str
+    """When that happened."""
 
     @classmethod
     def of(cls, state: CellState, store: EventStore) -> Found:
@@ -198,8 +201,7 @@ class Found(NamedTuple):
         if missing:
             log.error('%s', missing)
             store.go_on_after(state.seq)
-        end = f'event {state.seq} of {in_utc(state.time)}'
-        return cls(store.history, is_copy, missing, end)
+        return cls(store.history, is_copy, missing, state.seq, in_utc(state.time))
 
 
 def take_over(
@@ -228,35 +230,16 @@ def take_over(
     waits = [hold for hold in state.pauses if hold.reason == RESTARTED]
     if auto_resume:
         yield from (e.HoldReleased(hold=hold.id) for hold in waits)
-    unfinished = _unfinished(len(state.jobs), goals)
-    if found.is_copy or found.missing:
-        ends_with = f'{found.end}: {unfinished}'
-        yield _to_be_looked_at(state, ends_with, found.missing, is_copy=found.is_copy)
+    unfinished = sentence('unfinished', jobs=len(state.jobs), goals=goals)
+    ends = {'seq': found.seq, 'time': found.time, 'words': unfinished}
+    if found.is_copy:
+        looked_at = sentence('restored', **ends)
+        besides = f'; {found.missing}' if found.missing else ''
+        yield to_be_named(state, RESTORED, f'{looked_at}{besides}')
+    elif found.missing:
+        yield to_be_named(state, MISSING, sentence('missing', what=found.missing, **ends))
     elif state.jobs and not auto_resume and not waits and _would_go_on(state):
         yield to_be_named(state, RESTARTED, unfinished)
-
-
-def _to_be_looked_at(
-    state: CellState, ends_with: str, missing: str, *, is_copy: bool
-) -> e.HoldRaised:
-    """Hold a line that may be ahead of its journal."""
-    if is_copy:
-        looked_at = (
-            f'the journal is a copy that ends with {ends_with}. Compare belt and '
-            'queue with what was done since, before anything starts'
-        )
-        looked_at += f'. Besides, {missing}' if missing else ''
-        return to_be_named(state, RESTORED, looked_at)
-    looked_at = (
-        f'{missing}. The journal ends with {ends_with}. Items may be further than it '
-        'says, or packed: compare belt, counts and queue with the line, before anything starts'
-    )
-    return to_be_named(state, MISSING, looked_at)
-
-
-def _unfinished(jobs: int, goals: int) -> str:
-    unfinished = f'{jobs} unfinished job{"s" if jobs != 1 else ""}'
-    return f'{unfinished}, {goals} goal{"s" if goals != 1 else ""} in flight'
 
 
 _STANDS = (

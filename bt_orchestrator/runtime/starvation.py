@@ -8,6 +8,7 @@ from typing import NamedTuple
 from bt_orchestrator.deadlines import has_come
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.tree.subject import Subject
 
@@ -70,4 +71,4 @@ def _at_an_end(state: CellState, subject: Subject) -> Starved | None:
     if state.readings[subject.task.component].ready:
         return None  # it waits because of a fault, not for material
     topic = state.cell.components[subject.task.component].state
-    return Starved(reason, f'{subject.key} waits for {topic}')
+    return Starved(reason, sentence('starved', task=subject.key, topic=topic))

@@ -20,6 +20,7 @@ from bt_orchestrator.model.goal import (
     SeenContest,
     StateReading,
 )
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.news import News
 from bt_orchestrator.ports import Clock, Timer
 from bt_orchestrator.sim.carrier import Verdict
@@ -241,7 +242,8 @@ class VirtualClient:
 
     def _give_up(self, goal: VirtualGoal) -> None:
         del self._waiting[goal]
-        message = f'no server of {self._component.action} within {self._server_timeout_s:g} s'
+        seconds = f'{self._server_timeout_s:g}'
+        message = sentence('no_server', action=self._component.action, seconds=seconds)
         self.end(goal, GoalEnd(GoalStatus.UNAVAILABLE, message=message))
 
     def _forget_old(self) -> None:

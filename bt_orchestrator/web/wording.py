@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from bt_orchestrator.model.hold_words import why_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.model.words import Words
+from bt_orchestrator.model.words import facts_of, text_of
 
 _STRINGS = Path(__file__).parent / 'static' / 'strings'
 
@@ -43,9 +43,9 @@ def wordings() -> Mapping[str, PageWording]:
     return found
 
 
-def said_in_each(told: Sequence[Words], otherwise: str) -> dict[str, str]:
+def said_in_each(message: str) -> dict[str, str]:
     """Return a message of the node by language; see `PageWording.message`."""
-    return {name: words.message(told, otherwise) for name, words in wordings().items()}
+    return {name: words.message(message) for name, words in wordings().items()}
 
 
 class PageWording(Wording):
@@ -94,15 +94,10 @@ class PageWording(Wording):
         values = {'name': wait.name, 'task': wait.task, 'sections': sections, 'holder': holder}
         return self._word('wait', key).format(**values)
 
-    def message(self, told: Sequence[Words], otherwise: str) -> str:
-        """Say a message of the node.
-
-        :param otherwise: the same in English, for sentences that the page does not know
-        """
+    def message(self, message: str) -> str:
+        """Say a message of the node, which is in English."""
         known = self._strings['message']
-        if not told or not {one.kind for one in told} <= known.keys():
-            return otherwise
-        return '; '.join(one.text(known, known['or']) for one in told)
+        return text_of(facts_of(message), message, known, known['or'])
 
     def failure(
         self, reason: str, message: str, controller_said: str = '', topic_says: str = ''
@@ -113,7 +108,7 @@ class PageWording(Wording):
             self._word('reason', key).format(words=words) if words else ''
             for key, words in given.items()
         )
-        words = '; '.join(filter(None, (said, message, topic)))
+        words = '; '.join(filter(None, (said, self.message(message), topic)))
         return why_words(self._word('reason', reason), words)
 
     def passed(self, reason: str) -> str:
@@ -127,8 +122,7 @@ class PageWording(Wording):
     def hold(self, hold: Hold) -> str:
         """Name a hold."""
         name = self._word('chain', 'hold').format(name=hold.id)
-        message = self.message(hold.message_words, hold.message)
-        why = self.failure(hold.reason, message, hold.controller_said, hold.topic_says)
+        why = self.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
         return f'{name} ({why})'
 
     def answer(self, word: str) -> str:

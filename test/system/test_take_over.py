@@ -74,7 +74,7 @@ def test_9_2_without_auto_resume_it_waits_and_says_what_it_found(
 
     hold = cell.watch.until_held()
     assert (hold.reason, list(hold.answers)) == ('restarted', ['resume'])
-    assert hold.message == '1 unfinished job, 1 goal in flight'
+    assert hold.message == 'unfinished jobs: 1, goals in flight: 1'
     plain = ('resume', '--all', '--reason', 'back', '--who', 'Ann', '--timeout', '20')
     refused = ProgramProcess(plain, cell.folder, 'verb_resume_all')
     assert refused.wait() == 1

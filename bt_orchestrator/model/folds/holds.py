@@ -6,10 +6,11 @@ from dataclasses import fields
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.alike import together
-from bt_orchestrator.model.failures import answers, message_words, why_not_offered
+from bt_orchestrator.model.failures import answers, why_not_offered
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Hold, Phase, TaskState
+from bt_orchestrator.model.words import facts_of
 
 _SHARED = {field.name for field in fields(Hold)} & {field.name for field in fields(e.HoldRaised)}
 """Facts of a hold that its event tells by the same name."""
@@ -21,7 +22,7 @@ def hold_of(event: e.HoldRaised) -> Hold:
 
 
 def hold_raised(event: e.HoldRaised, state: CellState) -> None:
-    hold = changed(hold_of(event), message_words=message_words(state, event))
+    hold = changed(hold_of(event), message_words=facts_of(event.message))
     state.holds[hold.id] = hold
     state.holds_raised += 1
     if hold.key is not None:

@@ -11,6 +11,7 @@ from bt_orchestrator.model.limits import SERIAL, cut
 from bt_orchestrator.model.reference import Scope, as_text, look_up, resolve
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import sentence
 
 
 def serial_in(task: Task, results: Mapping[str, Any]) -> str:
@@ -33,7 +34,7 @@ def too_long(serial: str) -> str:
     """Say that a serial is too long; empty: it is not."""
     if len(serial) <= SERIAL:
         return ''
-    return f'expected a serial of at most {SERIAL} characters; found {len(serial)}'
+    return sentence('long_serial', most=SERIAL, found=len(serial))
 
 
 def why_duplicate(state: CellState, item: str, task: Task, serial: str) -> str:
@@ -44,12 +45,10 @@ def why_duplicate(state: CellState, item: str, task: Task, serial: str) -> str:
     if not serial or serial == state.items[item].serial or serial not in state.serials:
         return ''
     here = [one.id for one in state.items.values() if one.serial == serial]
-    where = f'of {here[0]}, which is in work' if here else 'in the history'
-    field = '.'.join(task.identifies)
-    return (
-        f'the serial {serial!r} is {where}; if this is the same item again, mark_done with the '
-        f'result {field}={serial}'
-    )
+    known, result = repr(serial), f'{".".join(task.identifies)}={serial}'
+    if here:
+        return sentence('serial_here', serial=known, item=here[0], result=result)
+    return sentence('serial_before', serial=known, result=result)
 
 
 def lots_of(job: Job) -> dict[str, str]:

@@ -10,6 +10,7 @@ from bt_orchestrator.errors import MissingResult
 from bt_orchestrator.model.condition import Condition, holds
 from bt_orchestrator.model.reference import Scope, as_text, look_up, references, resolve
 from bt_orchestrator.model.script import Task
+from bt_orchestrator.model.words import sentence
 
 
 def why_refused(task: Task, results: Mapping[str, Any], scope: Scope) -> str | None:
@@ -26,7 +27,8 @@ def why_refused(task: Task, results: Mapping[str, Any], scope: Scope) -> str | N
     except MissingResult as missing:
         return str(missing)
     wanted = with_bounds(task.fails_unless, judged)
-    return f'expected {wanted.words}; found {found_words(wanted, judged)}'
+    found = found_words(wanted, judged)
+    return sentence('refused_result', wanted=wanted.words, found=found)
 
 
 def with_bounds(condition: Condition, scope: Scope) -> Condition:

@@ -15,6 +15,7 @@ from bt_orchestrator.model.action_type import TASK, ActionType
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import WITHDRAWN, GoalEnd, GoalRequest, GoalStatus, SeenContest
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.news import News
 from bt_orchestrator.ros.actions.fresh_participant import KEPT_FRESH_S
 from bt_orchestrator.ros.actions.goal import RosGoal
@@ -161,8 +162,9 @@ class ActionLink:
         now = time.monotonic()
         if not self.available and self._clients.may_be_renewed and self._has_waited(_SEEK_S, now):
             self._clients.renew()
-        there = Contest(self._rivals.look()).words(self._action) or f'no server of {self._action}'
-        message = f'{there} within {self._server_timeout_s:g} s'
+        several = Contest(self._rivals.look()).words(self._action)
+        seconds = f'{self._server_timeout_s:g}'
+        message = several or sentence('no_server', action=self._action, seconds=seconds)
         for goal in [goal for goal, until in self._goals.waiting.items() if until <= now]:
             status = GoalStatus.LOST if goal.adopted else GoalStatus.UNAVAILABLE
             self._goals.end(goal, status, message=message)
@@ -202,7 +204,7 @@ class ActionLink:
             else:
                 self._request(goal)
         except ValueError as error:
-            self._goals.end(goal, GoalStatus.REJECTED, message=f'not sent: {error}')
+            self._goals.end(goal, GoalStatus.REJECTED, message=sentence('not_sent', words=error))
         except Exception as error:  # noqa: BLE001 - rclpy's and the middleware's errors
             report(self._logger)
             self._goals.end(goal, GoalStatus.REJECTED, message=f'cannot be sent: {error}')

@@ -13,6 +13,7 @@ from action_msgs.msg import GoalStatus as WireStatus
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from bt_orchestrator.model.goal import REQUEST_CHECKS, RESULT_CHECK_S, GoalStatus
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ros.actions.goal import RosGoal
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.open_goals import GIVEN_UP, OpenGoals
@@ -128,26 +129,26 @@ class GoalFollower:
         goal.unknown_count += 1
         believed = 1 if goal.accepted else REQUEST_CHECKS
         if goal.refused:
-            message = f'refused by the server{self._busy_with()}'
+            message = '; '.join([sentence('refused'), *self._busy_with()])
             self._goals.end(goal, GoalStatus.REJECTED, message=message)
         elif goal.unknown_count >= believed:
             self._goals.end(
                 goal,
                 GoalStatus.LOST,
-                message='the server does not know the goal (any more)',
+                message=sentence('not_known'),
                 denied_by=self._denier(goal),
                 topic_says=self.listed_end(goal),
             )
         else:
             goal.denied_by = self._client.status.publisher_id()
 
-    def _busy_with(self) -> str:
-        """Name a running goal of another client, as the end of a message; else return nothing."""
+    def _busy_with(self) -> list[str]:
+        """Name a running goal of another client, if there is one."""
         goals = (goal for goal in self._client.status.active() if not self._goals.is_ours(goal))
         foreign = next(goals, None)
         if foreign is None:
-            return ''
-        return f'; it runs a goal of another client, {uuid.UUID(bytes=foreign)}'
+            return []
+        return [sentence('others_goal', goal=uuid.UUID(bytes=foreign))]
 
     def _denier(self, goal: RosGoal) -> str | None:
         """Return which server does not know a goal, if it was there at both answers."""

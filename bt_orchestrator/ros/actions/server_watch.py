@@ -7,6 +7,7 @@ import time
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from bt_orchestrator.model.goal import RESULT_CHECK_S, SILENCE_S, GoalStatus
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ros.actions.goal import RosGoal
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.goal_follower import GoalFollower
@@ -103,12 +104,12 @@ class ServerWatch:
             goal.heard_s = now
 
     def _give_up(self, goal: RosGoal) -> None:
-        message = f'the server of {self._action} is there and does not answer'
+        message = sentence('silent', action=self._action)
         says = self._follower.listed_end(goal)
         self._goals.end(goal, GoalStatus.SILENT, message=message, topic_says=says)
 
     def _lose_server(self) -> None:
-        message = f'the server of {self._action} is gone'
+        message = sentence('gone', action=self._action)
         for goal in tuple(self._goals.in_flight):
             self._goals.end(goal, GoalStatus.LOST, message=message)
         self._goals.forget_unanswered()

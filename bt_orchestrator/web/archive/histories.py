@@ -15,6 +15,7 @@ from bt_orchestrator.model.status import CellDescription
 from bt_orchestrator.report.work_history import FOLLOWED, MOST_CYCLES, Cycle, WorkFold
 from bt_orchestrator.web.archive.archive import Look
 from bt_orchestrator.web.archive.scanning import each, event_of
+from bt_orchestrator.web.wording import said_in_each
 
 MOST_RECORDS = 20_000
 """So many of the last records are looked at."""
@@ -65,7 +66,9 @@ def history_of(
     fold.until(now)
     return {
         'cycles': [_cycle(one) for one in reversed(fold.cycles)],
-        'failures': [one._asdict() for one in reversed(fold.failures)],
+        'failures': [
+            {**one._asdict(), 'said': said_in_each(one.message)} for one in reversed(fold.failures)
+        ],
         'running': [one._asdict() for one in fold.in_flight()],
         'time_in': {state: round(seconds, 3) for state, seconds in fold.time_in.items()},
         'tasks': _tasks(fold, described),

@@ -12,6 +12,7 @@ from bt_orchestrator.report.item.reader import item_history
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.web.archive.archive import Look
 from bt_orchestrator.web.archive.scanning import events
+from bt_orchestrator.web.wording import said_in_each
 
 _IDENTIFIED = (e.ItemIdentified.event,)
 
@@ -21,8 +22,10 @@ def item_record(look: Look, item: str) -> dict[str, Any] | None:
     history = item_history(reading(look), item)
     if history is None:
         return None
-    begun = history.started is not None
-    return {**plain_item(history), 'damage': look.damage, 'has_beginning': begun}
+    begun, plain = history.started is not None, plain_item(history)
+    for task in plain['tasks']:
+        task['said'] = said_in_each(task['message'])
+    return {**plain, 'damage': look.damage, 'has_beginning': begun}
 
 
 def reading(look: Look) -> Reading:

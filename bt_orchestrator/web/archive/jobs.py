@@ -12,12 +12,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.codec import plain_but, to_plain
 from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord, all_counts
 from bt_orchestrator.model.records import JobPlace, Wanted
 from bt_orchestrator.report.jobs import FOLLOWED, JobFold
 from bt_orchestrator.web.archive.archive import Look
 from bt_orchestrator.web.archive.scanning import event_of, events, events_of_job
+from bt_orchestrator.web.wording import said_in_each
 
 MOST = 50
 """Most jobs of one answer."""
@@ -61,7 +62,9 @@ def job_with_items(look: Look, job: str) -> dict[str, Any] | None:
         'job': summary(record, is_whole=record.complete),
         'items': list(map(_item, items[-MOST_ITEMS:])),
         'left_out': max(0, len(items) - MOST_ITEMS),
-        'failures': to_plain(record.failures, whole=True),
+        'failures': [
+            {**plain_but(one), 'said': said_in_each(one.message)} for one in record.failures
+        ],
         'has_beginning': record.complete,
         'is_whole': record.complete and not look.damage,
         'why_not': '; '.join(

@@ -55,6 +55,7 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'state_kind': _kind(status),
         'since': status.state_since,
         'stop_reason': status.stop_reason.value if status.stop_reason else '',
+        'stop_said': said_in_each(status.stop_message),
         'wish': _wish_part(status.wish) if status.wish else None,
         'unauthenticated_role': role.value if role else '',
         'initialization': wait_parts(status.initialization, status.holds),
@@ -106,7 +107,7 @@ def hold_part(hold: Hold) -> dict[str, object]:
         'job': hold.job or '',
         'together': list(hold.answers_together),
         'words': hold_words(hold),
-        'said': said_in_each(hold.message_words, hold.message),
+        'said': said_in_each(hold.message),
         'is_pause': hold.is_pause,
         'offers': hold_offers(hold),
     }
@@ -116,10 +117,9 @@ def component_part(
     component: ComponentStatus, described: ComponentDescription | None
 ) -> dict[str, object]:
     """Return a component; its trouble in words."""
-    contest = component.contested_words
     return {
         **plain_but(component),
-        'contested_said': said_in_each((contest,) if contest else (), component.contested),
+        'contested_said': said_in_each(component.contested),
         'sections': list(described.sections) if described else [],
         'trouble': component_trouble(component),
         'offers': component_offers(component),

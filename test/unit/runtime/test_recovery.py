@@ -186,7 +186,7 @@ def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:
     assert second.state.packml is PackmlState.HELD
     assert not second.state.running
     (hold,) = second.state.holds.values()
-    assert (hold.reason, hold.message) == ('restarted', '1 unfinished job, 2 goals in flight')
+    assert (hold.reason, hold.message) == ('restarted', 'unfinished jobs: 1, goals in flight: 2')
 
     answer = second.ask(AnswerHold(hold.id, 'retry', ann()))
     assert answer.message.startswith(f'hold 1 (restarted, {hold.message}) takes no answer; ')

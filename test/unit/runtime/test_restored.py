@@ -48,7 +48,7 @@ def test_9_2_work_of_a_copy_waits_until_somebody_has_looked(
     (hold,) = plant.state.holds.values()
     assert 'a copy that ends with event' in hold.message
     assert 'of 2023-11-14 22:13:' in hold.message
-    assert '2 unfinished jobs, 3 goals in flight' in hold.message
+    assert 'unfinished jobs: 2, goals in flight: 3' in hold.message
     release(plant)
     assert {name: job.progress.packed for name, job in plant.state.ended.items()} == {
         'ON-THE-LINE': 2,

@@ -14,6 +14,7 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.web.scripts.drawing import Drawings
 from bt_orchestrator.web.wording import wordings
 
@@ -89,3 +90,15 @@ def test_states_marks_and_failures_are_said_and_what_a_server_said_stays() -> No
     assert GERMAN.passed('timeout (Too late)') == 'hat zu lange gedauert (Too late)'
     assert GERMAN.passed('rejected item') == 'das Teil ist Ausschuss'
     assert GERMAN.passed('as somebody said') == 'as somebody said'
+
+
+def test_messages_of_the_engine_are_german_on_a_german_page() -> None:
+    restarted = sentence('unfinished', jobs=1, goals=2)
+    assert GERMAN.message(restarted) == 'unfertige Aufträge: 1, laufende Ziele: 2'
+    late = sentence('no_end', seconds=5, cause='timeout')
+    said = GERMAN.failure('in_doubt', f'{late}; arm is blocked')
+    assert 'kein Ende binnen 5 s' in said
+    assert 'arm is blocked' in said
+    why = 'no reject or abort_job: it is not known whether J/1 was placed in section 2'
+    known = 'kein reject oder abort_job: es ist nicht bekannt, ob J/1 in Station 2 eingelegt wurde'
+    assert GERMAN.message(why) == known

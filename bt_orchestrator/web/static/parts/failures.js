@@ -1,5 +1,5 @@
 /** Attempts that failed, as a table. */
-import { at, t, tOr } from '../core/text.js';
+import { at, said, t, tOr } from '../core/text.js';
 import { itemLink } from './links.js';
 import { table } from './table.js';
 
@@ -18,8 +18,9 @@ export function failureTable() {
 }
 
 /** What the controller said, and what the node says of it. */
-function wordsOf({ controller_said: said, message }) {
-  return [said && t('reason.controller_says', { words: said }), message].filter(Boolean).join('; ');
+function wordsOf({ controller_said: words, said: message }) {
+  const controller = words && t('reason.controller_says', { words });
+  return [controller, said(message)].filter(Boolean).join('; ');
 }
 
 /** When it failed: records of jobs and of sections name it differently. */

@@ -63,7 +63,7 @@ function reasonWords(cell) {
     return `${word}: ${what}${hold.message ? ` (${said(hold.said)})` : ''}.${more}`;
   }
   // What a person said is told by their wish.
-  return cell.stop_message && !cell.wish ? `${word}: ${cell.stop_message}.` : `${word}.`;
+  return cell.stop_message && !cell.wish ? `${word}: ${said(cell.stop_said)}.` : `${word}.`;
 }
 
 /** Where a hold is, and of what. */

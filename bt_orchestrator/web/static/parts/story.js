@@ -1,6 +1,6 @@
 /** The record of an item told as a story: what happened to it, in order of time. */
 import { h } from '../core/dom.js';
-import { at, duration, seconds, t, tOr } from '../core/text.js';
+import { at, duration, said, seconds, t, tOr } from '../core/text.js';
 import { againWords } from './again.js';
 import { componentLink, sectionLink } from './links.js';
 import { shape } from '../core/shape.js';
@@ -112,10 +112,10 @@ function task(entry) {
   ];
 }
 
-function outcomeWords({ outcome, seconds: took, reason, message }) {
+function outcomeWords({ outcome, seconds: took, reason, said: message }) {
   if (outcome === 'continued') return t(`item.policy_${reason}`);
   const word = t(`item.outcome_${outcome}`, { took: took === null ? '' : seconds(took) });
-  const why = [reason && reasonWords(outcome, reason), message && `“${message}”`]
+  const why = [reason && reasonWords(outcome, reason), said(message) && `“${said(message)}”`]
     .filter(Boolean)
     .join(' ');
   return why ? `${word}: ${why}` : word;
