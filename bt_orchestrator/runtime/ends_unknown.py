@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import takewhile
+
 from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.jobs.needs import awaited_by
 from bt_orchestrator.model.stands import StandCause, Stands
@@ -40,10 +42,9 @@ class Unknown:
         return f'{name} {" and ".join(found)}' if found else ''
 
     def _of_those_before(self, job: JobState) -> str:
-        """Say what keeps a job on the line before a queued one."""
-        if job.started:
-            return ''
-        return next(filter(None, map(self._of_job, self._state.jobs.line.values())), '')
+        """Say what keeps a job on the line before this one."""
+        before = takewhile(lambda one: one is not job, self._state.jobs.line.values())
+        return next(filter(None, map(self._of_job, before)), '')
 
 
 def _of_all(state: CellState, stands: Stands | None) -> str:

@@ -1,71 +1,56 @@
-"""Scripts of orders by recipe that are generated before a run begins.
+"""Scripts of orders by recipe that are generated between runs.
 
 Generating runs scripts in virtual time itself, and two runs at a time are not for one process.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 from bt_orchestrator.errors import NotRead, Refused
-from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
-from bt_orchestrator.model.requests import ADD, REQUEUE, UPDATE, Asked
+from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.ports import MadeScript
-from bt_orchestrator.script.orders.asked import choice_of
 
 Make = Callable[[RecipeChoice, frozenset[str]], MadeScript | Refused]
 """Generates the script of a recipe, without some components."""
 
 
 class MadeBefore:
-    """Knows what was generated. Implements `ports.Generating`."""
+    """Knows what was generated, and notes what a run lacks. Implements `ports.Generating`."""
 
-    def __init__(
-        self, make: Make | None, choices: Sequence[RecipeChoice], without: frozenset[str]
-    ) -> None:
-        """Generate.
+    def __init__(self, make: Make | None) -> None:
+        """Begin with nothing.
 
         :param make: None: nothing can be generated
-        :param without: components that are out of service now
         """
-        self._without = without
-        self._made = [] if make is None else [(one, make(one, without)) for one in choices]
+        self._make = make
+        self._made: list[tuple[RecipeChoice, frozenset[str], MadeScript | Refused]] = []
+        self._lacking: list[tuple[RecipeChoice, frozenset[str]]] = []
 
     async def make(
         self, choices: Sequence[RecipeChoice], without: frozenset[str]
     ) -> Sequence[MadeScript | Refused]:
         """Return the script of each.
 
-        :raises NotRead: it was not generated, or for other components
+        :raises NotRead: one was not generated
         """
-        known = self._made if without == self._without else []
-        found = [next((made for one, made in known if one == choice), None) for choice in choices]
-        missing = [one.words for one, made in zip(choices, found, strict=True) if made is None]
+        known = [(choice, made) for choice, lost, made in self._made if lost == without]
+        missing = [one for one in choices if all(one != choice for choice, _ in known)]
         if missing:
-            raise NotRead(f'the script of {missing[0]} is not worked out here')
-        return [made for made in found if made is not None]
+            self._lacking += [(one, without) for one in missing]
+            raise NotRead(f'the script of {missing[0].words} is not worked out here')
+        return [next(made for choice, made in known if choice == one) for one in choices]
+
+    @property
+    def lacks(self) -> bool:
+        """Whether a run asked for something in vain that can be generated."""
+        return bool(self._lacking) and self._make is not None
+
+    def generate(self, *more: tuple[RecipeChoice, frozenset[str]]) -> None:
+        """Generate what was asked for in vain, and more."""
+        lacking, self._lacking = [*self._lacking, *more], []
+        if self._make is not None:
+            self._made += [(one, lost, self._make(one, lost)) for one, lost in lacking]
 
     def close(self) -> None:
         """Nothing works."""
-
-
-def choices_in(requests: Sequence[Asked], jobs: Iterable[Job] = ()) -> Iterator[RecipeChoice]:
-    """Yield what scripts have to be made from for some requests, one after the other.
-
-    :param jobs: as they are; a change may name only a part of what it makes a job from
-    """
-    ordered = {job.id: job.recipe for job in jobs}
-    for asked in requests:
-        if asked.request == ADD:
-            orders: Iterable[WorkOrder] = asked.arguments['orders']
-            yield from (order.recipe for order in orders if order.recipe is not None)
-            ordered |= {order.order: order.recipe for order in orders if order.order}
-        elif asked.request == UPDATE:
-            choice, job = choice_of(asked.arguments), str(asked.arguments['job'])
-            if choice is not None:
-                ordered[job] = choice = choice.over(ordered.get(job))
-                yield choice
-        elif asked.request == REQUEUE:
-            made_from = ordered.get(str(asked.arguments['job']))
-            if made_from is not None:
-                yield made_from

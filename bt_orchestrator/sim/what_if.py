@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Any, cast
 
+from bt_orchestrator.asking.anew import WHO, QueueAnew
 from bt_orchestrator.asking.desk_here import DeskHere
 from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.asking.recipes import RecipeOrders
 from bt_orchestrator.errors import Refused, counted
+from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
-from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
+from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.limits import listed
-from bt_orchestrator.model.requests import ADD, REQUEUE, Asked
+from bt_orchestrator.model.requests import ADD, Asked
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
@@ -37,7 +39,7 @@ from bt_orchestrator.script.orders.by_recipe import recipes
 from bt_orchestrator.script.orders.desk import ANY_PATH
 from bt_orchestrator.script.orders.plain_order import bound, mistakes, order_from
 from bt_orchestrator.script.parameter_uses import action_types
-from bt_orchestrator.sim.made_before import MadeBefore, Make, choices_in
+from bt_orchestrator.sim.made_before import MadeBefore, Make
 from bt_orchestrator.sim.run_on import LONGEST_S, RunOn
 
 NOBODY = By('', 'what-if', '')
@@ -68,7 +70,7 @@ class EngineWhatIf:
         self._trees = trees
         self._recipes = recipes
         self._make = make
-        self._made = MadeBefore(None, (), frozenset())
+        self._made = MadeBefore(make)
         self._any_path = any_path
 
     def ask(self, requests: Sequence[Asked]) -> Consequence:
@@ -76,19 +78,19 @@ class EngineWhatIf:
 
         Nothing is done, so anybody may ask anything; the roles decide when it is asked in earnest.
         """
-        if any(choices_in(requests)) or any(asked.request == REQUEUE for asked in requests):
-            with closing(self._begin()) as run:
-                jobs = [job.job for job in run.state.jobs.values()]
-            self._generate([*choices_in(requests, jobs)])
-        with closing(self._begin()) as now:
-            notes = tuple(_unlooked(now.state, requests))
+        with closing(self._after(()).run) as now:
+            notes = [*_unlooked(now.state, requests)]
             names_now = list(now.state.jobs)
             known_now_s = now.go_on(time.monotonic() + LONGEST_S)
-        with closing(self._begin()) as then:
-            refusals = tuple(self._refusals(then, requests))
+        asked = self._after(requests)
+        with closing(asked.run) as then:
+            rests = {one.rest_of: name for name, one in then.state.jobs.items() if one.rest_of}
             names_then = list(then.state.jobs)
             known_then_s = then.go_on(time.monotonic() + LONGEST_S)
-            why_then = {name: then.unknown(name) for name in names_then}
+            why_then = {
+                name: '; '.join(filter(None, [then.unknown(name), asked.not_anew.get(name)]))
+                for name in names_then
+            }
         # Of a long queue one run may come farther: only what both know can be compared.
         by_s = min(known_now_s, known_then_s)
         before = self._ends(names_now, now.ends_s(by_s))
@@ -98,7 +100,8 @@ class EngineWhatIf:
             for one in after
             if one.ends_s is None
         }
-        return Consequence(before, after, refusals, unknown, notes)
+        notes += _with_rests(rests, dict(before), dict(after))
+        return Consequence(before, after, asked.refusals, unknown, tuple(notes))
 
     def check(self, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order would be queued: it is read, and then the engine is asked."""
@@ -110,7 +113,9 @@ class EngineWhatIf:
         if elsewhere is not None:
             return CheckedOrder(True, elsewhere, is_checked=False)
         if given.recipe is not None:
-            self._generate([given.recipe])
+            with closing(self._begin()) as run:
+                without = _lost(run)
+            self._made.generate((given.recipe, without))
         with closing(self._begin()) as run:
             script = self._script(run, given)
             if isinstance(script, CheckedOrder):
@@ -123,7 +128,7 @@ class EngineWhatIf:
                 used = WrongField('order', f'{job.id} is the id of another job', 'choose another')
                 return _with_mistakes((used,))
             asked = Asked(ADD, NOBODY, {'orders': [given]})
-            ((_, answer),) = self._answers(run, [asked])
+            answer = self._node(run).answer(asked)
             return CheckedOrder(answer.accepted, '' if answer.accepted else answer.message)
 
     def _elsewhere(self, order: WorkOrder) -> str | None:
@@ -157,12 +162,6 @@ class EngineWhatIf:
             return _with_mistakes(wrong)
         return CheckedOrder(False, f'the recipe is {script.in_short}')
 
-    def _generate(self, choices: Sequence[RecipeChoice]) -> None:
-        """Have scripts generated for the runs to come."""
-        with closing(self._begin()) as run:
-            without = _lost(run)
-        self._made = MadeBefore(self._make, choices, without)
-
     def _begin(self) -> RunOn:
         at = self._moment
         return RunOn(at.cell, self._types, at.plain_state, at.observed_s, at.now_s)
@@ -171,24 +170,78 @@ class EngineWhatIf:
         state = run.state
         return DeskHere(state.cell, self._types, self._trees, state, any_path=self._any_path)
 
-    def _answers(self, run: RunOn, requests: Sequence[Asked]) -> Iterator[tuple[Asked, Answer]]:
+    def _node(self, run: RunOn) -> _Node:
         orders = RecipeOrders(self._desk(run), self._made, run.state)
-        handler = RequestHandler(run.orchestrator, self._types, orders)
-        for asked in requests:
-            anybody = replace(asked.sender, role=Role.ENGINEER, known=Known.LOCAL_USER)
-            yield asked, begin(handler.carry_out(replace(asked, by=anybody))).value
+        return _Node(run, RequestHandler(run.orchestrator, self._types, orders))
 
-    def _refusals(self, run: RunOn, requests: Sequence[Asked]) -> Iterator[str]:
-        for asked, answer in self._answers(run, requests):
-            if not answer.accepted:
-                findings = (finding for order in answer.orders for finding in order.findings)
-                yield '; '.join([f'{asked.request.name}: {answer.message}', *findings])
+    def _after(self, requests: Sequence[Asked]) -> _Node:
+        """Return a run that has heard some requests; the scripts for it are generated before."""
+        while True:
+            node = self._node(self._begin())
+            node.hear(requests)
+            if not self._made.lacks:
+                return node
+            node.run.close()
+            self._made.generate()
 
     def _ends(self, names: Sequence[str], ends_s: Mapping[str, float]) -> tuple[ExpectedJob, ...]:
         return tuple(
             ExpectedJob(name, ends_s[name] - self._moment.now_s if name in ends_s else None)
             for name in names
         )
+
+
+class _Node:
+    """What a node does for others, and by itself (semantics 7.5). Implements `ports.EventSink`."""
+
+    def __init__(self, run: RunOn, handler: RequestHandler) -> None:
+        self.run = run
+        self.refusals: tuple[str, ...] = ()
+        """Of requests, in their order."""
+        self.not_anew: dict[str, str] = {}
+        """Why a queued job could not be made anew."""
+        self._handler = handler
+        self._later: list[Callable[[], object]] = []
+        for sink in (QueueAnew(handler, run.state, self._later.append), self):
+            run.orchestrator.add_sink(sink)
+
+    def publish(self, events: Sequence[e.Event]) -> None:
+        """Note what the node refused itself."""
+        refused = (one for one in events if isinstance(one, e.OperatorRefused))
+        self.not_anew |= {one.job: one.message for one in refused if one.who == WHO and one.job}
+
+    def hear(self, requests: Sequence[Asked]) -> None:
+        """Carry out requests, and what the node does because of them."""
+        self.refusals = tuple(
+            '; '.join([f'{asked.request.name}: {answer.message}', *_findings(answer)])
+            for asked in requests
+            if not (answer := self.answer(asked)).accepted
+        )
+
+    def answer(self, asked: Asked) -> Answer:
+        """Carry out one request, whoever makes it."""
+        anybody = replace(asked.sender, role=Role.ENGINEER, known=Known.LOCAL_USER)
+        answer = begin(self._handler.carry_out(replace(asked, by=anybody))).value
+        while self._later:
+            self._later.pop(0)()
+        return answer
+
+
+def _findings(answer: Answer) -> Iterator[str]:
+    return (finding for order in answer.orders for finding in order.findings)
+
+
+def _with_rests(
+    rests: Mapping[str, str],
+    before: Mapping[str, float | None],
+    after: Mapping[str, float | None],
+) -> Iterator[str]:
+    """Say when all items of a job are made whose rest is queued anew."""
+    for job, rest in rests.items():
+        then, now = after.get(rest), before.get(job)
+        if job in after and then is not None:
+            whole = 'it is not known when' if now is None else f'{job} ends in {now:.1f} s'
+            yield f'{job} with {rest} ends in {then:.1f} s; without the requeue, {whole}'
 
 
 def _lost(run: RunOn) -> frozenset[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,11 @@ from bt_orchestrator_interfaces.srv import (
 )
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, runs, small_script
 from diagnostic_msgs.msg import KeyValue
+
+from bt_orchestrator.cli.door import open_door
+from bt_orchestrator.cli.processes.planning_process import PlanningProcess
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.requests import ask
 
 LONG = 5000
 """Items of a job that does not end before the node was killed and asked again."""
@@ -77,6 +83,7 @@ def test_orders_by_recipe(start_cell: StartCell, tmp_path: Path) -> None:
     _what_is_out_of_service_is_left_out(cell)
     _queued_jobs_follow_what_is_out_of_service(cell)
     _the_rest_of_a_job_is_made_without_it(cell)
+    _what_if_in_an_outage_comes_true(cell, recipes)
     _a_version_says_one_thing(cell, recipes)
     cell.stop()
 
@@ -224,6 +231,32 @@ def _the_rest_of_a_job_is_made_without_it(cell: CellProcesses) -> None:
     assert watch.until('job.completed', job='H-rest')['exit_status'] == 'stopped'
     assert watch.command('in_service', component='worker', who='Ada').accepted
     watch.until('job.updated', count=2, job='A', digest=whole)
+
+
+def _what_if_in_an_outage_comes_true(cell: CellProcesses, recipes: Path) -> None:
+    """The job on the line does not need the worker; the one behind it is made anew."""
+    watch = cell.watch
+    orders = [by_recipe('X', work='packer'), by_recipe('Y')]
+    for order in orders:
+        order.quantity = 15
+    assert watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders)).accepted
+    watch.until('item.removed', job='X')
+    lost = ask('component.out_of_service', By('Ada', 'test', 'worn'), component='worker')
+    with open_door(watch.name, 10.0) as door:
+        moment = door.moment()
+        assert door.ask(lost).accepted
+    with closing(PlanningProcess([], [recipes])) as planning:
+        expected = planning.what_if(moment, [lost])
+    assert expected.refusals == ()
+    ends = {one.job: one.ends_s for one in expected.after if one.ends_s is not None}
+    assert list(ends) == ['X', 'Y']
+    whole_s = dict(expected.before)['Y']
+    assert whole_s is not None
+    assert ends['Y'] > whole_s, 'the packer works for the worker'
+    for job, within_s in ends.items():
+        ended = watch.until('job.completed', job=job)
+        assert abs(ended['time'] - moment.now_s - within_s) < 1.0, (job, ended, expected)
+    assert watch.command('in_service', component='worker', who='Ada').accepted
 
 
 def _a_version_says_one_thing(cell: CellProcesses, recipes: Path) -> None:

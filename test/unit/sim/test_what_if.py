@@ -276,6 +276,25 @@ class Glued:
         moment = Moment(self.cell, plain, simulation.clock.now())
         return EngineWhatIf(moment, TYPES, (), (self.recipes,), make=self.maker.script)
 
+    def with_jobs(self, *quantities: int) -> EngineWhatIf:
+        """Ask from a moment at which the first of some jobs is on the line."""
+        choice = RecipeChoice(('BOX-7',))
+        made = self.maker.script(choice, frozenset())
+        assert isinstance(made, MadeScript)
+        script = parse_script(made.text, made.name, self.cell, TYPES)
+        with closing(Simulation(self.cell, TYPES, MemoryStore())) as simulation:
+            pairs = zip('ABC', quantities, strict=False)
+            jobs = [Job(name, script, number, {'n': 1}, recipe=choice) for name, number in pairs]
+            simulation.submit(jobs)
+            simulation.orchestrator.settle()
+            return self.at(simulation)
+
+    def made_without(self, component: str) -> str:
+        """Return the digest of the script without a component."""
+        made = self.maker.script(RecipeChoice(('BOX-7',)), frozenset({component}))
+        assert isinstance(made, MadeScript)
+        return made.digest
+
 
 BOX: dict[str, object] = {'recipe': 'BOX-7', 'order': 'D', 'quantity': 1, 'params': {'n': 1}}
 
@@ -365,7 +384,47 @@ def test_the_end_of_an_order_by_recipe_is_worked_out(glued: Glued) -> None:
     assert [name for name, _ in found.after] == ['D']
     lost = ask('component.out_of_service', ann(), component='robot_a')
     found = glued.what_if().ask([lost, ask('queue.add', ann(), orders=[order])])
-    assert 'the script of BOX-7 is not worked out here' in found.refusals[0]
+    assert found.refusals == (), 'generated without robot_a'
+    lost = ask('component.out_of_service', ann(), component='robot_b')
+    found = glued.what_if().ask([lost, ask('queue.add', ann(), orders=[order])])
+    assert 'only robot_b could, and it is out of service' in found.refusals[0]
+
+
+def outage(component: str) -> Asked:
+    return ask('component.out_of_service', ann(), component=component)
+
+
+def test_queued_jobs_are_made_anew_in_an_outage(glued: Glued) -> None:
+    found = glued.with_jobs(2, 3).ask([outage('robot_a')])
+    assert found.refusals == ()
+    assert found.unknown == {
+        'A': 'A needs robot_a, which is out of service',
+        'B': 'B waits for the release of its script',
+    }
+    released = ask('script.release_script', ann(), script=glued.made_without('robot_a'))
+    found = glued.with_jobs(2, 3).ask([released, outage('robot_a')])
+    assert found.unknown['B'] == 'A needs robot_a, which is out of service'
+    requeue = ask('job.requeue', ann(), job='A')
+    found = glued.with_jobs(2, 3).ask([released, outage('robot_a'), requeue])
+    assert found.refusals == ()
+    assert [one.job for one in found.after] == ['A', 'A-rest', 'B']
+    assert found.unknown['A-rest'] == 'A needs robot_a, which is out of service'
+
+
+def test_a_job_that_cannot_be_made_anew_says_why(glued: Glued) -> None:
+    found = glued.with_jobs(2, 3).ask([outage('robot_b')])
+    assert found.refusals == ()
+    assert 'only robot_b could, and it is out of service' in found.unknown['B']
+
+
+def test_a_job_with_its_rest_is_compared_with_the_job(glued: Glued) -> None:
+    found = glued.with_jobs(8).ask([ask('job.requeue', ann(), job='A')])
+    (note,) = found.notes
+    ends = dict(found.after)['A-rest'], dict(found.before)['A']
+    assert None not in ends
+    assert note == (
+        f'A with A-rest ends in {ends[0]:.1f} s; without the requeue, A ends in {ends[1]:.1f} s'
+    )
 
 
 def test_a_change_of_the_version_is_worked_out_with_the_recipe_that_the_job_has(
