@@ -69,7 +69,7 @@ def change_lines(before: Run, after: Run) -> Iterator[str]:
     for name, done in (('before', before), ('after', after)):
         for one in done.paces:
             of_script = f'{one.script}: ' if len(done.paces) > 1 else ''
-            yield f'full line {name}: {of_script}{one.pace or "gets stuck"}'
+            yield f'{name}, {of_script}{one.pace or "the line gets stuck"}'
 
 
 def plain_change(before: Run, after: Run) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from bt_orchestrator.cli.folders import add_recipes_option, recipe_folders, scri
 from bt_orchestrator.cli.moments import moment
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.side_by_side import OrderFiles, change_lines, plain_change, what_if_jobs
-from bt_orchestrator.cli.virtual_run import ROWS, RunOptions, lines_of, plain, run_jobs
+from bt_orchestrator.cli.virtual_run import ROWS, Run, RunOptions, lines_of, plain, run_jobs
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.ports import ActionTypes
@@ -62,7 +62,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='run the orders again with this cell file, or with this script instead of the one of '
         'its name (or of the only one), and compare',
     )
-    parser.add_argument('--json', action='store_true', help='the prediction as one JSON object')
+    shown = parser.add_mutually_exclusive_group()
+    shown.add_argument(
+        '--details',
+        action='store_true',
+        help='print also how busy each section and component is, and what it waits for',
+    )
+    shown.add_argument('--json', action='store_true', help='the prediction as one JSON object')
 
 
 def _add_record_options(parser: argparse.ArgumentParser) -> None:
@@ -141,8 +147,12 @@ def simulate(args: argparse.Namespace, types: ActionTypes) -> int:
 def _run(args: argparse.Namespace, types: ActionTypes) -> int:
     cell, given = _order_files(args).jobs(types)
     done = run_jobs(cell, given, types, _options(args))
-    print(json.dumps(plain(done)) if args.json else '\n'.join(lines_of(done)))
+    print(json.dumps(plain(done)) if args.json else _text(done, args))
     return 0 if done.outcome is Outcome.FINISHED else 1
+
+
+def _text(done: Run, args: argparse.Namespace) -> str:
+    return '\n'.join(lines_of(done, with_details=args.details))
 
 
 def _compare(args: argparse.Namespace, types: ActionTypes) -> int:

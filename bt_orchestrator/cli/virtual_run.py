@@ -25,7 +25,7 @@ from bt_orchestrator.model.wait import PartWait
 from bt_orchestrator.ports import ActionTypes, EventSink
 from bt_orchestrator.report.forecast import Forecast
 from bt_orchestrator.report.forecast_fold import ForecastFold
-from bt_orchestrator.report.forecast_text import forecast_lines, job_lines
+from bt_orchestrator.report.forecast_text import detail_lines, job_lines, summary_lines
 from bt_orchestrator.report.pace_text import ScriptPace, script_pace
 from bt_orchestrator.report.wait_log import WaitLog
 from bt_orchestrator.sim.fault_options import with_faults
@@ -155,10 +155,15 @@ def _result(
 # --- as text ----------------------------------------------------------------------------------
 
 
-def lines_of(done: Run) -> Iterator[str]:
-    """Yield everything about a run, for a person."""
+def lines_of(done: Run, *, with_details: bool = False) -> Iterator[str]:
+    """Yield what came of a run, for a person.
+
+    :param with_details: also how busy sections and components were, and what they waited for
+    """
     if done.outcome is Outcome.FINISHED:
-        yield from forecast_lines(done.forecast, done.paces)
+        yield from summary_lines(done.forecast, done.paces)
+        if with_details:
+            yield from ('', *detail_lines(done.forecast))
         return
     yield f'{done.outcome.value} at {done.time_s:.1f} s:'
     for wait in done.waits:

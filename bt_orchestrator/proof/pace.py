@@ -50,7 +50,7 @@ class Limit:
         return float(self.per_item_us / 1_000_000)
 
     def __str__(self) -> str:
-        told = _named(['the belt moves' if one == INDEX else one for one in self.tasks])
+        told = _named(['index move' if one == INDEX else one for one in self.tasks], ' + ')
         if self.only_one:
             return f'{told}, never two at once ({self.only_one})'
         if self.flags:
@@ -59,10 +59,10 @@ class Limit:
         return f'{told}, for {self.items} items' if self.items > 1 else told
 
 
-def _named(names: Sequence[str]) -> str:
+def _named(names: Sequence[str], between: str = ', ') -> str:
     if len(names) > NAMED:
         names = (*names[: NAMED - 3], f'{len(names) - NAMED + 1} more', *names[-2:])
-    return ', '.join(names) or 'nothing takes time'
+    return between.join(names) or 'nothing that takes time'
 
 
 NOTHING = Limit((), Fraction(0))
@@ -92,15 +92,15 @@ class Pace:
     @property
     def period(self) -> str:
         """Say how long it is, and how sure that is."""
-        told = f'{self.per_item_s:.1f} s'
+        told = f'{self.per_item_s:.1f} s per item'
         if self.least.per_item_us != self.limit.per_item_us:
-            told = f'{self.least.per_item_s:.1f} to {told}, by its conditions'
+            told = f'{self.least.per_item_s:.1f} to {told}, depending on conditions'
         if self.not_counted:
             told += f' or longer ({", ".join(self.not_counted)} not counted)'
         return told
 
     def __str__(self) -> str:
-        return f'an item every {self.period}: {self.limit}'
+        return f'pace: {self.period}, limited by {self.limit}'
 
 
 def pace(script: Script, cell: Cell) -> Pace | None:

@@ -25,11 +25,17 @@ class Quicker:
 
     def __str__(self) -> str:
         if not round(self.by_s, 1):
-            return f'a quicker {self.task} alone brings nothing: {self.then} take as long'
-        by = f'without {self.task}'
+            take = 'take' if len(self.then.tasks) > 1 else 'takes'
+            no_help = f'Speeding up {self.task} alone does not help'
+            return f'{no_help}: {self.then} {take} as long.'
+        by = f'Without {self.task}'
         if self.by_s < self.takes_s:
-            by = f'with {self.task} {self.by_s:.1f} s quicker'
-        return f'{by} it would be {self.then.per_item_s:.1f} s: {self.then}'
+            by = f'With {self.task} {self.by_s:.1f} s faster'
+        return f'{by} {_would_be(self.then)}'
+
+
+def _would_be(limit: Limit) -> str:
+    return f'the pace would be {limit.per_item_s:.1f} s per item, limited by {limit}.'
 
 
 def quicker(line: PacedLine, cell: Cell) -> Quicker | None:
@@ -67,8 +73,7 @@ class Roomier:
     """What limits the line then."""
 
     def __str__(self) -> str:
-        then = f'{self.then.per_item_s:.1f} s: {self.then}'
-        return f'with capacity {self.capacity} of flag {self.flag} it would be {then}'
+        return f'With capacity {self.capacity} of flag {self.flag} {_would_be(self.then)}'
 
 
 def roomier(line: PacedLine, cell: Cell) -> Roomier | None:

@@ -15,18 +15,20 @@ from bt_orchestrator.report.forecast import (
 from bt_orchestrator.report.pace_text import ScriptPace
 from bt_orchestrator.report.tables import table
 
+_LOSSES = ('rejected', 'missing', 'nonconforming')
+
 WAITS_SHOWN = 5
 """How many waits are told of each section and component, the longest; the rest is summed up."""
 
 
-def forecast_lines(forecast: Forecast, paces: Sequence[ScriptPace] = ()) -> Iterator[str]:
-    """Yield all figures of a run.
+def summary_lines(forecast: Forecast, paces: Sequence[ScriptPace] = ()) -> Iterator[str]:
+    """Yield how jobs end, how fast the line is, and what limits it.
 
     :param paces: of its scripts, to compare with what was measured
     """
     yield from job_lines(forecast)
     yield ''
-    yield f'total time     {forecast.total_s:.1f} s'
+    yield from _full_line(paces)
     if forecast.per_item_s is not None:
         of_mix = ', the mean of the mix' if forecast.is_mix else ''
         yield f'time per item  {forecast.per_item_s:.1f} s in steady state{of_mix}'
@@ -34,9 +36,12 @@ def forecast_lines(forecast: Forecast, paces: Sequence[ScriptPace] = ()) -> Iter
         yield f'bottleneck     {bottleneck_words(forecast.bottleneck)}'
     if forecast.is_mix:
         yield from _each_of_mix(forecast.jobs)
-    yield from _full_line(paces)
-    yield ''
-    headers = ('section', 'cycles', 'busy', 'per cycle', 'at best an item every')
+    yield f'total time     {forecast.total_s:.1f} s'
+
+
+def detail_lines(forecast: Forecast) -> Iterator[str]:
+    """Yield how busy each section and component was, and what it waited for."""
+    headers = ('section', 'cycles', 'busy', 'per cycle', 'best pace')
     yield from table(headers, [_section(load) for load in forecast.sections])
     yield ''
     yield from table(
@@ -51,7 +56,7 @@ def forecast_lines(forecast: Forecast, paces: Sequence[ScriptPace] = ()) -> Iter
 
 def bottleneck_words(bottleneck: Bottleneck) -> str:
     """Say which section it is, and by how much."""
-    text = f'section {bottleneck.section}, an item every {bottleneck.pace_s:.1f} s at best'
+    text = f'section {bottleneck.section}, at best {bottleneck.pace_s:.1f} s per item'
     if bottleneck.next_section is None:
         return text
     margin_s = bottleneck.margin_s
@@ -65,12 +70,11 @@ def bottleneck_words(bottleneck: Bottleneck) -> str:
 
 def _full_line(paces: Sequence[ScriptPace]) -> Iterator[str]:
     """Yield how fast the line is with each script once it is full, which needs no run."""
-    label = 'full line'
     for one in paces:
-        of_script, behind = (f'{one.script}: ', '  ') if len(paces) > 1 else ('', '')
-        for line in one.lines():
-            yield f'{label:<13}  {of_script}{line}'
-            label, of_script = '', behind
+        of_script = f'of {one.script}: ' if len(paces) > 1 else ''
+        for number, line in enumerate(one.lines()):
+            text = line.removeprefix('pace: ')
+            yield f'{"" if number else "pace":<13}  {"" if number else of_script}{text}'
 
 
 def _each_of_mix(jobs: Sequence[JobForecast]) -> Iterator[str]:
@@ -106,13 +110,14 @@ def _longest(waits: Sequence[WaitLoad]) -> Iterator[str]:
 
 
 def job_lines(forecast: Forecast) -> Iterator[str]:
-    """Yield how each job goes."""
-    headers = ('job', 'script', 'items', 'packed', 'rejected', 'missing', 'nonconforming')
-    yield from table((*headers, 'per item', 'finished'), [_job(job) for job in forecast.jobs])
+    """Yield how each job goes; without what became of items if all are good."""
+    losses = [one for one in _LOSSES if any(getattr(job, one) for job in forecast.jobs)]
+    headers = ('job', 'script', 'items', 'packed', *losses, 'per item', 'finished')
+    yield from table(headers, [_job(job, losses) for job in forecast.jobs])
 
 
-def _job(job: JobForecast) -> tuple[str, ...]:
-    counts = (job.quantity, job.packed, job.rejected, job.missing, job.nonconforming)
+def _job(job: JobForecast, losses: Sequence[str]) -> tuple[str, ...]:
+    counts = (job.quantity, job.packed, *(getattr(job, one) for one in losses))
     return (job.job, job.script, *map(str, counts), _seconds(job.per_item_s), _finish(job))
 
 

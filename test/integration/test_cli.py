@@ -38,7 +38,7 @@ def test_the_shipped_scripts_fit_the_shipped_cell(script: str, tmp_path: Path) -
     told, pace, *_ = by_path.stdout.splitlines()
     assert told.startswith(f'{script}: ')
     assert told.endswith('fits cell reference_cell')
-    assert pace.startswith('  an item every ')
+    assert pace.startswith('  pace: ')
     assert (by_name.returncode, by_name.stdout) == (0, by_path.stdout)
 
 

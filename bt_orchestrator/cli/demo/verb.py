@@ -33,7 +33,7 @@ from bt_orchestrator.model.events import JobQueued
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.report.forecast_fold import forecast
-from bt_orchestrator.report.forecast_text import forecast_lines
+from bt_orchestrator.report.forecast_text import detail_lines, summary_lines
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.screen.advice import DEFAULT_NODE, Shell
 from bt_orchestrator.screen.plain import EventLines
@@ -232,7 +232,7 @@ def _sum_up(folder: DemoFolder, cell: Cell, job: str) -> int:
     # As the lines before it, the summary counts from the order on, and not from the node's start.
     result = forecast(dropwhile(lambda one: not isinstance(one, JobQueued), events), cell)
     print()
-    for line in forecast_lines(result):
+    for line in (*summary_lines(result), '', *detail_lines(result)):
         print(line)
     print(f'journal: {folder.journal}')
     done = next((j for j in result.jobs if j.job == job), None)

@@ -23,7 +23,7 @@ TYPES = FakeActionTypes()
 LINE = GOOD_ONLY.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
 FITS = 'fits cell reference_cell'
 WAITS = 'waits for zone shared_table not counted'
-CIRCLE = 'assemble, inspect, the belt moves (flag camera_read)'
+CIRCLE = 'assemble + inspect + index move (flag camera_read)'
 
 
 def checked(*words: str | Path, cell: Path = REFERENCE_CELL) -> int:
@@ -49,12 +49,15 @@ def test_a_script_that_fits_is_summed_up(capsys: pytest.CaptureFixture[str]) -> 
     assert checked(TREES / 'reference_process.yaml', TREES / 'inspect_and_assemble.yaml') == 0
     assert capsys.readouterr().out.splitlines() == [
         f'reference_process: 9 tasks in 5 sections and 3 of initialization, {FITS}',
-        '  an item every 6.5 s: 4.1, 4.2, 4.3, 4.4, the belt moves',
-        '  without 4.3 it would be 5.0 s: 2.1, the belt moves',
+        '  pace: 6.5 s per item, limited by 4.1 + 4.2 + 4.3 + 4.4 + index move',
+        '  Without 4.3 the pace would be 5.0 s per item, limited by 2.1 + index move.',
         f'inspect_and_assemble: 8 tasks in 5 sections and 1 of initialization, {FITS}',
-        f'  an item every 7.5 s or longer ({WAITS}): {CIRCLE}',
-        '  without inspect it would be 4.5 s: assemble, the belt moves',
-        '  with capacity 2 of flag camera_read it would be 5.0 s: inspect, the belt moves',
+        f'  pace: 7.5 s per item or longer ({WAITS}), limited by {CIRCLE}',
+        '  Without inspect the pace would be 4.5 s per item, limited by assemble + index move.',
+        (
+            '  With capacity 2 of flag camera_read the pace would be 5.0 s per item, '
+            'limited by inspect + index move.'
+        ),
     ]
 
 
@@ -109,7 +112,7 @@ def test_the_pace_as_json(capsys: pytest.CaptureFixture[str]) -> None:
             'by_s': 3.0,
             'per_item_s': 4.5,
             'limit': {
-                'words': 'assemble, the belt moves',
+                'words': 'assemble + index move',
                 'tasks': ['assemble'],
                 'belt_moves': True,
                 'items': 1,
@@ -122,7 +125,7 @@ def test_the_pace_as_json(capsys: pytest.CaptureFixture[str]) -> None:
             'capacity': 2,
             'per_item_s': 5.0,
             'limit': {
-                'words': 'inspect, the belt moves',
+                'words': 'inspect + index move',
                 'tasks': ['inspect'],
                 'belt_moves': True,
                 'items': 1,

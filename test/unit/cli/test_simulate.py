@@ -41,16 +41,18 @@ def test_the_prediction_of_the_reference_order(capsys: pytest.CaptureFixture[str
     assert simulated(REFERENCE_ORDER) == 0
     lines = [' '.join(line.split()) for line in capsys.readouterr().out.splitlines()]
 
-    assert 'WO-1001 reference_process 3 3 0 0 0 6.5 s 39.0 s' in lines
+    assert 'WO-1001 reference_process 3 3 6.5 s 39.0 s' in lines
     assert 'total time 39.0 s' in lines
     assert 'time per item 6.5 s in steady state' in lines
-    slowest = (
-        'bottleneck section 4, an item every 6.5 s at best; section 2 is next, 1.5 s (23%) faster'
-    )
+    slowest = 'bottleneck section 4, at best 6.5 s per item; section 2 is next, 1.5 s (23%) faster'
     assert slowest in lines
-    assert 'full line an item every 6.5 s: 4.1, 4.2, 4.3, 4.4, the belt moves' in lines
-    assert 'without 4.3 it would be 5.0 s: 2.1, the belt moves' in lines
-    assert 'conveyor 7 14.0 s 35.9%' in lines
+    assert 'pace 6.5 s per item, limited by 4.1 + 4.2 + 4.3 + 4.4 + index move' in lines
+    assert 'Without 4.3 the pace would be 5.0 s per item, limited by 2.1 + index move.' in lines
+    assert len(lines) == 8
+    assert simulated(REFERENCE_ORDER, '--details') == 0
+    assert 'conveyor 7 14.0 s 35.9%' in [
+        ' '.join(line.split()) for line in capsys.readouterr().out.splitlines()
+    ]
 
 
 def test_the_prediction_as_json(capsys: pytest.CaptureFixture[str]) -> None:
@@ -76,10 +78,13 @@ def test_a_mix_is_told_by_its_jobs(tmp_path: Path, capsys: pytest.CaptureFixture
     at = next(n for n, line in enumerate(lines) if line.startswith('time per item'))
 
     assert lines[at].endswith(' s in steady state, the mean of the mix')
-    assert lines[at + 2].startswith('  WO-1001: 7.0 s; bottleneck section 4, an item every 6.5 s')
-    assert lines[at + 3].startswith('  WO-2: 8.5 s; bottleneck section 2, an item every 5.0 s')
-    assert lines[at + 4].startswith('full line      reference_process: an item every 6.5 s: 4.1,')
-    assert lines[at + 6].startswith('               inspect_and_assemble: an item every 7.5 s or')
+    assert lines[at + 2].startswith('  WO-1001: 7.0 s; bottleneck section 4, at best 6.5 s')
+    assert lines[at + 3].startswith('  WO-2: 8.5 s; bottleneck section 2, at best 5.0 s')
+    paces = [line for line in lines if line.startswith('pace           of ')]
+    assert paces[0].startswith(
+        'pace           of reference_process: 6.5 s per item, limited by 4.1'
+    )
+    assert paces[1].startswith('pace           of inspect_and_assemble: 7.5 s per item or longer')
 
 
 def test_a_line_that_gets_stuck_says_who_waits_for_whom(
@@ -267,7 +272,7 @@ def test_another_cell_is_compared(quick_cell: Path, capsys: pytest.CaptureFixtur
     assert 'time per item 6.5 s 5.0 s -23.1 %' in lines
     assert 'section 2, an item every 5.0 s 5.0 s =' in lines
     assert 'bottleneck: from section 4 to section 2' in lines
-    assert lines[-1] == 'full line after: an item every 5.0 s: 2.1, the belt moves'
+    assert lines[-1] == 'after, pace: 5.0 s per item, limited by 2.1 + index move'
 
 
 def test_another_script_is_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -341,7 +341,7 @@ LIMITS = '\u25c6 limits the pace'
 def test_what_limits_the_pace_is_told_and_marked() -> None:
     line = Line(seconds={'a2': 7.0})
     picture = DrawnLine(draw_line(line.script(THREE), line.cell).svg)
-    assert picture.words('title')[-1] == 'an item every 9.0 s: work, the belt moves'
+    assert picture.words('title')[-1] == 'pace: 9.0 s per item, limited by work + index move'
     assert [LIMITS in picture.words(one) for one in ('task.work', 'task.index')] == [True, True]
     assert LIMITS not in picture.words('task.place')
     assert '\u25c6 limits' in picture.words('legend')

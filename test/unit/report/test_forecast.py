@@ -16,7 +16,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.report.forecast import Forecast, JobForecast, WaitLoad, steady_interval_s
 from bt_orchestrator.report.forecast_fold import ForecastFold, forecast
-from bt_orchestrator.report.forecast_text import forecast_lines
+from bt_orchestrator.report.forecast_text import detail_lines
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
@@ -236,4 +236,4 @@ def test_waits_that_are_not_shown_are_counted(rest: tuple[float, ...], said: str
     shares = (0.2, 0.1, 0.1, 0.1, 0.05, *rest)
     waits = tuple(WaitLoad('flag', f'flag {n}', 1.0, share) for n, share in enumerate(shares))
     first = replace(found.sections[0], waits=waits)
-    assert list(forecast_lines(replace(found, sections=(first,), components=())))[-1] == said
+    assert list(detail_lines(replace(found, sections=(first,), components=())))[-1] == said

@@ -70,17 +70,17 @@ ALONE = 'sections: {1: [{id: place, @a1, qty_change: 1}, {id: pack, @a1, qty_cha
 @pytest.mark.parametrize(
     ('text', 'slow', 'per_item_s', 'limit'),
     [
-        (THREE, 'a2', 9.0, 'work, the belt moves'),
-        (AHEAD, 'a2', 10.0, 'work, more, the belt moves'),
-        (AHEAD, 'b2', 15.0, 'free, work, more'),
-        (SOURCE_AHEAD, 'b1', 8.0, 'pick, place'),
-        (SOURCE_AHEAD, 'a1', 9.0, 'place, the belt moves'),
-        (GROUP, 'a2', 9.0, 'work, the belt moves'),
-        (GROUP, 'b2', 16.0, 'x, y, the belt moves'),
-        (RELEASE, 'a2', 9.0, 'work, the belt moves'),
-        (RELEASE, 'b2', 8.0, 'work, clean'),
-        (REJECTED, 'b2', 3.0, 'place, the belt moves'),
-        (ALONE, 'a1', 14.0, 'place, pack'),  # nothing stands on the belt, so it does not move
+        (THREE, 'a2', 9.0, 'work + index move'),
+        (AHEAD, 'a2', 10.0, 'work + more + index move'),
+        (AHEAD, 'b2', 15.0, 'free + work + more'),
+        (SOURCE_AHEAD, 'b1', 8.0, 'pick + place'),
+        (SOURCE_AHEAD, 'a1', 9.0, 'place + index move'),
+        (GROUP, 'a2', 9.0, 'work + index move'),
+        (GROUP, 'b2', 16.0, 'x + y + index move'),
+        (RELEASE, 'a2', 9.0, 'work + index move'),
+        (RELEASE, 'b2', 8.0, 'work + clean'),
+        (REJECTED, 'b2', 3.0, 'place + index move'),
+        (ALONE, 'a1', 14.0, 'place + pack'),  # nothing stands on the belt, so it does not move
     ],
 )
 def test_8_4_the_slowest_circle_is_the_pace(
@@ -99,7 +99,7 @@ def test_8_4_a_line_in_which_nothing_takes_time_has_no_limit() -> None:
     cell = replace(cell, components={**cell.components, still.name: still})
     found = pace(Line().script(THREE), cell)
     assert found is not None
-    assert str(found) == 'an item every 0.0 s: nothing takes time'
+    assert str(found) == 'pace: 0.0 s per item, limited by nothing that takes time'
     assert quicker(PacedLine(Line().script(THREE), cell), cell) is None
 
 
@@ -119,13 +119,13 @@ lateral_dependencies:
 @pytest.mark.parametrize(
     ('up', 'down', 'capacity', 'initial', 'per_item_s', 'limit'),
     [
-        ('turn', 'fill', 2, 0, 8.0, 'look, turn, the belt moves'),
+        ('turn', 'fill', 2, 0, 8.0, 'look + turn + index move'),
         # The item in section 3 is filled before that in section 2 is turned.
-        ('turn', 'fill', 1, 0, 10.0, 'fill, turn, the belt moves (flag turned)'),
-        ('look', 'close', 1, 0, 13.0, 'fill, close, look, turn, the belt moves (flag turned)'),
+        ('turn', 'fill', 1, 0, 10.0, 'fill + turn + index move (flag turned)'),
+        ('look', 'close', 1, 0, 13.0, 'fill + close + look + turn + index move (flag turned)'),
         # Section 3 works on its item first, in each beat.
-        ('close', 'look', 1, 1, 13.0, 'fill, close, look, turn, the belt moves (flag turned)'),
-        ('close', 'look', 2, 2, 8.0, 'look, turn, the belt moves'),
+        ('close', 'look', 1, 1, 13.0, 'fill + close + look + turn + index move (flag turned)'),
+        ('close', 'look', 2, 2, 8.0, 'look + turn + index move'),
     ],
 )
 def test_8_4_a_flag_puts_sections_into_one_circle(
@@ -200,7 +200,7 @@ sections:
 def test_8_4_what_is_shared_makes_the_pace_a_bound() -> None:
     line = Line(seconds={'arm': 4.0})
     found = paced(line, ARM)
-    assert (found.per_item_s, str(found.limit)) == (8.0, 'near, far, never two at once (arm)')
+    assert (found.per_item_s, str(found.limit)) == (8.0, 'near + far, never two at once (arm)')
     assert found.not_counted == ('waits for arm',)
     assert not found.is_exact
     real = steady(line.cell, line.script(ARM))
@@ -215,7 +215,7 @@ def test_8_4_further_rounds_of_a_repeat_are_not_counted() -> None:
     assert found.per_item_s == 4.0
     assert found.not_counted == ('further rounds of glue',)
     assert str(found).startswith(
-        'an item every 4.0 s or longer (further rounds of glue not counted'
+        'pace: 4.0 s per item or longer (further rounds of glue not counted'
     )
     assert not found.is_exact
 
@@ -230,7 +230,7 @@ def test_8_4_a_task_of_the_conveyor_waits_for_its_moves() -> None:
     found = paced(Line(), BELT_AS_A_TOOL)
     assert (found.per_item_s, str(found.limit)) == (
         4.0,
-        'the belt moves, push, never two at once (conveyor)',
+        'index move + push, never two at once (conveyor)',
     )
 
 
@@ -250,7 +250,7 @@ def test_8_4_tasks_with_conditions_leave_a_range(word: str, real_s: float) -> No
     text = SEALED.replace('WHEN', word)
     found = paced(line, text)
     assert (found.least.per_item_s, found.per_item_s) == (3.0, 8.0)
-    assert str(found.limit) == 'look, seal, the belt moves'
+    assert str(found.limit) == 'look + seal + index move'
     assert not found.is_exact
     assert steady(line.cell, line.script(text)) == (real_s, True)
 
@@ -307,14 +307,20 @@ def quickest(line: Line, text: str) -> Quicker:
         (
             THREE,
             {'a2': 7.0, 'a3': 5.5},
-            'with work 1.5 s quicker it would be 7.5 s: pack, the belt moves',
+            (
+                'With work 1.5 s faster the pace would be 7.5 s per item, '
+                'limited by pack + index move.'
+            ),
         ),
-        (THREE, {}, 'a quicker place alone brings nothing: work, the belt moves take as long'),
-        (ALONE, {'a1': 2.0}, 'without place it would be 2.0 s: pack'),
+        (THREE, {}, 'Speeding up place alone does not help: work + index move take as long.'),
+        (ALONE, {'a1': 2.0}, 'Without place the pace would be 2.0 s per item, limited by pack.'),
         (
             AHEAD,
             {'b2': 7.0},
-            'with free 5.0 s quicker it would be 10.0 s: work, more, the belt moves',
+            (
+                'With free 5.0 s faster the pace would be 10.0 s per item, '
+                'limited by work + more + index move.'
+            ),
         ),
     ],
 )
@@ -357,7 +363,10 @@ def test_8_4_a_larger_flag_that_lets_the_line_go_faster_is_told() -> None:
     text = COUPLED.replace('UP', 'look').replace('DOWN', 'close').replace('INITIAL', '0')
     found = roomier(PacedLine(line.script(text.replace('CAPACITY', '1')), line.cell), line.cell)
     assert found is not None
-    words = 'with capacity 2 of flag turned it would be 8.0 s: look, turn, the belt moves'
+    words = (
+        'With capacity 2 of flag turned the pace would be 8.0 s per item, '
+        'limited by look + turn + index move.'
+    )
     assert str(found) == words
     larger = line.script(text.replace('CAPACITY', '2'))
     assert steady(line.cell, larger) == (8.0, True)

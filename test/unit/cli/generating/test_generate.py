@@ -107,7 +107,7 @@ def test_equal_files_give_equal_bytes() -> None:
 
 def test_why_each_operation_is_where_it_is(capsys: pytest.CaptureFixture[str]) -> None:
     text = said(capsys, '--explain')
-    assert 'box: 4 tasks in 4 sections, fits cell glue_cell\n  an item every ' in text
+    assert 'box: 4 tasks in 4 sections, fits cell glue_cell\n  pace: ' in text
     assert '\noperation  section  component  capability  why\n' in text
     assert '\nglue       2        robot_a    glue        any other' in text
     assert 'makes the line slower; robot_b: +4 s\n' in text

@@ -141,7 +141,7 @@ def test_check_says_what_an_order_comes_to(capsys: pytest.CaptureFixture[str]) -
     assert check.check(options(check, *words), TYPES) == 0
     first, pace, *_ = capsys.readouterr().out.splitlines()
     assert first == 'WO-7: 3 items of box, made from recipe BOX-7 version 4, fits cell glue_cell'
-    assert pace.startswith('  an item every ')
+    assert pace.startswith('  pace: ')
     assert check.check(options(check, *words, '--json'), TYPES) == 0
     told = json.loads(capsys.readouterr().out)
     assert told['orders'] == [
