@@ -12,7 +12,7 @@ from bt_orchestrator.model.words import OVERRUN
 from bt_orchestrator.tree.subject import Recorder
 from bt_orchestrator.tree.ticking import Ticked
 from bt_orchestrator.tree.turns import Turns
-from bt_orchestrator.tree.waiter import Waiter
+from bt_orchestrator.tree.waiter import Waiter, waits_for_one_server
 
 
 class TurnsComplete(Ticked, Waiter):
@@ -36,7 +36,9 @@ class TurnsComplete(Ticked, Waiter):
         self.note(None)
         if state.indexing:
             return Status.SUCCESS
-        due = end_of_beat(state, self._turns.owing())
+        due: Advance | Overrun | Wait = end_of_beat(state, self._turns.owing())
+        if due is Advance.INDEX:
+            due = waits_for_one_server(self.recorder, *self.components) or due
         if isinstance(due, Overrun):
             self._hold(due.item)
         elif isinstance(due, Wait):

@@ -6,7 +6,6 @@ from py_trees.common import Status
 
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.contest import NO_CONTEST, Contest
 from bt_orchestrator.model.failures import RETRY, worded
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.hold_words import again_words, hold_wait_words
@@ -17,7 +16,7 @@ from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.model.words import SLOT_OCCUPIED
 from bt_orchestrator.tree.subject import Subject, holder, section_of
 from bt_orchestrator.tree.ticking import Ticked
-from bt_orchestrator.tree.waiter import TaskWaiter
+from bt_orchestrator.tree.waiter import TaskWaiter, waits_for_one_server
 
 
 class ActionLeaf(TaskWaiter, Ticked):
@@ -102,15 +101,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         if busy is not None and busy != self.subject.key:  # else kept for its retry (4.4)
             what = f'waiting for {task.component}, busy with {holder(state, busy)}'
             return Wait(what, WaitKind.COMPONENT, task.component, section_of(busy), busy.task)
-        # Checked here too: the event for what is seen now comes only later.
-        contest = state.contests.get(task.component)
-        if not contest:
-            rivals = self.subject.recorder.rivals(task.component)
-            contest = Contest(tuple(rivals)) if rivals else NO_CONTEST
-        if not contest:
-            return None
-        what = contest.wait(task.component, task.action)
-        return Wait(what, WaitKind.READINESS, task.component)
+        return waits_for_one_server(self.subject.recorder, task.component)
 
     def _start(self, attempt: int) -> Status:
         recorder, task, key = self.subject.recorder, self.subject.task, self.subject.key

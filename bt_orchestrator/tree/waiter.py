@@ -2,8 +2,24 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.model.wait import Wait
-from bt_orchestrator.tree.subject import Subject
+from bt_orchestrator.model.contest import NO_CONTEST, Contest
+from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.tree.subject import Recorder, Subject
+
+
+def waits_for_one_server(recorder: Recorder, component: str) -> Wait | None:
+    """Say who else has a part in a component now (semantics 2.5); None: nobody.
+
+    It looks at the servers too: the event for what is seen now comes only later.
+    """
+    contest = recorder.state.contests.get(component)
+    if not contest:
+        rivals = recorder.rivals(component)
+        contest = Contest(tuple(rivals)) if rivals else NO_CONTEST
+    if not contest:
+        return None
+    action = recorder.state.cell.components[component].action
+    return Wait(contest.wait(component, action), WaitKind.READINESS, component)
 
 
 class Waiter:

@@ -272,10 +272,20 @@ def test_2_5_two_servers_of_the_conveyor_keep_the_belt_at_rest() -> None:
     run = Line().begin()
     bring_in(run, 'conveyor', servers=('/one', '/two'))
     run.go(until=5.0)
-    assert run.starts('index') == []
+    assert run.starts('index') == run.times('belt.index_started') == []
     assert run.waits()['belt'].startswith('waiting for conveyor to have one server')
+    assert run.states[-1] == 'Execute'
     bring_in(run, 'conveyor')
     assert run.go().ended
+
+
+def test_2_5_a_second_server_of_the_conveyor_is_looked_for_before_the_move() -> None:
+    """It may be there before anybody was told of it."""
+    run = Line().begin(work())
+    run.sim.gateway._clients['conveyor'].contest = Contest(('/one', '/two'))
+    run.go(until=5.0)
+    assert run.starts('index') == run.times('belt.index_started') == []
+    assert run.waits()['belt'].startswith('waiting for conveyor to have one server')
 
 
 def test_2_5_the_second_server_is_looked_for_at_the_moment_of_the_start() -> None:
