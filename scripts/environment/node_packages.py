@@ -1,4 +1,4 @@
-"""Packages of npm, which one gate alone needs, with the Node of a wheel.
+"""Packages of npm, which two gates need, with the Node of a wheel.
 
 Everything lies in the environment's folder; npm's own settings say which registry is asked.
 """

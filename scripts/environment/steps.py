@@ -108,7 +108,7 @@ class Environment:
         self._done(name, stamp)
 
     def add_node_packages(self) -> None:
-        """Install Node and the OPC UA client for it, which one gate alone needs."""
+        """Install Node and its packages, which the gates javascript and opcua need."""
         lists = [NODE, *(NODE_PACKAGES / name for name in FILES)]
         stamp = digest(lists, REQUIREMENTS)
         if self._is_done('node', stamp):

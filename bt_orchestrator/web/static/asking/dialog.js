@@ -17,7 +17,7 @@ let count = 0;
 /**
  * Open a dialog.
  * @param {string} title
- * @param {Element[]} body
+ * @param {(Node|string)[]} body
  * @param {Object} options
  * @param {string} [options.name] its `data-dialog`
  * @param {function(): void} [options.closed] called once, however it was closed
@@ -31,7 +31,11 @@ export function openDialog(title, body, { name = '', closed = () => {} } = {}) {
   const element = h(
     'dialog',
     { 'aria-labelledby': id, 'data-dialog': name, tabindex: -1 },
-    h('h2', { id }, title.split(' ').flatMap((word) => [h('span', {}, word), ' '])),
+    h(
+      'h2',
+      { id },
+      title.split(' ').flatMap((word) => [h('span', {}, word), ' ']),
+    ),
     ...body,
   );
   const cover = h('div', { class: 'cover' }, element);

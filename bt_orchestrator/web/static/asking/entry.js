@@ -7,7 +7,8 @@ let count = 0;
 /**
  * Make it: an element, `input`, `value()`, `warn(words)`.
  * @param {string} label
- * @param {Element} input
+ * @template {HTMLInputElement|HTMLSelectElement|HTMLTextAreaElement} T
+ * @param {T} input
  * @param {string} hint
  */
 export function fieldWith(label, input, hint = '') {

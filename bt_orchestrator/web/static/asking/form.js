@@ -66,6 +66,7 @@ function valuesOf(fields, isQuiet = false) {
 function fieldOf(offer, parameter) {
   const special = SPECIAL[`${offer.name}.${parameter.name}`];
   if (special) return special(offer);
+  /** @type {{input: HTMLElement, read: function(*): *}} */
   const { input, read } = inputOf(parameter);
   const warning = h(
     'p',

@@ -51,10 +51,12 @@ export function recipeFields(recipe, choice = { version: null, bind: {} }, chang
     element: h('div', { class: 'order-recipe' }, version.element, who),
     version: now,
     get fields() {
-      return new Map([
-        ['version', version],
-        ...[...binds].map(([operation, field]) => [`bind.${operation}`, field]),
-      ]);
+      return new Map(
+        /** @type {Array<[string, Object]>} */ ([
+          ['version', version],
+          ...[...binds].map(([operation, field]) => [`bind.${operation}`, field]),
+        ]),
+      );
     },
     values() {
       const bind = bound();

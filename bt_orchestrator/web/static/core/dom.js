@@ -10,19 +10,28 @@ const SVG = 'http://www.w3.org/2000/svg';
 /**
  * Make an element. `onclick` and the like are listeners, true is an attribute without a value, and
  * null, undefined and false are left out.
- * @param {string} tag
+ * @template {keyof HTMLElementTagNameMap} T
+ * @param {T} tag
  * @param {Object<string, *>} attributes
  * @param {...*} children elements, texts, arrays of them; null and false are left out
+ * @returns {HTMLElementTagNameMap[T]}
  */
 export function h(tag, attributes = {}, ...children) {
   return filled(document.createElement(tag), attributes, children);
 }
 
-/** Make an element of SVG, as `h` does for HTML. */
+/**
+ * Make an element of SVG, as `h` does for HTML.
+ * @param {string} tag
+ * @param {Object<string, *>} attributes
+ * @param {...*} children
+ * @returns {*}
+ */
 export function svg(tag, attributes = {}, ...children) {
   return filled(document.createElementNS(SVG, tag), attributes, children);
 }
 
+/** @returns {*} */
 function filled(element, attributes, children) {
   for (const [name, value] of Object.entries(attributes)) {
     if (typeof value === 'function') element.addEventListener(name.slice(2), value);
@@ -111,7 +120,7 @@ export function focusNear(element) {
 }
 
 function inOrder(parent, elements) {
-  const focused = document.activeElement;
+  const focused = /** @type {HTMLElement} */ (document.activeElement);
   let next = parent.firstChild;
   for (const element of elements) {
     if (element === next) next = next.nextSibling;

@@ -2,6 +2,7 @@
 
 import { get, post } from './api.js';
 
+/** @type {Object<string, *>} */
 const NOBODY = { name: '', role: '', how: '', is_locked: false, may: {}, languages: [] };
 /** So often at most. */
 const AWAKE_MS = 30000;
@@ -73,7 +74,10 @@ function become(person) {
   if (!isSame) for (const callback of [...listeners]) callback();
 }
 
-/** What matters of a person here: the time that is left of the session changes with every look. */
+/**
+ * What matters of a person here: the time that is left of the session changes with every look.
+ * @param {Object<string, *>} person
+ */
 function sign({ name, role, how, is_locked: isLocked, looks_freely: looksFreely }) {
   return JSON.stringify([name, role, how, isLocked, looksFreely]);
 }

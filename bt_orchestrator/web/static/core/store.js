@@ -146,6 +146,7 @@ function kindNow() {
 }
 
 function mark() {
+  /** @type {Object<string, *>} */
   const marks = document.body.dataset;
   marks.history = book.history;
   marks.first = book.first;

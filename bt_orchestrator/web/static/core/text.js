@@ -94,8 +94,10 @@ export function ratio(part) {
 export function at(epoch) {
   if (epoch === null || epoch === undefined) return '';
   const moment = new Date(epoch * 1000);
+  /** @type {Intl.DateTimeFormatOptions} */
   const time = { hour: '2-digit', minute: '2-digit', second: '2-digit' };
   const isToday = moment.toDateString() === new Date().toDateString();
+  /** @type {Intl.DateTimeFormatOptions} */
   const day = isToday ? {} : { day: '2-digit', month: '2-digit', year: 'numeric' };
   return moment.toLocaleString(LOCALES[language], { ...day, ...time });
 }
@@ -105,6 +107,7 @@ export function about(epoch) {
   if (epoch === null || epoch === undefined) return '';
   const moment = new Date(epoch * 1000);
   const isToday = moment.toDateString() === new Date().toDateString();
+  /** @type {Intl.DateTimeFormatOptions} */
   const day = isToday ? {} : { weekday: 'short', day: '2-digit', month: '2-digit' };
   return moment.toLocaleString(LOCALES[language], { ...day, hour: '2-digit', minute: '2-digit' });
 }

@@ -40,7 +40,7 @@ function leave(tab) {
   stream = null;
 }
 
-self.addEventListener('connect', (event) => {
+self.addEventListener('connect', (/** @type {MessageEvent} */ event) => {
   const tab = event.ports[0];
   tab.addEventListener('message', ({ data }) => {
     if (data === 'bye') leave(tab);

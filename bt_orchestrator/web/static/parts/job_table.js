@@ -6,6 +6,7 @@ import { scriptWords } from './job_row.js';
 import { jobLink } from './links.js';
 import { table } from './table.js';
 
+/** @type {Array<[string, function(*): *, string?]>} */
 const COLUMNS = [
   ['job', (job) => jobLink(job.id)],
   ['status', (job) => t(`job.is_${job.status}`)],

@@ -29,8 +29,12 @@ export class PanZoom {
     frame.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
     frame.addEventListener('pointerdown', (event) => this.#down(event));
     frame.addEventListener('pointermove', (event) => this.#moved(event));
-    for (const name of ['pointerup', 'pointercancel', 'lostpointercapture']) {
-      frame.addEventListener(name, (event) => this.pointers.delete(event.pointerId));
+    for (const name of /** @type {const} */ ([
+      'pointerup',
+      'pointercancel',
+      'lostpointercapture',
+    ])) {
+      frame.addEventListener(name, ({ pointerId }) => this.pointers.delete(pointerId));
     }
   }
 
@@ -51,7 +55,7 @@ export class PanZoom {
     this.#look({ x: x + width / 2, y: y + height / 2 }, this.#least());
   }
 
-  /** @param {DOMPoint} [at] what stays where it is; else the middle */
+  /** @param {{x: number, y: number}} [at] what stays where it is; else the middle */
   zoom(times, at = this.centre) {
     if (!this.svg) return;
     const scale = Math.min(Math.max(this.scale * times, this.#least()), CLOSEST);

@@ -55,7 +55,8 @@ export function personMenu(speak) {
     summary.focus();
   });
   element.addEventListener('focusout', (event) => {
-    if (event.relatedTarget && !element.contains(event.relatedTarget)) element.open = false;
+    const next = /** @type {Node} */ (event.relatedTarget);
+    if (next && !element.contains(next)) element.open = false;
   });
   update();
   return { element, end: onPerson(update) };

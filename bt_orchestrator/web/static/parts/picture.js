@@ -7,8 +7,7 @@ const PAUSE_MS = 1000;
 
 /**
  * @param {function(string): void} onPick is told the name of the part that was clicked
- * @returns {{element: Element, show: function(string): void, mark: function(string[], string): void,
- *   end: function(): void}} `show` draws a script, anew if the line changed; `mark` shows a way
+ * @returns {Picture}
  */
 export function picture(onPick) {
   return new Picture(onPick);

@@ -68,7 +68,7 @@ function told(entry, pause) {
 
 const TOLD = {
   begun: () => h('p', {}, t('item.begun')),
-  task: task,
+  task,
   // why a task is held stands at its attempt already
   held: ({ id, task: held, words }) =>
     h('p', {}, shape('triangle'), ' ', t('item.held', { hold: id }), held ? '' : ` (${words})`),

@@ -6,10 +6,11 @@ import { h, keyed, show } from '../core/dom.js';
 
 /**
  * @param {Object} about
- * @param {string} about.caption what it lists; screen readers say it, and `isCaptionShown` shows it
+ * @param {string} about.caption what it lists; screen readers say it,
  * @param {Array<{head: string, cell: function(*): *, isNumber?: boolean}>} about.columns
  * @param {function(*): (string|number)} about.key of a thing
  * @param {string} about.empty said where there are no rows
+ * @param {boolean} [about.isCaptionShown]
  * @returns {{element: Element, show: function(Array): void}}
  */
 export function table({ caption, columns, key, empty, isCaptionShown = false }) {

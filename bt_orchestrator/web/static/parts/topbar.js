@@ -95,9 +95,7 @@ function sinceWhen(cell) {
 }
 
 function stateWords(cell) {
-  const state = standsSilently(cell)
-    ? t('standing.state')
-    : tOr(`state.${cell.state}`, cell.state);
+  const state = standsSilently(cell) ? t('standing.state') : tOr(`state.${cell.state}`, cell.state);
   return news().kind === 'fresh' ? state : t('news.last_known', { state });
 }
 
@@ -133,8 +131,8 @@ function commandBlock() {
     show(menu, stopsLater.length);
   }
 
-  menu.addEventListener('click', (event) => {
-    if (event.target.closest('button')) menu.open = false;
+  menu.addEventListener('click', ({ target }) => {
+    if (/** @type {Element} */ (target).closest('button')) menu.open = false;
   });
   const end = subscribe('cell', update);
   update();

@@ -122,7 +122,7 @@ function makeLine() {
       text(name, line.name);
       text(message, said);
       show(message, Boolean(said));
-      element.style.setProperty('--level', line.level - 1); // the policy forbids a style attribute
+      element.style.setProperty('--level', `${line.level - 1}`); // the policy forbids a style attribute
       attribute(element, 'data-status', branch.status);
       attribute(element, 'tabindex', line.isCurrent ? 0 : -1);
       attribute(element, 'aria-level', line.level);

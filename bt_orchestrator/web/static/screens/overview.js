@@ -41,6 +41,7 @@ export function mount(root) {
   const journal = h('div');
   const title = h('h1', { class: 'for-readers' }, t('overview.title'));
   root.append(title, silence, journal, page);
+  /** @type {Array<[string[], function(): void]>} */
   const shown = [
     [['cell', 'news'], () => showWhichThereIs({ silence, journal, page })],
     [['cell', 'hold/'], holds.update],
@@ -116,7 +117,7 @@ function sectionGrid() {
     update() {
       const sections = partsNamed('section', part('cell')?.sections);
       attribute(element, 'data-many', sections.length > 12);
-      element.style.setProperty('--sections', sections.length);
+      element.style.setProperty('--sections', `${sections.length}`);
       cards.update(sections);
     },
   };

@@ -30,7 +30,7 @@ class Why {
     this.fill = keyed(
       this.reasons,
       (chain) => chain.part,
-      (chain) => this.#reason(chain),
+      () => this.#reason(),
     );
     this.causes = h('ul', { class: 'causes' });
     this.fillCauses = keyed(this.causes, (cause) => `${cause.part} ${cause.kind}`, makeCause);

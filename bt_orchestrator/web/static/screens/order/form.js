@@ -77,8 +77,9 @@ export function orderForm(changed, left) {
   );
   element.addEventListener('input', changed);
   element.addEventListener('focusout', ({ target }) => {
-    if (!target.name || touched.has(target.name)) return;
-    touched.add(target.name);
+    const { name } = /** @type {HTMLInputElement} */ (target);
+    if (!name || touched.has(name)) return;
+    touched.add(name);
     left();
   });
   order.input.value = newOrderId();

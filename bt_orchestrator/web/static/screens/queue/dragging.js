@@ -6,8 +6,8 @@ const SCROLL_PX = 12;
 
 /**
  * Let a row be dragged. The list stays as it is; the row only follows the pointer.
- * @param {Element} handle
- * @param {Element} row
+ * @param {HTMLButtonElement} handle
+ * @param {HTMLElement} row
  * @param {Object} tell
  * @param {function(number): void} tell.over the place under the pointer
  * @param {function(): void} tell.drop

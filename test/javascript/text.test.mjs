@@ -1,0 +1,49 @@
+/** Words and times in the language of the viewer, from the files of the page. */
+import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
+import { test } from 'node:test';
+
+import { withButtons } from '../../bt_orchestrator/web/static/core/requests.js';
+import * as text from '../../bt_orchestrator/web/static/core/text.js';
+
+const STATIC = new URL('../../bt_orchestrator/web', import.meta.url);
+globalThis.document = { documentElement: {} };
+globalThis.fetch = async (path) => {
+  const file = await readFile(`${STATIC.pathname}${path}`, 'utf-8');
+  return { ok: true, json: async () => JSON.parse(file) };
+};
+
+test('a count chooses the word', async () => {
+  await text.useLanguage('en');
+  const words = [1, 3].map((count) => text.t('shift.more', { count, lost: '5 s' }));
+  assert.deepEqual(words, ['and 1 more, 5 s', 'and 3 more, 5 s together']);
+});
+
+test('a name of a customer stays, and a key without words shows itself', () => {
+  assert.equal(text.tOr('reason.of_acme', 'of_acme'), 'of_acme');
+  assert.equal(text.t('nobody.knows'), 'nobody.knows');
+});
+
+test('durations have two units at most', () => {
+  const said = [59.4, 61, 3600, 90061].map(text.duration);
+  assert.deepEqual(said, ['59 s', '1 min 01 s', '1 h 00 min', '1 d 1 h']);
+  assert.deepEqual([5, 65, 3661].map(text.stopwatch), ['5', '1:05', '1:01:01']);
+  assert.deepEqual([text.duration(null), text.seconds(null), text.at(null)], ['', '', '']);
+});
+
+test('numbers and words are German on a German page', async () => {
+  await text.useLanguage('de');
+  assert.equal(text.seconds(1.25), '1,3 s');
+  assert.equal(text.said({ en: 'done', de: 'fertig' }), 'fertig');
+});
+
+test('verbs of the command line become words of buttons', async () => {
+  await text.useLanguage('en');
+  const said = withButtons('was it placed? mark_done if it was, else say retry');
+  assert.equal(
+    said,
+    `was it placed? “${text.t('word.hold.mark_done')}” if it was, else say ` +
+      `“${text.t('word.hold.retry')}”`,
+  );
+  assert.equal(withButtons('the arm says nothing'), 'the arm says nothing');
+});
