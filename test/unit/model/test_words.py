@@ -9,7 +9,7 @@ import pytest
 from bt_orchestrator.model.words import OR, SENTENCES, Words, facts_of, sentence
 
 
-@pytest.mark.parametrize('kind', SENTENCES.keys() - {'said'})
+@pytest.mark.parametrize('kind', sorted(SENTENCES.keys() - {'said'}))
 def test_facts_are_read_out_of_their_sentence(kind: str) -> None:
     names = set(re.findall(r'\{(\w+)\}', SENTENCES[kind]))
     values = {name: f'a{OR}b' if name == 'answers' else f'/x {name} 1' for name in names}
