@@ -76,7 +76,7 @@ class Ledger:
         up = self._clock.uptime()
         if up is None:
             return None
-        return round(up.seconds - (self._clock.steady() - self._wall.steady), 3)
+        return round(up.seconds - (self._clock.steady() - self._wall.steady), 6)
 
     def record(self, events: Iterable[Event]) -> None:
         """Stamp and apply new events, in order, each before the next one is taken."""

@@ -84,8 +84,8 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument(
         '--node',
         action='store_true',
-        help='Node too, with an OPC UA client, a linter and a compiler that checks types, in the folder '
-        '.venv/<distro>: for the gates opcua and javascript',
+        help='Node too, with an OPC UA client, a linter and a compiler that checks types, in the '
+        'folder .venv/<distro>: for the gates opcua and javascript',
     )
     return parser.parse_args()
 

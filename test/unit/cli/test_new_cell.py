@@ -45,7 +45,7 @@ def test_the_files_work_as_they_are(
     drawing = options(render, 'first_product', *cell, '-o', 'drawing.svg')
     assert render.render(drawing, TYPES) == 0
     assert simulate.simulate(options(simulate, 'order.yaml', *cell), TYPES) == 0
-    assert '3       3         0' in capsys.readouterr().out
+    assert 'first_product      3       3 ' in capsys.readouterr().out
 
 
 @pytest.mark.parametrize('sections', ['1', '4'])
@@ -59,7 +59,7 @@ def test_the_files_with_a_recipe_work_as_they_are(
     assert generate.generate(words, TYPES) == 0
     assert check.check(options(check, 'first_product', *cell, '--strict'), TYPES) == 0
     assert simulate.simulate(options(simulate, 'order.yaml', *cell), TYPES) == 0
-    assert '3       3         0' in capsys.readouterr().out
+    assert 'first_product      3       3 ' in capsys.readouterr().out
     recipe = Path('recipes/first_product.yaml').read_text()
     schema = Path('recipes') / recipe.partition('\n')[0].partition('$schema=')[2]
     assert json.loads(schema.read_text())['title']
