@@ -20,17 +20,17 @@ from bt_orchestrator.model.requests import (
     RELEASE_SCRIPT,
     About,
     Asked,
-    BadArguments,
+    Kind,
     Request,
-    lacking,
-    of_word,
+    ask,
+    of_name,
     refusal,
-    words_about,
 )
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.runtime.operators import offering
+from bt_orchestrator.script.given_arguments import arguments_of
 from bt_orchestrator.script.given_results import given_results, results_text
 from bt_orchestrator.script.report import did_you_mean, listing
 
@@ -68,33 +68,20 @@ def prepared(asked: Asked, state: CellState, types: ActionTypes) -> Asked:
     return replace(asked, arguments={**asked.arguments, **prepare(asked, state, types)})
 
 
-def asked_by_word(about: About, word: str, by: By, given: Arguments, state: CellState) -> Asked:
-    """Return a request that came as a word with the fields of a message.
+def asked_by_name(name: str, by: By, given: Arguments, state: CellState) -> Asked:
+    """Return a request that came by its name; values by name may come as one text.
 
-    :raises CommandRefused: the table has no such word, or an argument is missing
+    :raises CommandRefused: a hold has no such answer; a text is no mapping
+    :raises BadArguments: there is no such request, or it has other arguments
     """
-    request = of_word(about, word)
-    if request is None:
-        if about is About.HOLD:
-            offering(state, given['hold'], word, by.role)
-        raise CommandRefused(f'unknown command {cut(word, 60)!r}; one of {_known(about)}')
-    known = {one.name for one in request.parameters}
-    said = {name: value for name, value in given.items() if value}
-    if about in (About.CELL, About.JOB):  # one message carries the fields of all its commands
-        said = {name: value for name, value in said.items() if name in known}
-    elif not said.keys() <= known:
-        extra = ', '.join(said.keys() - known)
-        raise CommandRefused(f'{extra} cannot be given with {word}; nothing was done')
-    try:
-        lacking(request, said)
-    except BadArguments as why:
-        raise CommandRefused(str(why)) from None
-    return Asked(request, by, said)
-
-
-def _known(about: About) -> str:
-    others = (About.COMPONENT, About.SCRIPT) if about is About.CELL else ()
-    return ', '.join(word for one in (about, *others) for word in words_about(one))
+    about, _, word = name.partition('.')
+    request = of_name(name)
+    if request is None and about == About.HOLD.value:
+        offering(state, str(given.get(about, '')), cut(word, 60), by.role)
+    parameters = request.parameters if request is not None else ()
+    values = [one.name for one in parameters if one.kind is Kind.VALUES]
+    texts = {name: given[name] for name in values if isinstance(given.get(name), str)}
+    return ask(name, by, **{**given, **{name: arguments_of(texts[name]) for name in texts}})
 
 
 @prepares(CELL[Cause.CLEAR])
@@ -150,7 +137,7 @@ def _results(asked: Asked, state: CellState, types: ActionTypes) -> dict[str, An
         raise CommandRefused(
             f'hold {asked["hold"]} is about no task that can have results; answer it without'
         )
-    text = results if isinstance(results, str) else results_text(results)
+    text = results_text(results)
     return {'results': given_results(text, types.action(_type_of(state, task)))}
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
 
-from bt_orchestrator.asking.commands import Arguments, asked_by_word, prepared
+from bt_orchestrator.asking.commands import asked_by_name, prepared
 from bt_orchestrator.asking.comparing import made_anew
 from bt_orchestrator.asking.orders import (
     Told,
@@ -30,20 +30,20 @@ from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.requests import (
     ADD,
-    REQUESTS,
     REQUEUE,
     UPDATE,
-    About,
     Asked,
     BadArguments,
-    ask,
-    refusal,
+    about_of,
+    of_name,
 )
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.given_arguments import arguments_of
-from bt_orchestrator.script.orders.asked import asked_of, change_of
+from bt_orchestrator.script.orders.asked import change_of
 from bt_orchestrator.script.orders.desk import AskedOrder, Reading, Wanted
+
+_Step = Callable[[Asked], Awaitable[Answer]]
 
 
 class OrderReading(Protocol):
@@ -63,164 +63,144 @@ class RequestHandler:
         self._engine = engine
         self._types = types
         self._orders = orders
-        self._reads: Mapping[str, Callable[[Arguments, By], Awaitable[Answer]]] = {
-            ADD.name: self._add_as_asked,
-            UPDATE.name: self._update_as_asked,
-            REQUEUE.name: self._requeue_as_asked,
+        self._reads: Mapping[str, _Step] = {
+            ADD.name: self._add,
+            UPDATE.name: self._update,
+            REQUEUE.name: self._requeue,
         }
         """What carries out the requests for which files are read."""
 
     async def carry_out(self, asked: Asked) -> Answer:
         """Carry out a request of the table."""
         reads = self._reads.get(asked.request.name)
-        if reads is not None:
-            return await reads(asked.arguments, asked.sender)
-        try:
-            asked = prepared(asked, self._engine.state, self._types)
-        except CommandRefused as why:
-            return await self._refuse(asked.request.word, asked.sender, str(why))
-        return await self._engine.carry_out(asked)
+        return await self._answer(asked, self._decide if reads is None else reads)
 
-    async def carry_out_named(self, name: str, arguments: str, by: By) -> Answer:
-        """Carry out a request that came as texts; refuse one that the table does not have.
+    async def carry_out_named(self, name: str, given: Mapping[str, Any] | str, by: By) -> Answer:
+        """Carry out a request by its name; refuse one that the table does not have.
 
-        :param arguments: by name, JSON or YAML
+        :param given: arguments by name, or their text in JSON or YAML
         """
+        arguments: Mapping[str, Any] = {}
         try:
-            asked = ask(name, by, **arguments_of(arguments))
+            arguments = arguments_of(given) if isinstance(given, str) else given
+            asked = asked_by_name(name, by, arguments, self._engine.state)
         except (BadArguments, CommandRefused) as why:
-            known = REQUESTS.get(name)
-            return await self._refuse(name if known is None else known.word, by, str(why))
-        return await self.carry_out(asked)
-
-    async def give(self, about: About, word: str, by: By, **given: Any) -> Answer:
-        """Carry out a request that came as a word and reads no orders; refuse unknown words."""
-        try:
-            asked = asked_by_word(about, word, by, given, self._engine.state)
-        except CommandRefused as why:
-            return await self._refuse(word, by, str(why))
+            request, about = of_name(name), about_of(name, arguments)
+            word = name.rpartition('.')[2] if request is None else request.word
+            return await self._engine.carry_out(RefusedRequest(word, by, str(why), about=about))
         return await self.carry_out(asked)
 
     async def add(
-        self, orders: Sequence[AskedOrder], by: By, position: int | None, *, held: bool
-    ) -> Answer:
-        """Queue orders in their order, all or none."""
-        try:
-            check_sender(ADD, by)
-            async with self._orders.read(wanted_orders(orders)) as reading:
-                return await self._add_read(orders, reading, by, position, held=held)
-        except NotRead as why:
-            return await self._refuse(ADD.word, by, str(why))
-
-    async def _add_as_asked(self, given: Arguments, by: By) -> Answer:
-        try:
-            orders = [asked_of(one) for one in given['orders']]
-        except CommandRefused as why:
-            return await self._refuse(ADD.word, by, str(why))
-        return await self.add(
-            orders, by, given.get('position'), held=bool(given.get('held', False))
-        )
-
-    async def _add_read(
         self,
         orders: Sequence[AskedOrder],
-        reading: Reading,
         by: By,
-        position: int | None,
+        position: int | None = None,
         *,
-        held: bool,
+        held: bool = False,
     ) -> Answer:
-        jobs = tuple(job for job in reading.read if isinstance(job, Job))
-        if len(jobs) < len(reading.read):
-            await self._engine.carry_out(refused_orders(orders, reading.read, by))
-            return answer_to_refused(orders, reading.read)
-        added = AddJobs(jobs, by, position, held, reading.sharing)
-        answer = await self._engine.carry_out(added)
-        return with_each(answer, jobs, self._engine.state)
+        """Queue orders in their order, all or none."""
+        given = {'orders': orders, 'position': position, 'held': held}
+        return await self.carry_out(Asked(ADD, by, given))
 
     async def update(self, job: str, wish: AskedOrder, by: By) -> Answer:
         """Change a queued job; keep what the request does not name."""
-        try:
-            check_sender(UPDATE, by)
-            wanted_orders([wish])  # within the limits
-            as_it_is = partial(changed_job, self._engine.state, job, wish)
-            async with self._orders.read(as_it_is) as reading:
-                return await self._update_read(job, reading, by, keeps_script=wish.keeps_script)
-        except NotRead as why:
-            return await self._refuse(UPDATE.word, by, str(why), job)
-
-    async def _update_as_asked(self, given: Arguments, by: By) -> Answer:
-        job = str(given['job'])
-        if len(given) < 2 and refusal(UPDATE, by) is None:
-            names = ', '.join(one.name for one in UPDATE.parameters if one is not UPDATE.subject)
-            return await self._refuse(UPDATE.word, by, f'say what to change: {names}', job)
-        try:
-            wish = change_of(given)
-        except CommandRefused as why:
-            return await self._refuse(UPDATE.word, by, str(why), job)
-        return await self.update(job, wish, by)
-
-    async def _update_read(
-        self,
-        job: str,
-        reading: Reading,
-        by: By,
-        anew: MadeAnew | None = None,
-        *,
-        keeps_script: bool = False,
-    ) -> Answer:
-        (read,) = reading.read
-        if isinstance(read, Refused):
-            return await self._refuse_read(UPDATE.word, read, by, job)
-        update = UpdateJob(read, by, reading.sharing, keeps_script, anew)
-        answer = await self._engine.carry_out(update)
-        return with_each(answer, [read], self._engine.state)
+        return await self._answer(Asked(UPDATE, by, {'job': job}), partial(self._change, wish))
 
     async def make_anew(self, job: str, by: By) -> Answer:
         """Generate the script of a queued job by recipe again, without what is out of service.
 
         Everything else of the job stays. It is on record only if another script comes of it.
         """
+        return await self._answer(Asked(UPDATE, by, {'job': job}), self._make_anew)
+
+    async def _answer(self, asked: Asked, step: _Step) -> Answer:
         try:
-            async with self._orders.read(partial(job_anew, self._engine.state, job)) as reading:
-                return await self._anew_read(job, reading, by)
-        except NotRead as why:
-            return await self._refuse(UPDATE.word, by, str(why), job)
+            return await step(asked)
+        except (CommandRefused, NotRead) as why:
+            return await self._refuse(asked, str(why))
 
-    async def _anew_read(self, job: str, reading: Reading, by: By) -> Answer:
-        (read,), queued = reading.read, self._engine.state.jobs.get(job)
-        if isinstance(read, Job) and queued is not None:
-            if digest(read.script) == queued.digest:
-                return Answer(accepted=True, message=f'{job} is made as before')
-            anew = made_anew(queued, read.script, self._engine.state)
-            by = replace(by, reason=f'{by.reason}; made anew: {anew.pace_words}')
-            return await self._update_read(job, reading, by, anew)
-        return await self._update_read(job, reading, by)
+    async def _refuse(self, asked: Asked, message: str) -> Answer:
+        """Put a request on record that cannot be made a command."""
+        word, about = asked.request.word, asked.about
+        refused = RefusedRequest(word, asked.sender, message, about=about)
+        return await self._engine.carry_out(refused)
 
-    async def _requeue_as_asked(self, given: Arguments, by: By) -> Answer:
-        """End a job on the line early, and queue its rest anew: both or neither (7.6)."""
-        job = given['job']
-        try:
-            check_sender(REQUEUE, by)
-            as_it_is = partial(rest_of, self._engine.state, job, given.get('order', ''))
-            async with self._orders.read(as_it_is) as reading:
-                return await self._requeue_read(job, reading, by)
-        except NotRead as why:
-            return await self._refuse(REQUEUE.word, by, str(why), job)
+    async def _decide(self, asked: Asked) -> Answer:
+        ready = prepared(asked, self._engine.state, self._types)
+        return await self._engine.carry_out(ready)
 
-    async def _requeue_read(self, job: str, reading: Reading, by: By) -> Answer:
-        (read,), live = reading.read, self._engine.state.jobs[job]
+    # --- orders -----------------------------------------------------------------------------
+
+    async def _add(self, asked: Asked) -> Answer:
+        check_sender(asked)
+        orders = wanted_orders(asked['orders'])
+        async with self._orders.read(orders) as reading:
+            read, given = reading.read, asked.arguments
+            jobs = tuple(job for job in read if isinstance(job, Job))
+            if len(jobs) < len(read):
+                await self._engine.carry_out(refused_orders(asked, orders, read))
+                return answer_to_refused(orders, read)
+            held = bool(given.get('held', False))
+            added = AddJobs(jobs, asked.sender, given.get('position'), held, reading.sharing)
+            answer = await self._engine.carry_out(added)
+            return with_each(answer, jobs, self._engine.state)
+
+    async def _update(self, asked: Asked) -> Answer:
+        check_sender(asked)
+        if len(asked.arguments) < 2:
+            names = ', '.join(one.name for one in UPDATE.parameters if one is not UPDATE.subject)
+            raise CommandRefused(f'say what to change: {names}')
+        return await self._change(change_of(asked.arguments), asked)
+
+    async def _change(self, wish: AskedOrder, asked: Asked) -> Answer:
+        check_sender(asked)
+        wanted_orders([wish])  # within the limits
+        as_it_is = partial(changed_job, self._engine.state, asked['job'], wish)
+        async with self._orders.read(as_it_is) as reading:
+            return await self._update_read(asked, reading, keeps_script=wish.keeps_script)
+
+    async def _update_read(
+        self,
+        asked: Asked,
+        reading: Reading,
+        anew: MadeAnew | None = None,
+        *,
+        keeps_script: bool = False,
+    ) -> Answer:
+        (read,) = reading.read
         if isinstance(read, Refused):
-            return await self._refuse_read(REQUEUE.word, read, by, job)
-        same = digest(read.script) == live.digest
-        anew = None if same else made_anew(live, read.script, self._engine.state)
-        return await self._engine.carry_out(RequeueJob(job, read, by, reading.sharing, anew))
+            return await self._refuse_read(asked, read)
+        update = UpdateJob(read, asked.sender, reading.sharing, keeps_script, anew)
+        answer = await self._engine.carry_out(update)
+        return with_each(answer, [read], self._engine.state)
 
-    async def _refuse_read(self, verb: str, read: Refused, by: By, job: str) -> Answer:
-        await self._refuse(verb, by, read.in_short, job)
+    async def _make_anew(self, asked: Asked) -> Answer:
+        state, job = self._engine.state, asked['job']
+        async with self._orders.read(partial(job_anew, state, job)) as reading:
+            (read,), queued, anew = reading.read, state.jobs.get(job), None
+            if isinstance(read, Job) and queued is not None:
+                if digest(read.script) == queued.digest:
+                    return Answer(accepted=True, message=f'{job} is made as before')
+                anew = made_anew(queued, read.script, state)
+                reason = f'{asked.sender.reason}; made anew: {anew.pace_words}'
+                asked = replace(asked, by=replace(asked.sender, reason=reason))
+            return await self._update_read(asked, reading, anew)
+
+    async def _requeue(self, asked: Asked) -> Answer:
+        """End a job on the line early, and queue its rest anew: both or neither (7.6)."""
+        check_sender(asked)
+        state, job = self._engine.state, asked['job']
+        as_it_is = partial(rest_of, state, job, asked.arguments.get('order', ''))
+        async with self._orders.read(as_it_is) as reading:
+            (read,), live = reading.read, state.jobs[job]
+            if isinstance(read, Refused):
+                return await self._refuse_read(asked, read)
+            same = digest(read.script) == live.digest
+            anew = None if same else made_anew(live, read.script, state)
+            requeue = RequeueJob(job, read, asked.sender, reading.sharing, anew)
+            return await self._engine.carry_out(requeue)
+
+    async def _refuse_read(self, asked: Asked, read: Refused) -> Answer:
+        await self._refuse(asked, read.in_short)
         each = OrderAnswer(message=read.count, findings=Told().of(read))
         return Answer(accepted=False, message=read.count, orders=(each,))
-
-    async def _refuse(self, verb: str, by: By, message: str, *jobs: str) -> Answer:
-        """Put a request on record that cannot be made a command."""
-        return await self._engine.carry_out(RefusedRequest(verb, by, message, jobs))

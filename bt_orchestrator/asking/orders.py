@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from bt_orchestrator.errors import NotRead, Refused, counted
-from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
-from bt_orchestrator.model.jobs.order import Job, RecipeChoice
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
 from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES, listed
-from bt_orchestrator.model.requests import ADD, Request, refusal
+from bt_orchestrator.model.requests import Asked, refusal
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.runtime.job_queue import standing
 from bt_orchestrator.runtime.orders import FITS
+from bt_orchestrator.script.orders.asked import asked_of
 from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Orders, Wanted
 
 PREFIX = 'WO-'
@@ -28,35 +29,38 @@ ALL = 'bt-orchestrator check --json, where the files are, lists all'
 # --- before they are read -----------------------------------------------------------------------
 
 
-def check_sender(request: Request, by: By) -> None:
+def check_sender(asked: Asked) -> None:
     """Refuse before reading: do not read orders of a request that will be refused.
 
     :raises NotRead: says why
     """
-    why = refusal(request, by)
+    why = refusal(asked.request, asked.sender)
     if why is not None:
         raise NotRead(why)
 
 
-def wanted_orders(orders: Sequence[AskedOrder]) -> Orders:
+def wanted_orders(given: Sequence[AskedOrder | WorkOrder | Mapping[str, Any]]) -> Orders:
     """Return what is to be read.
 
+    :param given: or mappings with the keys of an order file
     :raises NotRead: they are none, too many, or too large
+    :raises CommandRefused: one is no order
     """
-    if not orders:
+    if not given:
         raise NotRead('name at least one order')
-    if len(orders) > ORDERS:
+    if len(given) > ORDERS:
         raise NotRead(
-            f'{len(orders)} orders are too many for one request, which is carried out as a whole; '
+            f'{len(given)} orders are too many for one request, which is carried out as a whole; '
             f'nothing was queued; give {ORDERS} or fewer at a time'
         )
+    orders = tuple(map(asked_of, given))
     size = sum(map(_size, orders))
     if size > REQUEST_BYTES:
         raise NotRead(
             f'the orders of this request have {size} bytes of text, and a request may have '
             f'{REQUEST_BYTES}; nothing was queued; give fewer at a time, or shorter ones'
         )
-    return Orders(tuple(orders))
+    return Orders(orders)
 
 
 def changed_job(state: CellState, name: str, wish: AskedOrder) -> ChangedJob:
@@ -107,24 +111,24 @@ def _size(order: AskedOrder) -> int:
 # --- after that ---------------------------------------------------------------------------------
 
 
-def refused_orders(
-    orders: Sequence[AskedOrder], read: Sequence[Job | Refused], by: By
-) -> RefusedRequest:
+def refused_orders(asked: Asked, orders: Orders, read: Sequence[Job | Refused]) -> RefusedRequest:
     """Return what is put on record of orders that were read, some of them with mistakes."""
-    pairs = list(zip(orders, read, strict=True))
+    pairs = list(zip(orders.orders, read, strict=True))
     each = tuple(
         f'{one.id} {FITS}' if isinstance(one, Job) else f'{_name(order)} is {one.in_short}'
         for order, one in pairs
     )
     ids = tuple(one.id if isinstance(one, Job) else order.order for order, one in pairs)
-    return RefusedRequest(ADD.word, by, '; '.join(each), ids, each)
+    return RefusedRequest(asked.request.word, asked.sender, '; '.join(each), ids, each)
 
 
-def answer_to_refused(orders: Sequence[AskedOrder], read: Sequence[Job | Refused]) -> Answer:
+def answer_to_refused(orders: Orders, read: Sequence[Job | Refused]) -> Answer:
     """Return the answer to the sender of the orders."""
     findings = sum(len(one.findings) for one in read if isinstance(one, Refused))
     message = f'refused with {counted(findings, "finding")}'
-    return Answer(accepted=False, message=message, orders=tuple(_each_refused(orders, read)))
+    return Answer(
+        accepted=False, message=message, orders=tuple(_each_refused(orders.orders, read))
+    )
 
 
 def _each_refused(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.jobs.job_commands import OfOrders
@@ -34,10 +35,12 @@ class RefusedRequest:
     by: By
     message: str
     """Why it is refused."""
-    jobs: tuple[str, ...] = ()
-    """Ids of the jobs concerned; empty for an order without an id."""
+    names: tuple[str, ...] = ()
+    """Ids of the orders, each with a record of its own; empty: without an id."""
     each: tuple[str, ...] = ()
-    """The message for each job, if they differ."""
+    """The message for each of them, if they differ."""
+    about: Mapping[str, str] = field(default_factory=dict)
+    """The field of its record that names its subject."""
 
 
 OnRecord = Asked | OfOrders | RefusedRequest

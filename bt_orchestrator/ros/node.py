@@ -42,6 +42,7 @@ from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.receive_buffers import widen
 from bt_orchestrator.ros.services.events_service import EventsService
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
+from bt_orchestrator.ros.services.job_lists import serve_lists
 from bt_orchestrator.ros.services.order_process import order_process
 from bt_orchestrator.ros.services.order_reader import OrderReader
 from bt_orchestrator.ros.services.outputs import (
@@ -52,7 +53,6 @@ from bt_orchestrator.ros.services.outputs import (
 )
 from bt_orchestrator.ros.services.patient_service import make_all_patient
 from bt_orchestrator.ros.services.prompt_profile import prompt_answers
-from bt_orchestrator.ros.services.queue_services import QueueServices
 from bt_orchestrator.ros.services.run_job import RunJobServer
 from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.services.services import Services
@@ -253,7 +253,7 @@ class TreeNode:
         self.orchestrator.add_sink(QueueAnew(handler, self.orchestrator.state, later))
         senders, state = self._senders, self.orchestrator.state
         Services(self.node, handler, senders, state)
-        QueueServices(self.node, handler, senders, self._overview, state)
+        serve_lists(self.node, self._overview, state)
         EventsService(self.node, self.orchestrator, store)
         StateService(self.node, self.orchestrator, self._durations)
         run_job = RunJobServer(

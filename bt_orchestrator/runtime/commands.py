@@ -12,7 +12,6 @@ from bt_orchestrator.model.failures import ABORT, SHUTDOWN
 from bt_orchestrator.model.limits import TWINS
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
 from bt_orchestrator.model.pauses import TWIN
-from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.runtime import cell_commands, job_queue, operators, releases, service
 from bt_orchestrator.runtime.command_record import decided
 from bt_orchestrator.runtime.deciding import DECIDERS, not_allowed
@@ -33,16 +32,15 @@ def answer_to(command: Command, ledger: Ledger) -> str:
         return _shut_down(ledger)
     if isinstance(command, FoundTwin):
         return _stand_for_a_twin(command, ledger)
-    why_not = not_allowed(command, ledger.state)
+    why_not = not_allowed(command)
     if why_not is not None:
         raise CommandRefused(why_not)
     if isinstance(command, RefusedRequest):
         raise CommandRefused(command.message, command.each)
-    if isinstance(command, Asked):
-        message, events = DECIDERS[command.request.name](ledger.state, command, ledger.now)
-        ledger.record(chain(decided(command), events))
-        return message
-    message, events = job_queue.carry_out(command, ledger.state, ledger.now)
+    request = command.request
+    message, events = DECIDERS[request.name](ledger.state, command, ledger.now)
+    if not request.takes_orders:  # else each order has its own record
+        events = chain(decided(request.word, command.by, **command.about), events)
     ledger.record(events)
     return message
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.commands import Command
-from bt_orchestrator.model.jobs.job_commands import UpdateJob
-from bt_orchestrator.model.requests import Asked, Request, refusal
+from bt_orchestrator.model.requests import Request, refusal
 from bt_orchestrator.model.state import CellState
 
 Decided = tuple[str, Iterable[e.Event]]
 """The words of the answer, and what happens; the record of the request precedes it."""
 
-Decider = Callable[[CellState, Asked, float], Decided]
+Decider = Callable[[CellState, Any, float], Decided]
 """Of state, request and time. It changes nothing.
 
 :raises CommandRefused: before its first event; says why
@@ -34,7 +33,7 @@ def decides(*requests: Request) -> Callable[[Decider], Decider]:
     return register
 
 
-def not_allowed(command: Command, state: CellState) -> str | None:
+def not_allowed(command: Command) -> str | None:
     """Say why the sender has no permission for a command; None: it has.
 
     A command without a sender comes from the plan of a virtual run.
@@ -42,15 +41,4 @@ def not_allowed(command: Command, state: CellState) -> str | None:
     request, by = getattr(command, 'request', None), getattr(command, 'by', None)
     if request is None or by is None:
         return None
-    return refusal(request, by, _restricted(command, state))
-
-
-def _restricted(command: Command, state: CellState) -> Collection[str]:
-    """Return the used parameters, of which some need a higher role than the request itself."""
-    if isinstance(command, Asked):
-        return command.arguments
-    if not isinstance(command, UpdateJob):
-        return ()
-    now = state.jobs.get(command.job.id)
-    changes = now is not None and now.digest != digest(command.job.script)
-    return ('script',) if changes else ()
+    return refusal(request, by, getattr(command, 'arguments', ()))

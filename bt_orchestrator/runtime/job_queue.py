@@ -4,19 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from itertools import chain
+from operator import add
 
 from bt_orchestrator.errors import CommandRefused, counted
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import job_word
-from bt_orchestrator.model.jobs.job_commands import AddJobs, OfOrders, RequeueJob, UpdateJob
+from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.job_control import lacks_words
 from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.jobs.needs import awaited_when_stopped, items_wait_words
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
-from bt_orchestrator.model.requests import JOB, MOVE, NEXT, STOP_AFTERS, Asked
+from bt_orchestrator.model.requests import (
+    ADD,
+    JOB,
+    MOVE,
+    NEXT,
+    REQUEUE,
+    STOP_AFTERS,
+    UPDATE,
+    Asked,
+    refusal,
+)
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import AFTER, NEVER, STOP_AFTER, way_to_work
 from bt_orchestrator.runtime import listed_jobs, orders
@@ -30,35 +43,25 @@ _AWAITS = 'it waits for its start,'
 _ENDS = 'ends when its items on the line are finished'
 
 
-def carry_out(command: OfOrders, state: CellState, now: float) -> Decided:
-    """Return the answer and the events.
-
-    :raises CommandRefused: it cannot be carried out now
-    """
-    if isinstance(command, AddJobs):
-        return _add(command, state, now)  # each job has its own record
-    of_one = _update if isinstance(command, UpdateJob) else _requeue
-    message, events = of_one(command, state, now)  # type: ignore[arg-type]
-    return message, [*decided(command), *events]
-
-
 # --- orders ---------------------------------------------------------------------------------
 
 
-def _add(command: AddJobs, state: CellState, now: float) -> Decided:
+@decides(ADD)
+def _add(state: CellState, command: AddJobs, now: float) -> Decided:
     if command.position is not None:
         _check_position(command.position, state.jobs.waiting + 1)
-    queued = orders.queue(
+    each = orders.queue(
         state,
         command.jobs,
         now,
         position=command.position,
         held=command.held,
-        by=command.by,
         sharing=command.sharing,
     )
-    said = [_how(event) for event in queued if isinstance(event, e.JobQueued)]
-    return '\n'.join([*said, *standing(state)]), queued
+    records = [list(decided(ADD.word, command.by, job=name)) for name in command.names]
+    events = [*chain.from_iterable(map(add, records, each))]
+    said = [_how(event) for event in events if isinstance(event, e.JobQueued)]
+    return '\n'.join([*said, *standing(state)]), events
 
 
 def _how(queued: e.JobQueued) -> str:
@@ -69,8 +72,13 @@ def _how(queued: e.JobQueued) -> str:
     return f'{queued.job} is queued{how}{early}{lacks}'
 
 
-def _update(command: UpdateJob, state: CellState, now: float) -> Decided:
-    new = command.job
+@decides(UPDATE)
+def _update(state: CellState, command: UpdateJob, now: float) -> Decided:
+    new, live = command.job, state.jobs.get(command.job.id)
+    changes = live is not None and live.digest != digest(new.script)
+    why_not = refusal(UPDATE, command.by, ['script']) if changes else None
+    if why_not is not None:
+        raise CommandRefused(why_not)
     allowed(state, job_control.UPDATE, new.id)
     changed = orders.change(
         state, new, now, command.sharing, command.anew, keeps_script=command.keeps_script
@@ -81,7 +89,8 @@ def _update(command: UpdateJob, state: CellState, now: float) -> Decided:
     return '\n'.join([f'{new.id} is updated', *lacks]), changed
 
 
-def _requeue(command: RequeueJob, state: CellState, _: float) -> Decided:
+@decides(REQUEUE)
+def _requeue(state: CellState, command: RequeueJob, _: float) -> Decided:
     """Stop a job and queue its rest, both or neither: whatever is wrong is found before."""
     job = allowed(state, job_control.REQUEUE, command.job)
     rest = replace(command.rest, quantity=job.cycles_left)
@@ -142,10 +151,6 @@ def _lacks(job: JobState) -> Iterator[str]:
 # --- methods of a job -----------------------------------------------------------------------
 
 
-def _hold(_: CellState, job: JobState, __: str) -> Events:
-    yield e.JobHeld(job=job.job.id)
-
-
 def _release(_: CellState, job: JobState, __: str) -> Events:
     """Take the hold away; of a job that is not held, the wait for its start (semantics 6.7)."""
     kind = e.JobReleased if job.held else e.JobMayStart
@@ -160,12 +165,9 @@ def _after_release(state: CellState, job: JobState) -> Iterator[str]:
     yield from standing(state)
 
 
-def _remove(_: CellState, job: JobState, __: str) -> Events:
-    yield e.JobRemoved(job=job.job.id)
-
-
-def _pause(_: CellState, job: JobState, __: str) -> Events:
-    yield e.JobPaused(job=job.job.id)
+def _only(event: Callable[..., e.Event]) -> Callable[[CellState, JobState, str], Events]:
+    """Return what does something of which one event tells all."""
+    return lambda _, job, __: iter([event(job=job.job.id)])
 
 
 def _resume(_: CellState, job: JobState, __: str) -> Events:
@@ -184,23 +186,19 @@ def _abort(state: CellState, job: JobState, reason: str) -> Events:
     yield from effects.of_abort(state, job, reason)
 
 
-def _clear(_: CellState, job: JobState, __: str) -> Events:
-    yield e.JobCleared(job=job.job.id)
-
-
 _Control = tuple[job_control.Method, str, Callable[[CellState, JobState, str], Events]]
 
 CONTROLS: Mapping[str, _Control] = {
     control[0].verb: control
     for control in (
-        (job_control.REVOKE_START, 'is held', _hold),
+        (job_control.REVOKE_START, 'is held', _only(e.JobHeld)),
         (job_control.START, 'is released', _release),
-        (job_control.PAUSE, 'begins no more items', _pause),
+        (job_control.PAUSE, 'begins no more items', _only(e.JobPaused)),
         (job_control.RESUME, 'goes on', _resume),
         (job_control.STOP, _ENDS, _stop),
         (job_control.ABORT, 'is being aborted', _abort),
-        (job_control.CANCEL, 'is out of the queue', _remove),
-        (job_control.CLEAR, 'is listed no more', _clear),
+        (job_control.CANCEL, 'is out of the queue', _only(e.JobRemoved)),
+        (job_control.CLEAR, 'is listed no more', _only(e.JobCleared)),
     )
 }
 """By the command's word: the method, the answer, and the function that does it."""

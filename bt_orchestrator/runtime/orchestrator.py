@@ -197,12 +197,12 @@ class Orchestrator:
         self._projection.close()
 
     def _allows(self, command: Command) -> bool:
-        return not_allowed(command, self.state) is None
+        return not_allowed(command) is None
 
     def _without_journal(self, command: Command) -> Answer:
         """Answer a command that cannot be recorded; permissions apply as always."""
         assert self.breakdown is not None
-        why_not = not_allowed(command, self.state)
+        why_not = not_allowed(command)
         if why_not is not None:
             return Answer(accepted=False, message=why_not)
         return self.breakdown.answer(command)

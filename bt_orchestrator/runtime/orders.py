@@ -8,7 +8,6 @@ from typing import Any
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
 from bt_orchestrator.model.jobs.job_folds import recipe_key
@@ -19,7 +18,6 @@ from bt_orchestrator.model.jobs.releases import awaits_release
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.proof.sharing import contradiction
-from bt_orchestrator.runtime.command_record import decided_to_add
 from bt_orchestrator.runtime.starts import awaits_start
 
 FITS = 'fits, but was not queued because of the others'
@@ -33,10 +31,9 @@ def queue(
     *,
     position: int | None = None,
     held: bool = False,
-    by: By | None = None,
     sharing: Sharing | None = None,
-) -> list[e.Event]:
-    """Queue jobs, all or none.
+) -> list[list[e.Event]]:
+    """Queue jobs, all or none; returns the events of each.
 
     :param now: time on the wall clock
     :param position: place of the first, from 1; None: each gets its place by its urgency
@@ -45,12 +42,10 @@ def queue(
         a recipe was another one before
     """
     _refuse_unless_all_fit(state, jobs, sharing)
-    events: list[e.Event] = []
+    each: list[list[e.Event]] = []
     loaded = set(state.scripts)
     ranks = _Ranks(state)
     for number, job in enumerate(jobs):
-        events += decided_to_add(job.id, by)
-        events += _loaded(job.script, loaded)
         queued = e.JobQueued(
             **_ordered(job),
             position=ranks.place(job) if position is None else position + number,
@@ -60,8 +55,8 @@ def queue(
             awaits_release=awaits_release(state, job.script),
             unavailable=unavailable_to(state, job.script),
         )
-        events.append(queued)
-    return events
+        each.append([*_loaded(job.script, loaded), queued])
+    return each
 
 
 def queue_rest(

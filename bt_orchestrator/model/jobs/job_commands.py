@@ -30,7 +30,7 @@ class AddJobs:
     """Queue jobs in this order, all or none."""
 
     request: ClassVar[Request] = ADD
-    subject: ClassVar[str] = ''
+    about: ClassVar[Mapping[str, str]] = {}
     jobs: tuple[Job, ...]
     by: By | None = None
     """None: from the plan of a virtual run."""
@@ -39,6 +39,11 @@ class AddJobs:
     held: bool = False
     sharing: Sharing | None = None
     """None: not checked yet."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Ids of the jobs, each with a record of its own."""
+        return tuple(job.id for job in self.jobs)
 
 
 @dataclass(frozen=True)
@@ -56,9 +61,9 @@ class UpdateJob:
     """Why its script was generated again; None: it was not."""
 
     @property
-    def subject(self) -> str:
-        """Id of the job."""
-        return self.job.id
+    def about(self) -> Mapping[str, str]:
+        """The field of records that names the job."""
+        return {'job': self.job.id}
 
 
 @dataclass(frozen=True)
@@ -74,9 +79,9 @@ class RequeueJob:
     anew: MadeAnew | None = None
 
     @property
-    def subject(self) -> str:
-        """Id of the job."""
-        return self.job
+    def about(self) -> Mapping[str, str]:
+        """The field of records that names the job."""
+        return {'job': self.job}
 
 
 OfOrders = AddJobs | UpdateJob | RequeueJob

@@ -4,7 +4,7 @@ Verbs, services, help, documentation and permissions come from it. The states in
 possible are not repeated here: `packml`, `job_control` and `failures` decide that.
 """
 
-from bt_orchestrator.model.requests.asking import Asked, BadArguments, ask, lacking
+from bt_orchestrator.model.requests.asking import Asked, BadArguments, about_of, ask
 from bt_orchestrator.model.requests.permission import refusal
 from bt_orchestrator.model.requests.possible import of_cell, of_hold, of_job
 from bt_orchestrator.model.requests.request import About, Kind, Parameter, Request, Why
@@ -67,6 +67,6 @@ __all__ = [
     'refusal',
     'Asked',
     'BadArguments',
+    'about_of',
     'ask',
-    'lacking',
 ]

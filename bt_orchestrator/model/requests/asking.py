@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.limits import cut
-from bt_orchestrator.model.requests.request import Kind, Parameter, Request
-from bt_orchestrator.model.requests.table import REQUESTS
+from bt_orchestrator.model.requests.request import About, Kind, Parameter, Request
+from bt_orchestrator.model.requests.table import REQUESTS, TABLE, of_name
 
 
 class BadArguments(ValueError):
@@ -36,41 +36,42 @@ class Asked:
         return self.by
 
     @property
-    def subject(self) -> str:
-        """Id of the subject; empty: it has none."""
-        return self[self.request.subject.name] if self.request.subject else ''
+    def about(self) -> Mapping[str, str]:
+        """The field of records that names its subject."""
+        return about_of(self.request.name, self.arguments)
+
+
+def about_of(name: str, given: Mapping[str, Any]) -> Mapping[str, str]:
+    """Return the field of records that names the subject of a request, be it known or not."""
+    kind, _, _ = name.partition('.')
+    subject = given.get(kind)
+    field = 'digest' if kind == About.SCRIPT.value else kind
+    return {field: subject} if subject and isinstance(subject, str) else {}
 
 
 def ask(name: str, by: By, /, **arguments: object) -> Asked:
     """Return a request with its arguments; those that are None are left out.
 
-    :param name: in `REQUESTS`, for instance hold.retry
+    :param name: for instance hold.retry
     :raises BadArguments: it has other parameters, one is missing, or a value is none of its kind
     """
-    request = REQUESTS.get(name)
+    request = of_name(name)
     if request is None:
-        raise BadArguments(f'there is no request {cut(name, 60)!r}; one of {", ".join(REQUESTS)}')
+        kind, _, _ = name.partition('.')
+        near = [one.name for one in TABLE if one.about.value == kind] or REQUESTS
+        raise BadArguments(f'there is no request {cut(name, 60)!r}; one of {", ".join(near)}')
     known = {parameter.name: parameter for parameter in request.parameters}
     given = {key: value for key, value in arguments.items() if value is not None}
     for key in given:
         if key not in known:
             expected = ', '.join(known) or 'nothing'
             raise BadArguments(f'{name} takes {expected}; found {key}')
-    lacking(request, given)
     for parameter in request.parameters:
         if parameter.name in given:
             _check(name, parameter, given[parameter.name])
+        elif parameter.is_required:
+            raise BadArguments(f'{name} needs {parameter.name}: {parameter.meaning}')
     return Asked(request, by, given)
-
-
-def lacking(request: Request, given: Collection[str]) -> None:
-    """Refuse a request without an argument that it needs.
-
-    :raises BadArguments: names the first
-    """
-    for one in request.parameters:
-        if one.is_required and one.name not in given:
-            raise BadArguments(f'{request.name} needs {one.name}: {one.meaning}')
 
 
 _TYPES: Mapping[Kind, tuple[type, ...]] = {

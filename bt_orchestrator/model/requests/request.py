@@ -101,11 +101,6 @@ class Request:
         """Whether work orders are among its arguments."""
         return any(one.kind is Kind.ORDERS for one in self.parameters)
 
-    @property
-    def recorded(self) -> str:
-        """The field of records that names its subject."""
-        return 'digest' if self.about is About.SCRIPT else self.about.value
-
 
 NAMED = {
     About.JOB: Parameter('job', Kind.TEXT, 'id of the job', is_required=True),

@@ -31,7 +31,7 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
-from bt_orchestrator.model.requests import ADD, ask
+from bt_orchestrator.model.requests import ADD, Asked, ask
 from bt_orchestrator.replies import begin
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
@@ -42,7 +42,7 @@ from bt_orchestrator.ros.types.order_messages import asked_order
 from bt_orchestrator.ros.types.status_messages import failure_message, item_message, job_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.overview import Overview
-from bt_orchestrator.script.orders.desk import Reading
+from bt_orchestrator.script.orders.desk import Orders, Reading
 from bt_orchestrator.spare_log import SpareLog
 
 
@@ -148,26 +148,28 @@ class RunJobServer:
     async def _queue_or_refuse(self, goal: ServedGoal) -> None:
         asked, who = goal.request, self._senders.by(goal.request, 'run_job')
         try:
-            check_sender(ADD, who)
-            order = asked_order(asked.order)
-            wanted = written_order(asked.text) if asked.text else wanted_orders([order])
+            check_sender(Asked(ADD, who))
+            orders = wanted_orders([asked_order(asked.order)])
+            wanted = written_order(asked.text) if asked.text else orders
             async with self._orders.read(wanted) as reading:
                 self._being_read.remove(goal)
-                await self._queue_read(goal, reading, who)
+                await self._queue_read(goal, orders, reading, who)
         except NotRead as why:
             self._being_read.remove(goal)
             self._refuse(goal, (await self._note(who, str(why))).message)
 
-    async def _queue_read(self, goal: ServedGoal, reading: Reading, who: By) -> None:
+    async def _queue_read(
+        self, goal: ServedGoal, orders: Orders, reading: Reading, who: By
+    ) -> None:
         if goal.is_cancel_requested:
             words = 'the goal was cancelled before its order was queued'
             self._refuse(goal, (await self._note(who, words)).message)
             return
-        asked, (read,) = goal.request, reading.read
+        (read,) = reading.read
         if isinstance(read, Refused):
-            order = asked_order(asked.order)
-            await self._orchestrator.carry_out(refused_orders([order], [read], who))
-            (told,) = answer_to_refused([order], [read]).orders
+            asked = Asked(ADD, who)
+            await self._orchestrator.carry_out(refused_orders(asked, orders, [read]))
+            (told,) = answer_to_refused(orders, [read]).orders
             self._refuse(goal, read.count, told.findings)
             return
         # From now on its events are its own: it may even end before `carry_out` returns. An
@@ -175,7 +177,7 @@ class RunJobServer:
         is_known = read.id in self._served or read.id in self._orchestrator.state.jobs
         if not is_known:
             self._served[read.id] = _Served(goal, who, JobStatus())
-        command = AddJobs((read,), who, asked.position or None, sharing=reading.sharing)
+        command = AddJobs((read,), who, goal.request.position or None, sharing=reading.sharing)
         answer = await self._orchestrator.carry_out(command)
         if not answer.accepted:
             if not is_known:

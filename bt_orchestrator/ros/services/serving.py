@@ -7,7 +7,6 @@ from typing import Any
 
 from rclpy.node import Node
 
-from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import MESSAGE, cut
 from bt_orchestrator.replies import Steps, begin
 from bt_orchestrator.ros.services.patient_service import create_patient_service
@@ -31,8 +30,3 @@ def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], Steps[N
         return response
 
     create_patient_service(node, kind, f'~/{name}', lambda *asked: begin(answer(*asked)))
-
-
-def tell(response: Any, answer: Answer) -> None:
-    """Put an answer into a response."""
-    response.accepted, response.message = answer.accepted, answer.message

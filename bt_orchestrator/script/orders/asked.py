@@ -19,12 +19,14 @@ NONE = 'none'
 """The value that removes a time from a job."""
 
 
-def asked_of(order: WorkOrder | Mapping[str, Any]) -> AskedOrder:
+def asked_of(order: AskedOrder | WorkOrder | Mapping[str, Any]) -> AskedOrder:
     """Return a work order as texts.
 
     :param order: or a mapping with the keys of an order file, which the desk reads
     :raises CommandRefused: it is neither
     """
+    if isinstance(order, AskedOrder):
+        return order
     if isinstance(order, Mapping):
         name, script = str(order.get('order') or ''), str(order.get('script') or '')
         return AskedOrder(script, name, text=json.dumps(order, indent=1, ensure_ascii=False))

@@ -9,15 +9,15 @@ import pytest
 from fakes.line import TYPES, Line
 from fakes.operator import engineer
 
-from bt_orchestrator.asking.commands import PREPARES, asked_by_word, prepared
+from bt_orchestrator.asking.commands import PREPARES, asked_by_name, prepared
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.belt_statement import AsShown, Slots
-from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.requests import (
     REQUESTS,
     TABLE,
     About,
     Asked,
+    BadArguments,
     Kind,
     Parameter,
     ask,
@@ -52,17 +52,17 @@ def test_a_request_is_recorded_by_its_word_and_subject(request_: Any) -> None:
     given = {p.name: value(p) for p in request_.parameters if p.is_required}
     if request_.name == 'cell.clear':
         given = {'as_shown': 7}
-    (record,) = decided(asked(request_.name, **given))
+    made = asked(request_.name, **given)
+    (record,) = decided(request_.word, made.by, **made.about)
     assert vars(record)['answer'] == request_.word
     assert vars(record)['who'] == 'Ann'
     if request_.subject:
-        assert vars(record)[request_.recorded] == given[request_.subject.name]
+        named = 'digest' if request_.about is About.SCRIPT else request_.subject.name
+        assert vars(record)[named] == given[request_.subject.name]
 
 
 def test_each_request_has_one_decider() -> None:
-    by_classes = {one.request.name for one in (AddJobs, UpdateJob, RequeueJob)}
-    assert set(DECIDERS) | by_classes == set(REQUESTS)
-    assert not set(DECIDERS) & by_classes
+    assert set(DECIDERS) == set(REQUESTS)
     assert set(PREPARES) <= set(DECIDERS)
 
 
@@ -85,62 +85,46 @@ def test_clear_says_what_is_on_the_belt_in_one_way(given: dict[str, Any]) -> Non
         asked('cell.clear', **given)
 
 
-OF_JOBS = 'move, next, release, hold, update, pause, resume, stop, requeue, abort, cancel, remove'
-
-
-def test_words_that_nobody_knows() -> None:
-    all_words = (
-        "unknown command 'fly'; one of reset, start, pause, resume, stop, abort, clear, "
-        'stop_after_item, stop_after_job, stop_after_never, out_of_service, in_service, '
-        'release_script$'
-    )
-    with pytest.raises(CommandRefused, match=all_words):
-        asked_by_word(About.CELL, 'fly', ANN, {}, STATE)
-    for about, word, given, said in (
-        (About.JOB, 'fly', {'job': 'J'}, f"unknown command 'fly'; one of {OF_JOBS}"),
-        (About.CELL, 'stop_after_lunch', {}, 'stop_after_item, stop_after_job, stop_after_never'),
-        (About.JOB, 'x' * 5_000_000, {'job': 'J'}, r'unknown command .x{0,40} … \(5000000 charac'),
-        (About.HOLD, 'fly', {'hold': '9'}, 'there is no hold 9; holds now: none'),
+def test_a_name_that_no_request_has_is_refused_with_those_near_it() -> None:
+    for name, given, error, said in (
+        (
+            'cell.fly',
+            {},
+            BadArguments,
+            r"no request 'cell.fly'; one of cell.reset, .*, cell.clear,",
+        ),
+        ('cell.stop_after_lunch', {}, BadArguments, 'cell.stop_after_item, cell.stop_after_job'),
+        ('job.fly', {'job': 'J'}, BadArguments, r"'job.fly'; one of job.move, .*, job.clear$"),
+        ('job.' + 'x' * 5_000_000, {'job': 'J'}, BadArguments, r'job.x{0,40} … \(5000004 charac'),
+        (
+            'fly',
+            {},
+            BadArguments,
+            "no request 'fly'; one of cell.reset, .*, script.release_script$",
+        ),
+        ('hold.fly', {'hold': '9'}, CommandRefused, 'there is no hold 9; holds now: none'),
     ):
-        with pytest.raises(CommandRefused, match=said):
-            asked_by_word(about, word, ANN, given, STATE)
+        with pytest.raises(error, match=said):
+            asked_by_name(name, ANN, given, STATE)
 
 
 def test_a_word_that_a_hold_does_not_offer_is_refused_with_those_it_does() -> None:
     state = Line(faults={'a2': '=abort'}).run().state
     with pytest.raises(CommandRefused, match=r"can be answered with retry, .*; found 'fly'"):
-        asked_by_word(About.HOLD, 'fly', ANN, {'hold': '1'}, state)
+        asked_by_name('hold.fly', ANN, {'hold': '1'}, state)
     run = Line().begin()
     assert run.pause().accepted
     with pytest.raises(CommandRefused, match=r'takes no answer; .*resume'):
-        asked_by_word(About.HOLD, 'resume', ANN, {'hold': '1'}, run.state)
+        asked_by_name('hold.resume', ANN, {'hold': '1'}, run.state)
 
 
-def test_fields_of_other_commands_are_left_out_of_one_to_the_cell() -> None:
-    given = {'hold': '3', 'belt': ['1=empty'], 'everyones': True, 'as_shown': 0}
-    assert asked_by_word(About.CELL, 'stop', ANN, given, STATE).arguments == {}
-    assert asked_by_word(About.CELL, 'resume', ANN, given, STATE).arguments == {
-        'hold': '3',
-        'everyones': True,
-    }
-
-
-def test_the_id_of_a_rest_is_for_requeue_alone() -> None:
-    given = {'job': 'J', 'order': 'J-2'}
-    assert asked_by_word(About.JOB, 'requeue', ANN, given, STATE).arguments == given
-    assert asked_by_word(About.JOB, 'stop', ANN, given, STATE).arguments == {'job': 'J'}
+def test_other_words_of_a_request_name_it_as_well() -> None:
+    assert asked_by_name('job.remove', ANN, {'job': 'J'}, STATE) == ask('job.cancel', ANN, job='J')
 
 
 def test_results_are_for_mark_done_alone() -> None:
-    given = {'hold': '1', 'results': '{x: 1}'}
-    with pytest.raises(CommandRefused, match='results cannot be given with skip'):
-        asked_by_word(About.HOLD, 'skip', ANN, given, STATE)
-
-
-def test_a_move_needs_a_position() -> None:
-    """It is missing where the word comes without arguments, as in `~/queue/command`."""
-    with pytest.raises(CommandRefused, match='needs position: place in the queue, from 1'):
-        asked_by_word(About.JOB, 'move', ANN, {'job': 'J'}, STATE)
+    with pytest.raises(BadArguments, match=r'hold\.skip takes hold; found results'):
+        asked_by_name('hold.skip', ANN, {'hold': '1', 'results': '{x: 1}'}, STATE)
 
 
 def test_results_are_for_a_task_that_is_held() -> None:
@@ -155,7 +139,7 @@ def test_results_have_the_types_of_their_task(results: object) -> None:
 
     def read(results: object) -> Asked:
         given = {'hold': hold, 'results': results}
-        return prepared(asked_by_word(About.HOLD, 'mark_done', ANN, given, state), state, TYPES)
+        return prepared(asked_by_name('hold.mark_done', ANN, given, state), state, TYPES)
 
     assert read(results)['results'] == {'measurement': 3.5}
     for wrong in ({'measurement': 'much'}, '{measurement: much}'):

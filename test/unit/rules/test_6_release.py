@@ -227,7 +227,8 @@ def test_6_10_one_that_is_aborted_in_the_queue_ends(run: VirtualRun) -> None:
 
 def digest_asked(run: VirtualRun, script: str) -> str:
     asked = ask('script.release_script', ann(), script=script)
-    return prepared(asked, run.state, LINE.types).subject
+    script_asked: str = prepared(asked, run.state, LINE.types)['script']
+    return script_asked
 
 
 def test_6_10_a_script_that_is_waited_for_may_be_named(run: VirtualRun) -> None:
