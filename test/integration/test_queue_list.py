@@ -9,16 +9,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bt_orchestrator.cli.ordering.order_terms import add_term_options, changed_terms
 from bt_orchestrator_interfaces.srv import ListJobs, QueueList
 from fakes.line import THREE, Line
 from fakes.virtual_run import BY, VirtualRun
 
+from bt_orchestrator.cli.asked.derived import given, of_request
 from bt_orchestrator.cli.queue import others
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.keeping.snapshot import nearest, state_from_plain, state_to_plain
+from bt_orchestrator.model.requests import UPDATE
 from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.report.pace import expected_ends_s
 from bt_orchestrator.ros.services.job_lists import list_jobs, list_queue
@@ -188,10 +189,12 @@ def test_a_page_of_the_queue_is_shorter_where_details_are_long() -> None:
 def test_what_is_changed_of_priority_times_and_details(tmp_path: Path) -> None:
     (tmp_path / 'details.json').write_text('{"lot": 7}')
     parser = argparse.ArgumentParser()
-    add_term_options(parser)
+    of_request(UPDATE).add_arguments(parser)
 
     def changed(*words: str) -> dict[str, Any]:
-        return changed_terms(parser.parse_args(words))
+        typed = given(UPDATE, parser.parse_args(['J', *words, '--reason', 'why']))
+        assert typed.pop('job') == 'J'
+        return typed
 
     assert changed() == {}
     assert changed('--priority', '-5', '--details', ' {"a": 1}') == {
