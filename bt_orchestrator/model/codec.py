@@ -43,28 +43,51 @@ _FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
 
 def to_record(event: e.Event) -> dict[str, Any]:
     """Return the one record of an event that every output carries (formats: events)."""
-    return _record(event, type(event))
-
-
-def to_text(event: e.Event) -> str:
-    """Return the record of an event as one line of JSON."""
-    if isinstance(event, e.ScriptLoaded):
-        before = _json(_record(event, e.ScriptLoaded, without='definition'))
-        return f'{before[:-1]}, "definition": {text_of(event.definition)}}}'
-    return _json(_record(event, type(event)))
-
-
-def _record(event: e.Event, kind: type, without: str = '') -> dict[str, Any]:
-    layout = _layout(kind)
+    layout = _layout(cast(type, type(event)))
     values = layout.values_of(vars(event))
     differ = compress(zip(layout.names, values, strict=True), map(ne, values, layout.defaults))
     record: dict[str, Any] = {'seq': event.seq, 'time': event.time, 'event': event.event}
     record.update(differ)
-    if without:
-        del record[without]
     for name in layout.no_scalars & record.keys():
         record[name] = to_plain(record[name])
     return record
+
+
+def to_text(event: e.Event) -> str:
+    """Return the record of an event as one line of JSON, in a third of the time."""
+    try:
+        text = _text_maker(cast(type, type(event)))(event)
+    except TypeError:  # a value has another class than its annotation
+        return _json(to_record(event))
+    return text if text.isascii() or _has_utf8(text) else _encode_ascii(to_record(event))
+
+
+@lru_cache(maxsize=256)
+def _text_maker(kind: type) -> Callable[[e.Event], str]:
+    """Compile one f-string that is the text of the events of a class, as `dataclass` does it.
+
+    Of each field it has what stands before the value, and the value unless that is the default.
+    """
+    layout, known = _layout(kind), {'string': encode_basestring, 'any': _text_of, 'no': ''}
+    fields, event = [], cast('type[e.Event]', kind).event
+    for number, (name, default) in enumerate(zip(layout.names, layout.defaults, strict=True)):
+        known |= {f'before{number}': f', "{name}": ', f'default{number}': default}
+        kinds = _kinds(hints_of(kind)[name]) if name in _as_it_is(kind) else {Any}
+        is_text = kinds <= ({str, type(None)} if default is None else {str})
+        text = f'before{number} + {"string" if is_text else "any"}(it.{name})'
+        fields.append(f'{{no if it.{name} == default{number} else {text}}}')
+    begin = f'{{{{"seq": {{it.seq}}, "time": {{any(it.time)}}, "event": "{event}"'
+    make = eval(f"lambda it: f'{begin}{''.join(fields)}}}}}'", known)
+    return cast('Callable[[e.Event], str]', make)
+
+
+def _text_of(value: Any) -> str:
+    kind = type(value)
+    if kind is int or (kind is float and math.isfinite(value)):
+        return repr(value)
+    if kind is Script:
+        return text_of(value)
+    return ''.join(_parts(to_plain(value), 0))
 
 
 def json_of(value: Any) -> str:
@@ -129,7 +152,10 @@ def _layout(kind: type) -> _Layout:
     names = [name for name in ordered if name not in ('seq', 'time')]
     scalars = (name for name in _as_it_is(kind) if float not in _kinds(hints_of(kind)[name]))
     return _Layout(
-        names, [fields[name] for name in names], _getter(names), set(names).difference(scalars)
+        names,
+        [fields[name] for name in names],
+        _getter(names),
+        set(names).difference(scalars),
     )
 
 

@@ -3,20 +3,39 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable
+from operator import lt
 from pathlib import Path
 
 from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.database import is_written, log_of, no_longer_written
 
-_Seen = tuple[int, int, int]
-"""Device, inode and size of a file."""
+SETTLED_S, SETTLED_COARSE_S = 0.03, 3.0
+"""When the next change of a folder is sure to get another time than the last one: where the file
+system notes parts of 10 ms, and elsewhere."""
+
+
+class _Opened:
+    """A file that is looked at.
+
+    It is closed after SQLite has closed it: to close one releases the locks of the process on it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.name = str(path)
+        self.file = path.open('rb', buffering=0)
+        found = os.fstat(self.file.fileno())
+        self.identity = found.st_dev, found.st_ino
 
 
 class FilesInUse:
     """A journal, its log and the log's index; in use until `release`.
 
     SQLite goes on with files that were removed, replaced or cut, and its commits are lost.
+
+    A name changes only together with the time of change of its folder, which nobody can set. While
+    the folder has the time that it had at an earlier look at the names, only sizes are read.
     """
 
     def __init__(self, path: Path, log_size: Callable[[], int]) -> None:
@@ -25,11 +44,19 @@ class FilesInUse:
         :param log_size: returns how many bytes of the log SQLite uses
         """
         self._path = path.resolve()
-        self._log = log = log_of(self._path)
+        log = log_of(self._path)
+        self._log = str(log)
         self._log_size = log_size
-        index = log.with_name(f'{self._path.name}-shm')
-        files = (self._path, log, index)
-        self._known = {str(file): _seen(str(file)) for file in files}
+        self._folder = str(self._path.parent)
+        names = self._path, log, log.with_name(f'{self._path.name}-shm')
+        self._files = [_Opened(name) for name in names if name.exists()]
+        self._sizes = [0] * len(self._files)
+        self._found: object = None
+        """State of the folder at the last look at the names."""
+        self._since = 0.0
+        """When it was found first, by the steady clock."""
+        self._proven: object = None
+        """State of the folder that proves that the names are in place; None: none does yet."""
         is_written(self._path)
 
     def check(self) -> None:
@@ -40,39 +67,41 @@ class FilesInUse:
 
         :raises JournalUnusable: another program removed, replaced or cut a file
         """
-        for file, known in self._known.items():
-            found = _seen(file)
-            if found == known:
-                continue
-            if known is not None:  # otherwise SQLite creates it when needed
-                how = self._how(file, found, known)
+        folder = os.stat(self._folder)  # noqa: PTH116 - a Path takes twice as long
+        state = folder.st_dev, folder.st_ino, folder.st_ctime_ns
+        sizes = [one.file.seek(0, os.SEEK_END) for one in self._files]
+        if state != self._proven or any(map(lt, sizes, self._sizes)):
+            for one, size, known in zip(self._files, sizes, self._sizes, strict=True):
+                how = self._what_happened(one, size, known)
                 if how:
                     raise JournalUnusable(
-                        f'{Path(file).name} was {how} by another program; '
+                        f'{Path(one.name).name} was {how} by another program; '
                         'the last events may be lost'
                     )
-            self._known[file] = found
+            self._trust(state)
+        self._sizes = sizes
 
     def release(self) -> None:
         """Note that the files are closed; this process may open them in another way."""
+        for one in self._files:
+            one.file.close()
         no_longer_written(self._path)
 
-    def _how(self, file: str, found: _Seen | None, known: _Seen) -> str:
-        """Return what happened to a file; empty: nothing relevant."""
-        if found is None:
+    def _what_happened(self, one: _Opened, size: int, known: int) -> str:
+        """Return what another program did with a file; empty: nothing relevant."""
+        try:
+            found = os.stat(one.name)  # noqa: PTH116 - a Path takes twice as long
+        except FileNotFoundError:
             return 'removed'
-        if found[:2] != known[:2]:
+        if (found.st_dev, found.st_ino) != one.identity:
             return 'replaced'
-        size = found[-1]
-        if size >= known[-1] or (file == str(self._log) and size >= self._log_size()):
-            return ''
-        return 'cut'
+        is_cut = size < known and not (one.name == self._log and size >= self._log_size())
+        return 'cut' if is_cut else ''
 
-
-def _seen(file: str) -> _Seen | None:
-    """Read the state of a file, six times per commit; None: it does not exist."""
-    try:
-        found = os.stat(file)  # noqa: PTH116 - a Path takes twice as long
-    except FileNotFoundError:
-        return None
-    return found.st_dev, found.st_ino, found.st_size
+    def _trust(self, state: tuple[int, int, int]) -> None:
+        """Take the state of the folder as a proof once the names were seen long after it."""
+        now = time.monotonic()
+        if state != self._found:
+            self._found, self._since = state, now
+        settled_s = SETTLED_S if state[-1] % 10_000_000 else SETTLED_COARSE_S
+        self._proven = state if now - self._since > settled_s else None

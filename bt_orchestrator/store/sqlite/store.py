@@ -286,7 +286,7 @@ class SqliteStore:
             files.check()
             self._database.execute(f'PRAGMA busy_timeout = {PATIENCE_AT_THE_END_MS}')
             end_to_write(self._database)
-        except (sqlite3.Error, JournalUnusable) as error:
+        except (sqlite3.Error, OSError, JournalUnusable) as error:
             log.warning('the journal %s is left as one that was not closed: %s', self._path, error)
 
     @contextmanager
@@ -301,7 +301,7 @@ class SqliteStore:
             files.check()
             yield
             files.check()
-        except (sqlite3.Error, JournalUnusable) as error:
+        except (sqlite3.Error, OSError, JournalUnusable) as error:
             raise JournalFailed(f'the journal {self._path} cannot be written: {error}') from error
 
     def _append_to_a_new_history(self, events: Sequence[Event]) -> None:

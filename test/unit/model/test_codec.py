@@ -177,8 +177,19 @@ def test_every_event_comes_back_as_it_was(name: str) -> None:
     event = sample(name)
     record = to_record(event)
     assert record['event'] == name
-    assert json.loads(to_text(event)) == json.loads(json.dumps(record))
+    assert to_text(event) == json.dumps(record, ensure_ascii=False)
     assert from_record(json.loads(json.dumps(record))) == event
+
+
+@pytest.mark.parametrize(
+    'value', ['größer ☃', '"\\\n\x01\x7f', 'a\ud800ö', None, 3, 2.5, True, [1]]
+)
+def test_the_text_of_an_event_is_that_of_its_record(value: Any) -> None:
+    event = e.TaskFailed(
+        **e.INDEX_KEY._asdict(), seq=1, time=2.0, attempt=value, reason=value, message=value
+    )
+    has_utf8 = value != 'a\ud800ö'
+    assert to_text(event) == json.dumps(to_record(event), ensure_ascii=not has_utf8)
 
 
 @pytest.mark.parametrize('name', event_types())

@@ -18,7 +18,7 @@ from fakes.other_python import back_up, run_python
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.sqlite import opening
+from bt_orchestrator.store.sqlite import files_in_use, opening
 from bt_orchestrator.store.sqlite.database import unchanging
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
@@ -69,12 +69,24 @@ def killed(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.fixture
-def store(killed: Path) -> Iterator[SqliteStore]:
-    """Give the store of the next process, which has written one event."""
+@pytest.fixture(params=['new', 'settled'])
+def store(
+    killed: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[SqliteStore]:
+    """Give the store of the next process, which has written one event.
+
+    Settled: the stamp of its folder proves that its files are in place.
+    """
+    is_settled = request.param == 'settled'
+    for name in ('SETTLED_S', 'SETTLED_COARSE_S'):
+        monkeypatch.setattr(files_in_use, name, 0.0 if is_settled else 3600.0)
     opened = SqliteStore(killed)
     assert list(opened.read(after=99)) == events(100, 100)
     opened.append(events(101, 101))
+    assert opened._files is not None
+    for _ in range(2 * is_settled):
+        opened._files.check()
+    assert (opened._files._proven == opened._files._found) is is_settled
     yield opened
     opened.close()
 
@@ -171,6 +183,27 @@ def test_a_file_that_is_taken_away_is_noticed_at_once(
     if how == 'replaced':
         shutil.copy(other, file)
     with pytest.raises(JournalFailed, match=f'{file.name} was {how}'):
+        store.append(events(102, 102))
+
+
+def test_a_file_of_an_older_copy_of_the_folder_is_noticed(
+    store: SqliteStore, killed: Path
+) -> None:
+    times = killed.parent.stat()
+    other = killed.with_name('copy')
+    shutil.copy(log_of(killed), other)
+    other.rename(log_of(killed))
+    os.utime(killed.parent, ns=(times.st_atime_ns, times.st_mtime_ns))  # as `rsync -a` does
+    with pytest.raises(JournalFailed, match='-wal was replaced'):
+        store.append(events(102, 102))
+
+
+@pytest.mark.parametrize('how', ['No such file', 'was replaced'])
+def test_a_folder_that_is_moved_is_noticed(store: SqliteStore, killed: Path, how: str) -> None:
+    other = killed.parent.rename(killed.parent.with_name('elsewhere'))
+    if how == 'was replaced':
+        shutil.copytree(other, killed.parent)
+    with pytest.raises(JournalFailed, match=how):
         store.append(events(102, 102))
 
 
