@@ -22,6 +22,7 @@ from bt_orchestrator.model.codec import text_of
 from bt_orchestrator.model.commands import Answer, Command, cancels_all
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.waits.waiting import unready
 from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore, Writer
 from bt_orchestrator.replies import begin
 from bt_orchestrator.runtime import job_queue, lifecycle
@@ -37,8 +38,6 @@ from bt_orchestrator.runtime.starvation import Starvation
 from bt_orchestrator.runtime.writers import AtOnce
 from bt_orchestrator.tree.blackboard import BlackboardProjection
 from bt_orchestrator.tree.compile import CellTree
-from bt_orchestrator.tree.readiness import unready
-from bt_orchestrator.tree.subject import Subject
 
 log = logging.getLogger(__name__)
 
@@ -270,11 +269,11 @@ class Orchestrator:
         waited_for = () if self.state.holds else waits
         return lifecycle.Outlook(True, bool(waits), self._starvation.look(waited_for))
 
-    def _waits_for_readiness(self) -> Iterator[Subject]:
+    def _waits_for_readiness(self) -> Iterator[e.TaskKey]:
         state = self.state
         if not state.contests and all(reading.ready for reading in state.readings.values()):
             return  # at rest this is called at every heartbeat
-        yield from (one for one in unready(self.tree.root) if one.could_go_on)
+        yield from unready(state, self._ledger)
 
     def _commit(self) -> bool:
         events = self._ledger.take_pending()

@@ -21,7 +21,8 @@ from bt_orchestrator.model.status import (
     JobStatus,
 )
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait
+from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait, Wait
+from bt_orchestrator.model.waits.waiting import by_part, together
 from bt_orchestrator.model.wish import way_to_work
 from bt_orchestrator.model.words import Words, facts_of
 from bt_orchestrator.runtime.ends_unknown import Unknown
@@ -31,7 +32,6 @@ from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.runtime.section_overview import section_status
 from bt_orchestrator.runtime.stands import Standstill
 from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight, feedback_of
-from bt_orchestrator.tree.reasons import waits_of
 
 _NO_ENDS: Mapping[str, float] = {}
 
@@ -69,7 +69,7 @@ class Overview:
         :param until_s: of a past moment: until when nothing changed; None: now
         """
         engine = self._engine
-        state, tree = engine.state, engine.tree
+        state, waits = engine.state, self._waits()
         in_flight = self._in_flight()
         stands = self._standstill.look(now_s if until_s is None else until_s, self.waits)
         unknown = Unknown(state, stands)
@@ -93,10 +93,10 @@ class Overview:
             commands=tuple(request.word for request in self._possible()),
             journal_failure=engine.broken or '',
             disk_wait=engine.disk_wait,
-            belt=BeltStatus(state.indexing, in_flight.of_belt(), waits_of(tree.belt)),
-            initialization=waits_of(tree.initialization),
+            belt=BeltStatus(state.indexing, in_flight.of_belt(), waits[BELT]),
+            initialization=waits[INITIALIZATION],
             sections=tuple(
-                section_status(state, section, in_flight, waits_of(tree.sections[number]))
+                section_status(state, section, in_flight, waits[number])
                 for number, section in state.sections.items()
             ),
             components=tuple(self.components()),
@@ -123,12 +123,18 @@ class Overview:
 
     def waits(self) -> list[PartWait]:
         """Return who waits for what, in the order of the belt (semantics 7.4)."""
-        tree = self._engine.tree
-        sections = [(f'section {n}', n, tree.sections[n]) for n in sorted(tree.sections)]
-        parts = [(INITIALIZATION, None, tree.initialization), *sections, (BELT, None, tree.belt)]
         return [
-            PartWait(name, wait, number) for name, number, part in parts for wait in waits_of(part)
+            PartWait(f'section {part}', wait, part)
+            if isinstance(part, int)
+            else PartWait(part, wait)
+            for part, waits in self._waits().items()
+            for wait in waits
         ]
+
+    def _waits(self) -> Mapping[str | int, tuple[Wait, ...]]:
+        seen = self._engine.tree.recorder
+        parts = by_part(seen.state, seen)
+        return {part: together(waits) for part, waits in parts.items()}
 
     def _in_flight(self) -> TasksInFlight:
         return TasksInFlight(self._engine, self._durations)

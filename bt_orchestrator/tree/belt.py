@@ -8,11 +8,12 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.failures import worded
 from bt_orchestrator.model.line import Advance, Overrun, end_of_beat
 from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.waits.starting import waits_for_one_server
 from bt_orchestrator.model.words import OVERRUN
 from bt_orchestrator.tree.subject import Recorder
 from bt_orchestrator.tree.ticking import Ticked
 from bt_orchestrator.tree.turns import Turns
-from bt_orchestrator.tree.waiter import Waiter, waits_for_one_server
+from bt_orchestrator.tree.waiter import Waiter
 
 
 class TurnsComplete(Ticked, Waiter):
@@ -25,11 +26,6 @@ class TurnsComplete(Ticked, Waiter):
         self.recorder = recorder
         self._turns = turns
 
-    @property
-    def components(self) -> tuple[str, ...]:
-        """The conveyor's component."""
-        return (self.recorder.state.cell.conveyor.component.name,)
-
     def update(self) -> Status:
         """Begin the move or the next beat when it is due; wait with the reason otherwise."""
         state = self.recorder.state
@@ -38,7 +34,8 @@ class TurnsComplete(Ticked, Waiter):
             return Status.SUCCESS
         due: Advance | Overrun | Wait = end_of_beat(state, self._turns.owing())
         if due is Advance.INDEX:
-            due = waits_for_one_server(self.recorder, *self.components) or due
+            conveyor = state.cell.conveyor.component.name
+            due = waits_for_one_server(state, conveyor, self.recorder) or due
         if isinstance(due, Overrun):
             self._hold(due.item)
         elif isinstance(due, Wait):

@@ -62,7 +62,7 @@ class CellTree:
         :param space: namespace of the cell's keys on the blackboard
         :param whole: compile long lists completely, without pages
         """
-        self._recorder = recorder
+        self.recorder = recorder
         self._space = space
         self._whole = whole
         state = recorder.state
@@ -121,7 +121,7 @@ class CellTree:
         if not self._to_follow:
             return
         self._to_follow = False
-        jobs = {job.job.id: job for job in self._recorder.state.jobs.at_work()}
+        jobs = {job.job.id: job for job in self.recorder.state.jobs.at_work()}
         for name, compiled in list(self._compiled.items()):
             if name not in jobs or _source(jobs[name]) != compiled:
                 self.prune(name)
@@ -180,10 +180,10 @@ class CellTree:
     # --- initialization ---------------------------------------------------------------------
 
     def _initialization(self, job: JobState) -> Ticked:
-        preparation = self._recorder.state.preparations[job.digest]
+        preparation = self.recorder.state.preparations[job.digest]
         children: list[Ticked] = []
         for task in job.job.script.initialization:
-            subject = Subject(self._recorder, task, job.job.id)
+            subject = Subject(self.recorder, task, job.job.id)
             guarded = self._shared(job.job.id, subject)
             children.append(InitializationGuard(subject, preparation, guarded))
         return AtOnce(job.job.id, children)
@@ -194,11 +194,11 @@ class CellTree:
         return InOrder(
             job,
             [
-                CycleOf(self._recorder, tasks.section, job),
+                CycleOf(self.recorder, tasks.section, job),
                 *self._steps(job, tasks.section, tasks.steps[: tasks.turn_steps]),
-                ReleaseConveyor(self._recorder, tasks.section),
+                ReleaseConveyor(self.recorder, tasks.section),
                 *self._steps(job, tasks.section, tasks.steps[tasks.turn_steps :]),
-                CompleteCycle(self._recorder, tasks.section),
+                CompleteCycle(self.recorder, tasks.section),
             ],
         )
 
@@ -222,10 +222,10 @@ class CellTree:
         body = AtOnce('parallel', tracks) if step.is_group else tracks[0]
         if not step.requires_conveyor:
             return body
-        return ConveyorGuard(self._recorder, job, section, step, body, self._space)
+        return ConveyorGuard(self.recorder, job, section, step, body, self._space)
 
     def _track(self, job: str, section: int, track: tuple[Task, ...]) -> Ticked:
-        repeat = self._recorder.state.script(job).repeat_of.get(track[0].id)
+        repeat = self.recorder.state.script(job).repeat_of.get(track[0].id)
         tasks = self._in_order(job, section, track)
         if repeat is None:
             return tasks
@@ -246,14 +246,14 @@ class CellTree:
         return InOrder('in order', pages)
 
     def _subject(self, job: str, section: int, task: Task) -> Subject:
-        return Subject(self._recorder, task, job, section)
+        return Subject(self.recorder, task, job, section)
 
     def _in_pages(self, job: str) -> bool:
-        return not self._whole and is_long(self._recorder.state.script(job))
+        return not self._whole and is_long(self.recorder.state.script(job))
 
     def _task(self, subject: Subject) -> Ticked:
         assert subject.job is not None
-        script = self._recorder.state.script(subject.job)
+        script = self.recorder.state.script(subject.job)
         task = subject.task.id
         behaviour = self._shared(subject.job, subject)
         flags = (*script.upstream_of.get(task, ()), *script.downstream_of.get(task, ()))
@@ -264,12 +264,12 @@ class CellTree:
     def _shared(self, job: str, subject: Subject) -> Ticked:
         """Compile a task with the guards for shared resources: ready component, zones (4.4)."""
         behaviour = self._ready(subject, _decided(subject))
-        for zone in self._recorder.state.script(job).zones_of.get(subject.task.id, ()):
+        for zone in self.recorder.state.script(job).zones_of.get(subject.task.id, ()):
             behaviour = ZoneGuard(subject, zone, behaviour, self._space)
         return behaviour
 
     def _ready(self, subject: Subject, behaviour: Ticked) -> Ticked:
-        topic = self._recorder.state.cell.components[subject.task.component].state
+        topic = self.recorder.state.cell.components[subject.task.component].state
         return behaviour if topic is None else ReadyGuard(subject, topic, behaviour, self._space)
 
 

@@ -11,17 +11,21 @@ from __future__ import annotations
 
 from py_trees.common import Status
 
-from bt_orchestrator.model import effects
 from bt_orchestrator.model.cell import StateTopic
 from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.jobs.preparing import may_not_prepare, remains_done, waits_for_its_turn
-from bt_orchestrator.model.line import waits_for_readiness
 from bt_orchestrator.model.script import Dependency, Step
-from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.wait import Wait
+from bt_orchestrator.model.waits.starting import (
+    waits_for_belt,
+    waits_for_flag,
+    waits_for_preparation,
+    waits_for_topic,
+    waits_for_zone,
+)
 from bt_orchestrator.tree.blackboard import name_keys
-from bt_orchestrator.tree.subject import Recorder, Subject, holder, is_done, section_of
+from bt_orchestrator.tree.subject import Recorder, Subject, is_done
 from bt_orchestrator.tree.ticking import Ticked, Wrapper, invalidate
-from bt_orchestrator.tree.waiter import TaskWaiter, Waiter
+from bt_orchestrator.tree.waiter import Waiter
 
 
 class Guard(Wrapper, Waiter):
@@ -63,25 +67,18 @@ class ConveyorGuard(Guard):
         self._recorder = recorder
         name_keys(self, space, 'belt', 'beat')
 
-    @property
-    def components(self) -> tuple[str, ...]:
-        """The components of all tasks of the step."""
-        return tuple(dict.fromkeys(subject.task.component for subject in self._subjects))
-
     def waits_for(self) -> Wait | None:
         """Wait while the belt moves, or is at rest in the beat before this cycle's."""
         state = self._recorder.state
         cycle = state.sections[self._section].cycle
         assert cycle is not None
-        rests = not state.indexing
-        if rests and state.beat == cycle.beat:
+        wait = waits_for_belt(state, cycle)
+        if wait is None or all(is_done(subject) for subject in self._subjects):
             return None
-        if all(is_done(subject) for subject in self._subjects):
-            return None
-        return Wait(f'waiting for the belt to {"move" if rests else "rest"}', WaitKind.BELT)
+        return wait
 
 
-class FlagGuard(TaskWaiter, Guard):
+class FlagGuard(Guard):
     """A lateral dependency's flag (semantics 4.1); also for a task that will be skipped (4.2)."""
 
     def __init__(
@@ -96,23 +93,10 @@ class FlagGuard(TaskWaiter, Guard):
 
     def waits_for(self) -> Wait | None:
         """Wait while the count does not allow the task."""
-        if not effects.is_startable(self.subject.state, self.subject.key):
-            return None
-        count = self.subject.state.flags[self.dependency.flag].count
-        if self.upstream:
-            full = count >= self.dependency.capacity
-            return self._until(self.dependency.downstream, 'take') if full else None
-        return self._until(self.dependency.upstream, 'set') if count <= 0 else None
-
-    def _until(self, task: str, does: str) -> Wait:
-        flag, job = self.dependency.flag, self.subject.job
-        assert job is not None
-        section = self.subject.state.script(job).section_of(task)
-        what = f'waiting for {task} to {does} flag {flag}'
-        return Wait(what, WaitKind.FLAG, flag, (section,), task)
+        return waits_for_flag(self.subject.state, self.subject.key, self.dependency)
 
 
-class ZoneGuard(TaskWaiter, Guard):
+class ZoneGuard(Guard):
     """A shared workspace (semantics 4.4)."""
 
     def __init__(self, subject: Subject, zone: str, child: Ticked, space: str) -> None:
@@ -123,15 +107,11 @@ class ZoneGuard(TaskWaiter, Guard):
 
     def waits_for(self) -> Wait | None:
         """Wait while another task is in the zone; a held task keeps it until its new attempt."""
-        state = self.subject.state
-        there = state.zones.get(self.zone)
-        if there is None or there == self.subject.key or not self.subject.waits_to_start:
-            return None
-        what = f'waiting for zone {self.zone}, taken by {holder(state, there)}'
-        return Wait(what, WaitKind.ZONE, self.zone, section_of(there), there.task)
+        subject = self.subject
+        return waits_for_zone(subject.state, subject.key, subject.task, self.zone)
 
 
-class ReadyGuard(TaskWaiter, Guard):
+class ReadyGuard(Guard):
     """A component's state topic (semantics 2.5)."""
 
     def __init__(self, subject: Subject, topic: StateTopic, child: Ticked, space: str) -> None:
@@ -141,11 +121,10 @@ class ReadyGuard(TaskWaiter, Guard):
 
     def waits_for(self) -> Wait | None:
         """Wait while the topic does not say ready."""
-        wait = waits_for_readiness(self.subject.state, self.subject.task.component)
-        return wait if wait is not None and self.subject.waits_to_start else None
+        return waits_for_topic(self.subject.state, self.subject.key, self.subject.task)
 
 
-class InitializationGuard(TaskWaiter, Guard):
+class InitializationGuard(Guard):
     """An initialization task waits for other tasks and for the jobs in front (semantics 5)."""
 
     def __init__(self, subject: Subject, preparation: Preparation, child: Ticked) -> None:
@@ -157,13 +136,4 @@ class InitializationGuard(TaskWaiter, Guard):
 
     def waits_for(self) -> Wait | None:
         """Wait for earlier tasks; a task that was begun, or ends with its job, does not wait."""
-        job, state, task = self.subject.job, self.subject.state, self.subject.task
-        assert job is not None
-        if state.phase(self.subject.key) is not None or self.subject.ends_with_its_job():
-            return None
-        stopped = may_not_prepare(state, job)
-        if stopped is not None:
-            return stopped
-        if self.subject.done_before() is not None and remains_done(state, job, task):
-            return None
-        return waits_for_its_turn(state, job, task)
+        return waits_for_preparation(self.subject.state, self.subject.key, self.subject.task)

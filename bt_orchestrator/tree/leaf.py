@@ -9,17 +9,17 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.failures import RETRY, worded
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.hold_words import again_words, hold_wait_words
-from bt_orchestrator.model.line import waits_for_service
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import End, Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.waits.starting import before_attempt
 from bt_orchestrator.model.words import SLOT_OCCUPIED
-from bt_orchestrator.tree.subject import Subject, holder, section_of
+from bt_orchestrator.tree.subject import Subject
 from bt_orchestrator.tree.ticking import Ticked
-from bt_orchestrator.tree.waiter import TaskWaiter, waits_for_one_server
+from bt_orchestrator.tree.waiter import Waiter
 
 
-class ActionLeaf(TaskWaiter, Ticked):
+class ActionLeaf(Waiter, Ticked):
     """One task at one action server.
 
     Its states: new (it starts when nothing blocks it), RUNNING while its goal is in flight or an
@@ -64,24 +64,14 @@ class ActionLeaf(TaskWaiter, Ticked):
         return Status.SUCCESS
 
     def _start_if_free(self, progress: TaskState | None) -> Status:
-        # Also in a stopped section: the cell is not Held before this time.
-        is_delayed = progress is not None and self.subject.recorder.is_delayed(self.subject.key)
-        stopped = None if self.subject.ends_with_its_job() else self.subject.stopped()
-        if stopped is not None:
-            self.note(stopped)
+        subject = self.subject
+        found = before_attempt(subject.state, subject.key, subject.task, subject.recorder)
+        if isinstance(found, str):
+            return self._skip(found)
+        if found is not None:
+            self.note(found)
             return Status.RUNNING
-        skipped = self.subject.why_skipped()
-        if skipped is not None:
-            return self._skip(skipped)
-        attempt = 1 if progress is None else progress.attempt + 1
-        if is_delayed:
-            self.note(Wait(f'waiting to retry, attempt {attempt}', WaitKind.RETRY_DELAY))
-            return Status.RUNNING
-        obstacle = self._obstacle()
-        if obstacle is not None:
-            self.note(obstacle)
-            return Status.RUNNING
-        return self._start(attempt)
+        return self._start(1 if progress is None else progress.attempt + 1)
 
     def _skip(self, reason: str) -> Status:
         key = self.subject.key
@@ -90,18 +80,6 @@ class ActionLeaf(TaskWaiter, Ticked):
         self.subject.recorder.record(effects.of_passing(self.subject.state, key))
         self.feedback_message = f'skipped: {reason}'
         return Status.SUCCESS
-
-    def _obstacle(self) -> Wait | None:
-        """Say what blocks the next attempt, besides its delay and the guards."""
-        state, task = self.subject.state, self.subject.task
-        unavailable = waits_for_service(state, task.component)
-        if unavailable is not None:
-            return unavailable
-        busy = state.reserved.get(task.component)
-        if busy is not None and busy != self.subject.key:  # else kept for its retry (4.4)
-            what = f'waiting for {task.component}, busy with {holder(state, busy)}'
-            return Wait(what, WaitKind.COMPONENT, task.component, section_of(busy), busy.task)
-        return waits_for_one_server(self.subject.recorder, task.component)
 
     def _start(self, attempt: int) -> Status:
         recorder, task, key = self.subject.recorder, self.subject.task, self.subject.key

@@ -11,9 +11,10 @@ from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.judging.verdict import found_words
 from bt_orchestrator.model.script import Repeat
+from bt_orchestrator.model.waits.starting import stopped_task
 from bt_orchestrator.tree.subject import Subject
 from bt_orchestrator.tree.ticking import Ticked, Wrapper
-from bt_orchestrator.tree.waiter import TaskWaiter
+from bt_orchestrator.tree.waiter import Waiter
 
 
 class Retry(Wrapper):
@@ -45,7 +46,7 @@ class Retry(Wrapper):
         return Status.RUNNING
 
 
-class Verdict(Wrapper, TaskWaiter):
+class Verdict(Wrapper, Waiter):
     """Shows a task's verdict, and begins another round of its repeat (semantics 2.8, 3.9).
 
     The verdict was given when the end of the goal was recorded: a refused result is a failed
@@ -70,7 +71,7 @@ class Verdict(Wrapper, TaskWaiter):
         state, key = self.subject.state, self.subject.key
         if not failures.may_repeat(state, key, self.subject.task):
             return Status.FAILURE
-        stopped = self.subject.stopped()
+        stopped = stopped_task(state, key)
         if stopped is not None:
             self.note(stopped)
         else:

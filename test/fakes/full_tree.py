@@ -23,10 +23,10 @@ class FullTree(CellTree):
 
     @property
     def is_due(self) -> bool:
-        return self._recorder.state.seq != self._seq
+        return self.recorder.state.seq != self._seq
 
     def tick(self) -> None:
-        self._seq = self._recorder.state.seq
+        self._seq = self.recorder.state.seq
         self._attention.again()
         super().tick()
 

@@ -20,16 +20,25 @@ from fakes.commands import (
 from fakes.full_tree import check_view
 from fakes.invariants import Invariants
 from fakes.operator import ann, engineer
+from fakes.tree_waits import waits_of
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest, from_record, to_record
 from bt_orchestrator.model.commands import Answer, Command
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.waits.waiting import (
+    of_belt,
+    of_initialization,
+    of_item,
+    of_section,
+    together,
+)
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
@@ -234,11 +243,36 @@ class VirtualRun:
 
     def _check_reasons(self) -> None:
         """Whoever does not work says why (semantics 7.4)."""
-        waits = self.waits()
+        waits, seen = self.waits(), self.sim.orchestrator.tree.recorder
+        for item in self.state.items.values():
+            if item.section and not self.state.indexing:
+                has_goal = any(key.item == item.id for key in self.state.running)
+                assert has_goal or any(of_item(self.state, item, seen)), (item.id, self.now)
         working = {key.section for key in self.state.running}
         for number in self.state.sections:
             assert number in working or waits.get(f'section {number}'), (number, self.now)
         assert self.state.indexing or waits.get('belt'), self.now
+
+        self._check_tree()
+
+    def _check_tree(self) -> None:
+        """What is told of waits is what keeps the behaviours of the tree from going on."""
+        tree, state, seen = (
+            self.sim.orchestrator.tree,
+            self.state,
+            self.sim.orchestrator.tree.recorder,
+        )
+        pairs = [
+            (tree.initialization, of_initialization(state, seen)),
+            *(
+                (tree.sections[n], of_section(state, one, seen))
+                for n, one in state.sections.items()
+            ),
+            (tree.belt, of_belt(state, seen)),
+        ]
+        for part, waiting in pairs:
+            told = tuple(dict.fromkeys(changed(wait, components=()) for wait in together(waiting)))
+            assert told == waits_of(part), (part.name, self.now)
 
     def _check(self) -> None:
         check_board(self.sim.orchestrator._projection.space, self.state)

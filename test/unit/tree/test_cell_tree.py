@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 from fakes.line import THREE, Line
+from fakes.tree_waits import waits_of
 from py_trees.blackboard import ActivityType, Blackboard
 from py_trees.common import Status
 
 from bt_orchestrator.tree.compile import CellTree
-from bt_orchestrator.tree.reasons import waits_of
 
 GUARDED = """
 lateral_dependencies: [{flag: clear, upstream: place, downstream: work}]

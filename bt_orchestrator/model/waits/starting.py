@@ -1,0 +1,226 @@
+"""What keeps a task from its next attempt (semantics 2.5, 4, 5.1, 7.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from bt_orchestrator.errors import MissingResult
+from bt_orchestrator.model import effects
+from bt_orchestrator.model.condition import Condition, holds
+from bt_orchestrator.model.contest import NO_CONTEST, Contest
+from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.hold_words import hold_wait_words
+from bt_orchestrator.model.jobs.preparing import (
+    may_not_prepare,
+    remains_done,
+    waits_for_its_turn,
+)
+from bt_orchestrator.model.line import waits_for_readiness, waits_for_service
+from bt_orchestrator.model.reference import resolve
+from bt_orchestrator.model.script import Dependency, Task
+from bt_orchestrator.model.state import CellState, Cycle, Phase, same_args, same_task
+from bt_orchestrator.model.wait import Wait, WaitKind
+
+
+class Seen(Protocol):
+    """What is seen now of servers and clocks, and is not in the state."""
+
+    def rivals(self, component: str) -> Sequence[str]:
+        """Return the present servers of a component's action, if there are several."""
+
+    def is_delayed(self, key: TaskKey) -> bool:
+        """Tell whether the next attempt of a task waits for its delay."""
+
+
+def before_attempt(state: CellState, key: TaskKey, task: Task, seen: Seen) -> Wait | str | None:
+    """Return what the next attempt waits for, or why the task is skipped; None: it may start.
+
+    The guards around the task are not asked here.
+    """
+    # Asked also in a stopped section: the cell is not Held before this time.
+    progress = state.tasks.get(key)
+    is_delayed = progress is not None and seen.is_delayed(key)
+    if key.section is not None or not ends_with_its_job(state, key, task):
+        stopped = stopped_task(state, key)
+        if stopped is not None:
+            return stopped
+    skipped = why_skipped(state, key, task)
+    if skipped is not None:
+        return skipped
+    if progress is not None and is_delayed:
+        return Wait(f'waiting to retry, attempt {progress.attempt + 1}', WaitKind.RETRY_DELAY)
+    return _waits_for_component(state, key, task, seen)
+
+
+def _waits_for_component(state: CellState, key: TaskKey, task: Task, seen: Seen) -> Wait | None:
+    unavailable = waits_for_service(state, task.component)
+    if unavailable is not None:
+        return unavailable
+    busy = state.reserved.get(task.component)
+    if busy is not None and busy != key:  # else kept for its retry (4.4)
+        what = f'waiting for {task.component}, busy with {_holder(state, busy)}'
+        return Wait(what, WaitKind.COMPONENT, task.component, _section_of(busy), busy.task)
+    return waits_for_one_server(state, task.component, seen)
+
+
+def waits_for_one_server(state: CellState, component: str, seen: Seen) -> Wait | None:
+    """Say who else has a part in a component now (semantics 2.5); None: nobody.
+
+    It looks at the servers too: the event for what is seen now comes only later.
+    """
+    contest = state.contests.get(component)
+    if not contest:
+        rivals = seen.rivals(component)
+        contest = Contest(tuple(rivals)) if rivals else NO_CONTEST
+    if not contest:
+        return None
+    action = state.cell.components[component].action
+    return Wait(contest.wait(component, action), WaitKind.READINESS, component)
+
+
+# --- guards -------------------------------------------------------------------------------------
+
+
+def waits_for_belt(state: CellState, cycle: Cycle) -> Wait | None:
+    """Say that the belt moves, or is at rest in the beat before that of a cycle (3.3, 3.7)."""
+    rests = not state.indexing
+    if rests and state.beat == cycle.beat:
+        return None
+    return Wait(f'waiting for the belt to {"move" if rests else "rest"}', WaitKind.BELT)
+
+
+def waits_for_flag(state: CellState, key: TaskKey, dependency: Dependency) -> Wait | None:
+    """Say what a flag waits for (4.1); also for a task that will be skipped (4.2)."""
+    if not effects.is_startable(state, key):
+        return None
+    count = state.flags[dependency.flag].count
+    if dependency.upstream == key.task:
+        full = count >= dependency.capacity
+        return _until(state, key, dependency.flag, dependency.downstream, 'take') if full else None
+    lacks = count <= 0
+    return _until(state, key, dependency.flag, dependency.upstream, 'set') if lacks else None
+
+
+def _until(state: CellState, key: TaskKey, flag: str, task: str, does: str) -> Wait:
+    assert key.job is not None
+    section = state.script(key.job).section_of(task)
+    what = f'waiting for {task} to {does} flag {flag}'
+    return Wait(what, WaitKind.FLAG, flag, (section,), task)
+
+
+def waits_for_zone(state: CellState, key: TaskKey, task: Task, zone: str) -> Wait | None:
+    """Say which task is in a zone (4.4); a held task keeps it until its new attempt."""
+    there = state.zones.get(zone)
+    if there is None or there == key or not waits_to_start(state, key, task):
+        return None
+    what = f'waiting for zone {zone}, taken by {_holder(state, there)}'
+    return Wait(what, WaitKind.ZONE, zone, _section_of(there), there.task)
+
+
+def waits_for_topic(state: CellState, key: TaskKey, task: Task) -> Wait | None:
+    """Say what the state topic of the component does not say (2.5)."""
+    wait = waits_for_readiness(state, task.component)
+    return wait if wait is not None and waits_to_start(state, key, task) else None
+
+
+def waits_for_preparation(state: CellState, key: TaskKey, task: Task) -> Wait | None:
+    """Say what an initialization task waits for: other tasks, and the jobs in front (5)."""
+    assert key.job is not None
+    if state.phase(key) is not None or ends_with_its_job(state, key, task):
+        return None
+    stopped = may_not_prepare(state, key.job)
+    if stopped is not None:
+        return stopped
+    if done_before(state, key, task) is not None and remains_done(state, key.job, task):
+        return None
+    return waits_for_its_turn(state, key.job, task)
+
+
+# --- what may be skipped, and what is stopped ----------------------------------------------------
+
+
+def waits_to_start(state: CellState, key: TaskKey, task: Task) -> bool:
+    """Tell whether the next step is to start an attempt: neither begun nor to be skipped."""
+    return effects.is_startable(state, key) and why_skipped(state, key, task) is None
+
+
+def why_skipped(state: CellState, key: TaskKey, task: Task) -> str | None:
+    """Say why a task that may start is not needed (semantics 4.2, 5.1, 6.4, 6.5)."""
+    if key.job is None:
+        return None
+    found = effects.why_skipped(state, key, task)
+    if found is None and task.once:
+        found = done_before(state, key, task)
+    if found is None and task.condition is not None:
+        found = _unmet(state, key, task.condition)
+    return found
+
+
+def ends_with_its_job(state: CellState, key: TaskKey, task: Task) -> bool:
+    """Tell whether it is an initialization task of a job that is ending (6.6).
+
+    Nothing waits for it, so it is skipped whatever the state of the cell.
+    """
+    if key.section is not None or key.job is None:
+        return False
+    return effects.why_skipped(state, key, task) is not None
+
+
+def done_before(state: CellState, key: TaskKey, task: Task) -> str | None:
+    """Say that the same task is already done and need not be repeated (5.1)."""
+    if not task.once:
+        return None
+    args = resolve(task.args, state.scope(key))
+    done = state.done_once.get(same_task(task))
+    return 'done before' if done == same_args(args) else None
+
+
+def _unmet(state: CellState, key: TaskKey, condition: Condition) -> str | None:
+    """Say that a condition is not met. If a value is missing, the attempt fails instead."""
+    try:
+        return None if holds(condition, state.scope(key)) else str(condition)
+    except MissingResult:
+        return None
+
+
+def stopped_task(state: CellState, key: TaskKey) -> Wait | None:
+    """Say why the task must not start or be skipped: a skip counts as if it had run."""
+    if not state.works:
+        mode = state.packml.value
+        what = 'the node ends' if state.shutting_down else f'the cell is {mode}'
+        return Wait(what, WaitKind.CELL_STATE, mode)
+    if not state.holds:
+        return None
+    if state.pauses:
+        first = state.pauses[0]
+        return Wait(hold_wait_words([first]), WaitKind.PAUSE, first.id)
+    return waits_in_hold(state, key)
+
+
+def waits_in_hold(state: CellState, key: TaskKey) -> Wait | None:
+    """Return the wait for a hold that blocks the task's section (semantics 7.1)."""
+    for hold in state.holds.values():
+        same = (
+            not hold.is_pause
+            and hold.section == key.section
+            and (hold.job is None) == (key.job is None)
+        )
+        if same:
+            return Wait(hold_wait_words([hold]), WaitKind.HOLD, hold.id)
+    return None
+
+
+def _holder(state: CellState, key: TaskKey) -> str:
+    """Name the task that has a component or a zone, and why, if its goal does not run."""
+    has = state.tasks[key]
+    if has.phase is Phase.HELD:
+        return f'{key}, which waits for an answer to hold {has.hold}'
+    if has.phase is Phase.RETRYING:
+        return f'{key}, which is to be tried again'
+    return str(key)
+
+
+def _section_of(key: TaskKey) -> tuple[int, ...]:
+    """Return the section that works on a task; none for initialization and the belt's move."""
+    return () if key.section is None else (key.section,)
