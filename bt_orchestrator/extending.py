@@ -8,9 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from importlib.util import find_spec
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from bt_orchestrator.errors import OrchestratorError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 
 class ExtensionMissing(OrchestratorError):
@@ -98,6 +101,16 @@ PARQUET = Extension(
 )
 
 EXTENSIONS = (PAGE, OPCUA, RECIPES, PARQUET)
+
+
+def of_others(kind: str) -> Mapping[str, EntryPoint]:
+    """Return what other installed packages bring: `verbs` or `exports`, by their names.
+
+    It takes 36 ms, so it is asked only for a name that this package does not have.
+    """
+    from importlib.metadata import entry_points
+
+    return {one.name: one for one in entry_points(group=f'bt_orchestrator.{kind}')}
 
 
 def _is_missing(module: str) -> bool:

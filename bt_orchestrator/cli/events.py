@@ -20,12 +20,12 @@ from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.output import opened
 from bt_orchestrator.cli.parquet_folder import tables_in
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.extending import PARQUET
+from bt_orchestrator.extending import PARQUET, of_others
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import Records
-from bt_orchestrator.report.exports import OUTPUTS
+from bt_orchestrator.report.exports import OUTPUTS, output_of
 from bt_orchestrator.report.reading import Reading, removed
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -79,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--format',
-        choices=(*OUTPUTS, PARQUET.name),
+        choices=_Formats((*OUTPUTS, PARQUET.name)),
         help='with --journal: how it is written (default jsonl)',
     )
     parser.add_argument(
@@ -90,6 +90,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='with --journal: where; of parquet the folder',
     )
     add_node_options(parser)
+
+
+class _Formats(tuple[str, ...]):
+    """Our formats; those of other packages are looked up when somebody names one."""
+
+    __slots__ = ()
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or name in of_others('exports')
 
 
 def run(args: argparse.Namespace) -> int:
@@ -183,7 +192,7 @@ def _output(args: argparse.Namespace, records: Records) -> Iterator[Callable[[st
             yield write
         return
     with opened(args.output) as file:
-        output = OUTPUTS[args.format or 'jsonl'](file)
+        output = output_of(args.format or 'jsonl')(file)
 
         def write_at_once(text: str) -> None:
             output.write(text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,10 @@ from bt_orchestrator.cli.folders import (
     recipe_folders,
     script_folders,
 )
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.extending import of_others
 from bt_orchestrator.node_parameters import NodeParameters, Words, described
+from bt_orchestrator.ports import EventSink
 from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
@@ -40,6 +44,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='NS',
         help='ROS namespace of the node and of relative names in the cell file, so that two cells '
         'can run side by side',
+    )
+    parser.add_argument(
+        '--sink',
+        action='append',
+        default=[],
+        metavar='NAME',
+        help='also give all events to this output of another package (entry point '
+        'bt_orchestrator.sinks); may be repeated',
     )
     for name, words in described():
         if name == 'trees':
@@ -89,10 +101,24 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     defaults = NodeParameters(**told)
     ros_args = getattr(args, 'ros_args', ())
     parts = Parts(open_journal, memory_store, build_foresight, build_bookkeeping, build_generating)
+    parts = parts._replace(sinks=_sinks(args.sink))
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:
         print(f'still running at its server: {task}', file=sys.stderr)
     return 1 if left else 0
+
+
+def _sinks(names: Sequence[str]) -> Sequence[EventSink]:
+    """Make outputs of other packages.
+
+    :raises WrongUse: no package brings one of them
+    """
+    found = of_others('sinks') if names else {}
+    unknown = [name for name in names if name not in found]
+    if unknown:
+        known = ', '.join(found) or 'none'
+        raise WrongUse(f'run: no installed package brings the output {unknown[0]}; found: {known}')
+    return [found[name].load()() for name in names]
 
 
 def tree_node_main() -> int:

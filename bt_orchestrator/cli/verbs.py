@@ -5,12 +5,12 @@ from __future__ import annotations
 import importlib
 from collections.abc import Iterable, Mapping, Sequence
 from types import ModuleType
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from bt_orchestrator.cli.action import Action
 from bt_orchestrator.cli.asked.words import in_one_line
 from bt_orchestrator.cli.command_parser import CommandParser
-from bt_orchestrator.extending import EXTENSIONS
+from bt_orchestrator.extending import EXTENSIONS, of_others
 from bt_orchestrator.model.requests import CELL, TABLE, About, Request, words_about
 
 PROGRAM = 'bt-orchestrator'
@@ -141,7 +141,7 @@ def action_of(verb: str, action: str = '') -> Action:
     if action:
         return actions_of(verb)[action]
     module = module_of(verb)
-    if not VERBS[verb][1]:
+    if verb in VERBS and not VERBS[verb][1]:
         made: Action = module.of_request(_request(verb))
         return made
     return Action(module.add_arguments, module.run)
@@ -149,7 +149,8 @@ def action_of(verb: str, action: str = '') -> Action:
 
 def is_verb(word: str | None) -> bool:
     """Tell whether a command line may begin with a word."""
-    return word in VERBS or (word,) in _MOVED
+    is_ours = word is None or word in VERBS or (word,) in _MOVED
+    return word is not None and (is_ours or word in of_others('verbs'))
 
 
 def actions_of(verb: str) -> Mapping[str, Action]:
@@ -211,4 +212,6 @@ def module_of(verb: str) -> ModuleType:
     extension = next((one for one in EXTENSIONS if one.verb == verb), None)
     if extension is not None:
         extension.demand(with_packages=False)
+    if verb not in VERBS:
+        return cast('ModuleType', of_others('verbs')[verb].load())
     return importlib.import_module(f'bt_orchestrator.cli.{VERBS[verb][0]}')

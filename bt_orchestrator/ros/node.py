@@ -26,7 +26,14 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.node_parameters import NodeParameters
-from bt_orchestrator.ports import Bookkeeping, EventStore, Foresight, Generating, Journal
+from bt_orchestrator.ports import (
+    Bookkeeping,
+    EventSink,
+    EventStore,
+    Foresight,
+    Generating,
+    Journal,
+)
 from bt_orchestrator.replies import begin
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
@@ -100,6 +107,8 @@ class Parts(NamedTuple):
     make_generating: Callable[[Cell, Sequence[Path], Soon], Generating]
     """Makes what generates the scripts of orders by recipe, from recipes in some folders; what it
     is given lets the tick thread call something."""
+    sinks: Sequence[EventSink] = ()
+    """Outputs of other packages."""
 
 
 class TreeNode:
@@ -134,7 +143,7 @@ class TreeNode:
         self._journal = _open_journal(self.parameters, parts)
         self._writer = WriterThread(self.heart.wake) if self._journal is not None else None
         store = self._journal or parts.make_memory_store()
-        self.orchestrator = self._engine(cell, store)
+        self.orchestrator = self._engine(cell, store, parts.sinks)
         self._overview = Overview(
             self.orchestrator, self._durations, self._senders.unauthenticated
         )
@@ -213,7 +222,7 @@ class TreeNode:
             self.executor.shutdown()
             self.node.destroy_node()
 
-    def _engine(self, cell: Cell, store: EventStore) -> Orchestrator:
+    def _engine(self, cell: Cell, store: EventStore, sinks: Sequence[EventSink]) -> Orchestrator:
         orchestrator = Orchestrator(
             cell,
             self._gateway,
@@ -227,7 +236,8 @@ class TreeNode:
             auto_resume=self.parameters.auto_resume,
         )
         # Not before: where events are missing the take-over begins another history.
-        orchestrator.add_sink(EventsTopic(self.node, store.history))
+        for sink in (EventsTopic(self.node, store.history), *sinks):
+            orchestrator.add_sink(sink)
         return orchestrator
 
     def _keep_house(self) -> Housekeeping | None:
