@@ -74,7 +74,7 @@ def events_in_groups() -> Iterator[str]:
     place = ((f'`{name}`{_kind(events.TaskStarted, name)}', cell(FIELDS[name])) for name in PLACE)
     yield from table(('where in the line', 'meaning'), place)
     for group, kinds in groups.items():
-        yield f'### {group}'
+        yield f'## {group}'
         yield ''
         yield from table(('event', 'meaning', 'fields'), map(_event, kinds))
 

@@ -33,7 +33,7 @@ def options_of_the_verbs() -> Iterator[str]:
         for name in actions_of(verb) or ('',):
             words = [verb, name] if name else [verb]
             line = actions_of(verb)[name].effect if name else help_line(verb)
-            yield f'### `{PROGRAM} {" ".join(words)}`'
+            yield f'## `{PROGRAM} {" ".join(words)}`'
             yield ''
             yield f'{line[0].upper()}{line[1:]}.'
             yield ''

@@ -1,4 +1,4 @@
-"""The events as docs/formats.md describes them, and whether a record is one."""
+"""The events as docs/events.md describes them, and whether a record is one."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ OF_EVERY_RECORD = {
 @cache
 def documented() -> Mapping[str, Mapping[str, Field]]:
     """Return the fields of each event on the page."""
-    text = (ROOT / 'docs' / 'formats.md').read_text(encoding='utf-8')
+    text = (ROOT / 'docs' / 'events.md').read_text(encoding='utf-8')
     table = text.partition('<!-- generated: events -->')[2].partition('<!-- end -->')[0]
     row = r'^\| `([a-z_]+\.[a-z_]+)` \| .*? \| (.*) \|$'
     place = r'^\| `(\w+)`(?: \(([\w ]+)\))? \|'

@@ -2,7 +2,7 @@
 
 Written from the page, not from the product; numbers are those of its rules. A round visits
 initialization, then the sections from the last to the first, then the belt; rounds follow until
-nothing changes, then time moves on. Yields the records of docs/formats.md, without words for
+nothing changes, then time moves on. Yields the records of docs/events.md, without words for
 people and without goal ids.
 """
 

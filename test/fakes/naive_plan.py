@@ -16,7 +16,7 @@ REASONS = {'abort': 'aborted', 'cancel': 'canceled', 'false': 'task_result_false
 
 
 class NaiveDevice:
-    """A controller and what it does with goals (docs/formats.md; faults like `#2=late:3.3`)."""
+    """A controller and what it does with goals (docs/cell_file.md; faults like `#2=late:3.3`)."""
 
     def __init__(
         self, name: str, given: Row, sections: range, duration: Callable[[str, int], float | None]

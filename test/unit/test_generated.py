@@ -45,12 +45,12 @@ def test_a_stale_part_would_be_seen(tmp_path: Path) -> None:
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text_of(name), encoding='utf-8')
     assert generate.stale_files(tmp_path) == {}
-    page = tmp_path / 'docs' / 'formats.md'
+    page = tmp_path / 'docs' / 'events.md'
     text = page.read_text(encoding='utf-8')
     page.write_text(text.replace('| `task.started` |', '| `task.begun` |'), encoding='utf-8')
     schema = tmp_path / 'schemas' / 'cell.schema.json'
     schema.write_text(schema.read_text(encoding='utf-8').replace('30', '31'), encoding='utf-8')
-    assert {*generate.stale_files(tmp_path)} == {'docs/formats.md', 'schemas/cell.schema.json'}
+    assert {*generate.stale_files(tmp_path)} == {'docs/events.md', 'schemas/cell.schema.json'}
 
 
 AGREED = {
