@@ -17,6 +17,11 @@ PATIENCE_S = 60.0
 
 _LOOK_S = 0.02
 
+DEMO_PACKED = (
+    r'job +script +items +packed +per item +finished\s+WO-1001 +reference_process( +3){2} '
+)
+"""How the demo sums up three items that were packed, all of them good: without a column of losses."""
+
 PROGRAM = ('-m', 'bt_orchestrator')
 """What Python runs."""
 

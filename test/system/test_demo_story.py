@@ -13,6 +13,7 @@ import pytest
 import rclpy
 import yaml
 from action_msgs.msg import GoalStatus, GoalStatusArray
+from program_process import DEMO_PACKED
 from pseudo_terminal import PseudoTerminal
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -124,6 +125,6 @@ def test_a_hold_a_kill_and_a_coffee(cell: Path, folder: Path) -> None:
     try:
         assert third.wait() == 0, third.text
         summary = third.raw.decode(errors='replace')
-        assert re.search(r'WO-1001 +reference_process( +3){2}( +0){3} ', summary)
+        assert re.search(DEMO_PACKED, summary)
     finally:
         third.close()

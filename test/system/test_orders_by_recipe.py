@@ -50,8 +50,12 @@ operations:
 
 
 def able_cell() -> str:
-    """Return the small cell, whose components say what they can do; nobody has to release it."""
-    text = f'{SMALL_CELL}release: automatic\n'
+    """Return the small cell, whose components say what they can do; nobody has to release it.
+
+    Its packer takes twice as long for the same work as its worker.
+    """
+    before, packer, after = SMALL_CELL.partition('packer:')
+    text = f'{before}{packer}{after.replace("TASK_A: 1.0", "TASK_A: 2.0")}release: automatic\n'
     for name, can in ABLE.items():
         task = f'action: {name}/task'
         end = ',' if '{' in text.split(task, maxsplit=1)[0].rsplit('\n', 1)[1] else '\n   '

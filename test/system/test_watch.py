@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from cell_processes import CellProcesses, StartCell
-from program_process import ProgramProcess
+from program_process import DEMO_PACKED, ProgramProcess
 from pseudo_terminal import PseudoTerminal
 
 from bt_orchestrator.screen.blocks import NARROW
@@ -149,7 +149,7 @@ def test_the_demo_on_a_terminal(open_terminal: OpenTerminal) -> None:
     terminal.until(lambda text: re.search(r'^  \d .*▶ [\w.]+ [A-Z]', text, re.MULTILINE), 'a task')
     assert terminal.lines[0].startswith('reference_cell  ▶ Execute')
     assert terminal.wait() == 0
-    assert re.search(r'^WO-1001 +reference_process( +3){2}( +0){3} ', terminal.text, re.MULTILINE)
+    assert re.search(DEMO_PACKED, terminal.text)
     terminal.assert_left_clean()
 
 
