@@ -20,7 +20,7 @@ _LOOK_S = 0.02
 DEMO_PACKED = (
     r'job +script +items +packed +per item +finished\s+WO-1001 +reference_process( +3){2} '
 )
-"""How the demo sums up three items that were packed, all of them good: without a column of losses."""
+"""How the demo sums up three items, all of them packed and good: no column of losses."""
 
 PROGRAM = ('-m', 'bt_orchestrator')
 """What Python runs."""
