@@ -11,7 +11,7 @@ from bt_orchestrator.cli.door import ask_and_print, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.alike import why_singly
-from bt_orchestrator.model.requests import ACKNOWLEDGE, ANSWERS, COMMENT
+from bt_orchestrator.model.requests import About, requests_about
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.script.given_results import results_of
@@ -20,7 +20,7 @@ DESCRIPTION = """\
 Decide about something that is held; `status` lists the holds and what each of them offers.
 """
 
-WORDS = {**ANSWERS, **{one.word: one for one in (ACKNOWLEDGE, COMMENT)}}
+WORDS = {one.word: one for one in requests_about(About.HOLD)}
 """Answers, and remarks, which leave the hold as it is."""
 
 

@@ -14,8 +14,9 @@ from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.jobs.job_control import REQUEUE
 from bt_orchestrator.model.limits import GENERATING_S
-from bt_orchestrator.model.requests import REQUEUE, Asked, BadArguments, ask
+from bt_orchestrator.model.requests import Asked, BadArguments, ask
 from bt_orchestrator.model.status import CellStatus
 
 STEP_S = 0.1
@@ -89,7 +90,7 @@ def answer_within_s(request: Asked) -> float | None:
     given = request.arguments
     orders: Any = given.get('orders', ())
     is_ordered = bool(given.get('recipe')) or any(one.recipe for one in orders)
-    return GENERATING_S if is_ordered or request.request == REQUEUE else None
+    return GENERATING_S if is_ordered or request.request.method is REQUEUE else None
 
 
 def _show(answer: Answer, *, as_json: bool) -> None:

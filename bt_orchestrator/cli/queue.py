@@ -18,7 +18,7 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import OVER
-from bt_orchestrator.model.requests import ADD
+from bt_orchestrator.model.requests import About, requests_about
 from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.model.status_words import script_words
 from bt_orchestrator.ports import QueuePage
@@ -108,11 +108,13 @@ def _has_ended(job: JobStatus) -> bool:
     return job.state in OVER
 
 
+(_ADD_ORDERS,) = requests_about(About.QUEUE)
+
 # --- orders ---------------------------------------------------------------------------------
 
 
 def _add_add(parser: argparse.ArgumentParser) -> None:
-    parser.description = what_to_know(ADD)
+    parser.description = what_to_know(_ADD_ORDERS)
     parser.add_argument('orders', nargs='+', type=Path, metavar='ORDER', help='work order (YAML)')
     parser.add_argument('--at', type=whole_32, default=0, metavar='N', help='place, from 1')
     parser.add_argument('--held', action='store_true', help='keep them from starting')
@@ -127,6 +129,6 @@ def _add(args: argparse.Namespace) -> int:
 
 ACTIONS: Mapping[str, Action] = {
     'list': Action(_add_list, _list, 'list the jobs on the line, and the queue (the default)'),
-    ADD.word: Action(_add_add, _add, in_one_line(ADD)),
+    _ADD_ORDERS.word: Action(_add_add, _add, in_one_line(_ADD_ORDERS)),
 }
 DEFAULT = 'list'

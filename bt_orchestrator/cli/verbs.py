@@ -11,7 +11,7 @@ from bt_orchestrator.cli.action import Action
 from bt_orchestrator.cli.asked.words import in_one_line
 from bt_orchestrator.cli.command_parser import CommandParser
 from bt_orchestrator.extending import EXTENSIONS, of_others
-from bt_orchestrator.model.requests import CELL, TABLE, About, Request, words_about
+from bt_orchestrator.model.requests import TABLE, About, Request, words_about
 
 PROGRAM = 'bt-orchestrator'
 
@@ -80,7 +80,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
 }
 
 _MOVED: Mapping[tuple[str, ...], tuple[str, str]] = {
-    **{(one.word,): ('cell', one.word) for one in CELL.values()},
+    **{(one.word,): ('cell', one.word) for one in TABLE if one.cause},
     **{
         (typed,): ('component', typed)
         for typed in (word.replace('_', '-') for word in words_about(About.COMPONENT))

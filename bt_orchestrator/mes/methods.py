@@ -8,16 +8,15 @@ from typing import NamedTuple
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import METHODS, Method
-from bt_orchestrator.model.requests import ADD, Request
-from bt_orchestrator.model.requests.table import JOB
+from bt_orchestrator.model.requests import About, Request, requests_about
 from bt_orchestrator.report.isa95.return_status import ReturnStatus
 
 STORING = (job_control.STORE, job_control.STORE_AND_START)
 """The methods that bring an order; Update brings one of a job that is there."""
 
 REQUESTS: Mapping[Method, Request] = {
-    **dict.fromkeys(STORING, ADD),
-    **{method: request for method, request in JOB if method in METHODS},
+    **dict.fromkeys(STORING, *requests_about(About.QUEUE)),
+    **{one.method: one for one in requests_about(About.JOB) if one.method in METHODS},
 }
 """What every method asks of the cell. What ISA-95 does not have is no method of it."""
 

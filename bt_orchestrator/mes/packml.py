@@ -7,7 +7,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from bt_orchestrator.model.packml import Cause, PackmlState
-from bt_orchestrator.model.requests import CELL, Request
+from bt_orchestrator.model.requests import About, Request, requests_about
 
 STATE_NUMBERS: Mapping[PackmlState, int] = {
     PackmlState.CLEARING: 1,
@@ -87,12 +87,9 @@ def transitions_between(before: PackmlState, after: PackmlState) -> Iterator[Mac
 
 
 COMMANDS: Mapping[str, Request] = {
-    'Reset': CELL[Cause.RESET],
-    'Start': CELL[Cause.START],
-    'Stop': CELL[Cause.STOP],
-    'Hold': CELL[Cause.HOLD],
-    'Unhold': CELL[Cause.UNHOLD],
-    'Abort': CELL[Cause.ABORT],
+    one.cause.value.capitalize(): one
+    for one in requests_about(About.CELL)
+    if one.cause is not None and one.cause is not Cause.CLEAR
 }
 """Methods of the nodeset, and what they ask of the cell."""
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder, order_id_fault
 from bt_orchestrator.model.requests import (
-    ACKNOWLEDGE,
-    COMMENT,
-    TABLE,
     About,
     Request,
-    of_hold,
+    Wanted,
+    answering,
     of_word,
+    requests_about,
 )
 from bt_orchestrator.model.requests.reader import offer_words
 from bt_orchestrator.model.roles import Role
@@ -27,13 +25,6 @@ class Unclear(OrchestratorError):
     def __init__(self, findings: Iterable[str]) -> None:
         self.findings = tuple(findings)
         super().__init__('; '.join(self.findings))
-
-
-class Wanted(NamedTuple):
-    """A request, and its arguments."""
-
-    request: Request
-    arguments: Mapping[str, object]
 
 
 # --- orders -------------------------------------------------------------------------------------
@@ -101,8 +92,13 @@ def component_command_of(verb: str, component: str) -> Wanted:
 
     :raises Unclear: says which verbs there are
     """
-    request = _request(About.COMPONENT, verb, 'a component')
-    return Wanted(request, {'component': component})
+    return Wanted(_request(About.COMPONENT, verb, 'a component'), {'component': component})
+
+
+def release_of(script: str) -> Wanted:
+    """Return the request that releases a script."""
+    (release,) = requests_about(About.SCRIPT)
+    return Wanted(release, {'script': script})
 
 
 def _request(about: About, verb: str, subject: str) -> Request:
@@ -117,9 +113,8 @@ def verbs(about: About) -> tuple[Request, ...]:
     """Return the requests that a verb alone is enough for."""
     return tuple(
         one
-        for one in TABLE
-        if one.about is about
-        and not any(p.is_required for p in one.parameters if p is not one.subject)
+        for one in requests_about(about)
+        if not any(p.is_required for p in one.parameters if p is not one.subject)
     )
 
 
@@ -137,14 +132,9 @@ def answer_of(hold: str, answer: str, holds: Sequence[Hold], role: Role | None =
     if found is None:
         waiting = ', '.join(one.id for one in holds) or 'none'
         raise Unclear([f'Hold: expected one that waits ({waiting}); found {hold!r}'])
-    word = answer.strip().lower()
-    requests = (*of_hold(found.answers), ACKNOWLEDGE, COMMENT)
-    request = next((one for one in requests if one.word == word), None)
-    if request is None:
+    try:
+        return answering(found, answer.strip().lower())
+    except KeyError:
         possible = offer_words(found.answers, role) or 'none'
-        raise Unclear(
-            [f'Answer: expected one that is possible now ({possible}); found {answer!r}']
-        )
-    if request.about is About.ITEM:
-        return Wanted(request, {'item': found.item or ''})
-    return Wanted(request, {'hold': hold})
+        expected = f'expected one that is possible now ({possible})'
+        raise Unclear([f'Answer: {expected}; found {answer!r}']) from None

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.jobs.job_commands import OfOrders
 from bt_orchestrator.model.packml import Cause
-from bt_orchestrator.model.requests import CELL, Asked
+from bt_orchestrator.model.requests import Asked
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ Command = OnRecord | FoundTwin | Shutdown
 
 def cancels_all(command: Command) -> bool:
     """Tell whether a command cancels every goal."""
-    is_abort = isinstance(command, Asked) and command.request is CELL[Cause.ABORT]
+    is_abort = isinstance(command, Asked) and command.request.cause is Cause.ABORT
     return is_abort or isinstance(command, Shutdown)
 
 

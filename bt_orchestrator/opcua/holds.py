@@ -12,7 +12,7 @@ from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.mes.alarms import EMERGENCY_KEY, Alarm, alarms_of, event_id, hold_key
 from bt_orchestrator.model.by import named
 from bt_orchestrator.model.events import Event, HoldReleased, OperatorDecided, StopReasonChanged
-from bt_orchestrator.model.requests import REMARKS
+from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.opcua.arguments import Argument
@@ -117,7 +117,7 @@ class Holds:
         """Remember who answered, and show what was remarked."""
         if isinstance(event, OperatorDecided):
             who = named(event.who, event.known)
-            if event.hold and event.answer in REMARKS:
+            if event.hold and is_remark(event.answer):
                 self._remark(event.hold, event.answer, Remark(who, event.reason, event.time))
                 return
             why = f': {event.reason}' if event.reason else ''
@@ -182,7 +182,7 @@ class Holds:
                 if not page.events:
                     break
                 for event in page.events:
-                    if isinstance(event, OperatorDecided) and event.answer in REMARKS:
+                    if isinstance(event, OperatorDecided) and is_remark(event.answer):
                         self.hear(event)
                 seq = page.events[-1].seq
         except NodeUnreachable as error:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 
 from asyncua import ua
 
@@ -10,20 +11,20 @@ from bt_orchestrator.doors.tickets import Outcome
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.mes.plain_commands import (
     Unclear,
-    Wanted,
     answer_of,
     command_of,
     component_command_of,
     order_of,
+    release_of,
     verbs,
 )
 from bt_orchestrator.model.requests import (
-    ADD,
-    RELEASE_SCRIPT,
     About,
     BadArguments,
     Request,
+    Wanted,
     ask,
+    requests_about,
 )
 from bt_orchestrator.opcua import callers
 from bt_orchestrator.opcua.arguments import Argument
@@ -70,21 +71,13 @@ ANSWER_HOLD = (
     Argument('Answer', TEXT, 'one of OldestHold/Answers, or acknowledge or comment'),
     REASON,
 )
-
-
 COMPONENT_COMMAND = (
     Argument('Verb', TEXT, _words(verbs(About.COMPONENT))),
     Argument('Component', TEXT, 'its name in the cell file'),
     REASON,
 )
-
-
-RELEASE_SCRIPT_ARGUMENTS = (
-    Argument(
-        'Script',
-        TEXT,
-        'digest of the script; or its name, if it is waited for by a job in the queue',
-    ),
+RELEASE_SCRIPT = (
+    Argument('Script', TEXT, requests_about(About.SCRIPT)[0].parameters[0].meaning),
     REASON,
 )
 
@@ -101,23 +94,23 @@ class SimpleCommands:
             f'{top}/SubmitOrder', self._submit, SUBMIT_ORDER, (ACCEPTED, MESSAGE, FINDINGS),
             'queues an order; its job starts when its turn comes',
         )  # fmt: skip
-        await space.method(
-            f'{top}/Command', self._command, COMMAND, (ACCEPTED, MESSAGE),
-            'a command to the cell, or to a job',
-        )  # fmt: skip
-        await space.method(
-            f'{top}/ComponentCommand', self._to_component, COMPONENT_COMMAND, (ACCEPTED, MESSAGE),
-            'whether a component may get goals; this is no lockout',
-        )  # fmt: skip
-        await space.method(
-            f'{top}/ReleaseScript', self._release, RELEASE_SCRIPT_ARGUMENTS, (ACCEPTED, MESSAGE),
-            'lets jobs of a generated script start',
-        )  # fmt: skip
-        await space.method(
-            f'{top}/AnswerHold', self._answer, ANSWER_HOLD, (ACCEPTED, MESSAGE),
-            'decides what becomes of something that is held',
-        )  # fmt: skip
-
+        for name, read, arguments, does in (
+            ('Command', command_of, COMMAND, 'a command to the cell, or to a job'),
+            (
+                'ComponentCommand', component_command_of, COMPONENT_COMMAND,
+                'whether a component may get goals; this is no lockout',
+            ),
+            (
+                'ReleaseScript', release_of, RELEASE_SCRIPT,
+                'lets jobs of a generated script start',
+            ),
+            (
+                'AnswerHold', self._answer, ANSWER_HOLD,
+                'decides what becomes of something that is held',
+            ),
+        ):  # fmt: skip
+            call = partial(self._carry_out, name, read)
+            await space.method(f'{top}/{name}', call, arguments, (ACCEPTED, MESSAGE), does)
         await space.method(
             f'{top}/Request', self._request, REQUEST, (ACCEPTED, MESSAGE, FINDINGS),
             'makes any request by its name; docs/operating.md lists them',
@@ -140,37 +133,22 @@ class SimpleCommands:
             order = order_of(id_, script, quantity, parameters, recipes)
         except Unclear as error:
             return _told(Outcome(False, 'the order was not sent', error.findings), findings=True)
-        outcome = await self._bridge.calls.ask(ADD, {'orders': [order]}, '')
+        outcome = await self._bridge.calls.ask('queue.add', {'orders': [order]}, '')
         return _told(outcome, findings=True)
 
-    async def _command(self, verb: str, job: str, reason: str) -> list[ua.Variant]:
+    async def _carry_out(
+        self, method: str, read: Callable[..., Wanted], *given: str
+    ) -> list[ua.Variant]:
+        """Make the request that the arguments of a method stand for; the last is the reason."""
+        *words, reason = given
         try:
-            wanted = command_of(verb, job)
+            request, arguments = read(*words)
         except Unclear as error:
             return _told(Outcome(False, str(error)))
-        return await self._ask(wanted, reason_of(reason, 'Command'))
+        return _told(await self._bridge.calls.ask(request, arguments, reason_of(reason, method)))
 
-    async def _to_component(self, verb: str, component: str, reason: str) -> list[ua.Variant]:
-        try:
-            wanted = component_command_of(verb, component)
-        except Unclear as error:
-            return _told(Outcome(False, str(error)))
-        return await self._ask(wanted, reason_of(reason, 'ComponentCommand'))
-
-    async def _release(self, script: str, reason: str) -> list[ua.Variant]:
-        wanted = Wanted(RELEASE_SCRIPT, {'script': script})
-        return await self._ask(wanted, reason_of(reason, 'ReleaseScript'))
-
-    async def _answer(self, hold: str, answer: str, reason: str) -> list[ua.Variant]:
-        try:
-            role = CALLER.get().role
-            wanted = answer_of(hold, answer, self._bridge.status.holds, role)
-        except Unclear as error:
-            return _told(Outcome(False, str(error)))
-        return await self._ask(wanted, reason_of(reason, 'AnswerHold'))
-
-    async def _ask(self, wanted: Wanted, reason: str) -> list[ua.Variant]:
-        return _told(await self._bridge.calls.ask(wanted.request, wanted.arguments, reason))
+    def _answer(self, hold: str, answer: str) -> Wanted:
+        return answer_of(hold, answer, self._bridge.status.holds, CALLER.get().role)
 
 
 def _told(outcome: Outcome, *, findings: bool = False) -> list[ua.Variant]:

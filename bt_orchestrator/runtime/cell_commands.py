@@ -13,7 +13,7 @@ from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.limits import PAUSES
 from bt_orchestrator.model.packml import VERBS, Cause, refusal
 from bt_orchestrator.model.pauses import PAUSED, release_command
-from bt_orchestrator.model.requests import CELL, Asked
+from bt_orchestrator.model.requests import About, Asked, requests_about
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.runtime.deciding import Decided, decides
@@ -24,10 +24,11 @@ RESUME = VERBS[Cause.UNHOLD]
 """What ends a pause."""
 
 
-@decides(*CELL.values())
+@decides(*(one for one in requests_about(About.CELL) if one.cause is not None))
 def _command(state: CellState, asked: Asked, _: float) -> Decided:
     """Command the cell, if its state allows it."""
-    cause = next(cause for cause, request in CELL.items() if request is asked.request)
+    cause = asked.request.cause
+    assert cause is not None, asked.request.name
     why = refusal(state.packml, cause)
     if why is not None:
         raise CommandRefused(why)

@@ -21,14 +21,15 @@ from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import (
     ADD,
-    JOB,
     MOVE,
     NEXT,
     REQUEUE,
     STOP_AFTERS,
     UPDATE,
+    About,
     Asked,
     refusal,
+    requests_about,
 )
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import AFTER, NEVER, STOP_AFTER, way_to_work
@@ -204,7 +205,7 @@ CONTROLS: Mapping[str, _Control] = {
 """By the command's word: the method, the answer, and the function that does it."""
 
 
-@decides(*(request for method, request in JOB if method.verb in CONTROLS))
+@decides(*(one for one in requests_about(About.JOB) if one.word in CONTROLS))
 def _control(state: CellState, asked: Asked, _: float) -> Decided:
     word, name = asked.request.word, asked['job']
     method, answer, act = CONTROLS[word]

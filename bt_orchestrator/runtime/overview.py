@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.limits import ENDED_SHOWN, QUEUE_SHOWN
-from bt_orchestrator.model.packml import Cause
-from bt_orchestrator.model.requests import CELL, Request, of_cell
+from bt_orchestrator.model.requests import Request, of_cell
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.status import (
@@ -141,9 +140,7 @@ class Overview:
 
     def _possible(self) -> tuple[Request, ...]:
         """Return the commands that are possible; without a journal only to cancel the goals."""
-        if self._engine.broken:
-            return (CELL[Cause.ABORT],)
-        return of_cell(self._engine.state.packml)
+        return of_cell(self._engine.state.packml, is_broken=bool(self._engine.broken))
 
     def _component(self, component: Component) -> ComponentStatus:
         engine, name = self._engine, component.name

@@ -10,13 +10,14 @@ from bt_orchestrator.model.alike import alike
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.packml import Cause, PackmlState
-from bt_orchestrator.model.requests import ADD, CELL, About, Request, of_hold
+from bt_orchestrator.model.requests import About, Request, of_hold, requests_about
 from bt_orchestrator.model.requests.reader import (
     allowed,
     answers_of_others,
     may_make,
     who_may,
 )
+from bt_orchestrator.model.requests.worthwhile import worthwhile_for_cell
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus
@@ -115,26 +116,22 @@ def _of(request: Request, status: CellStatus) -> str:
 
 
 def _next_choices(status: CellStatus) -> Iterator[Choice]:
-    waits = any(job.state not in OVER for job in status.jobs)
-    if status.state is PackmlState.ABORTED:
-        clear, who = CELL[Cause.CLEAR].word, _of(CELL[Cause.CLEAR], status)
-        shown = f'cell {clear} --as-shown {status.seq}'
-        yield Choice(clear, shown, 'if the belt is as shown here', who=who)
-        each = f'cell {clear} --belt 1=ITEM,2=empty'
-        yield Choice(clear, each, 'else: every slot as it really is', who=who, is_complete=False)
-    elif status.state is PackmlState.IDLE and waits:
-        yield _to_cell(CELL[Cause.START], status)
-    elif status.state in _WAITING_FOR_ORDERS:
-        if not waits and not status.waits_for:
-            order, who = 'submit ORDER.yaml', _of(ADD, status)
-            effect = 'gives it a work order'
-            yield Choice('submit', order, effect, needs_reason=False, who=who, is_complete=False)
-        if status.state is PackmlState.STOPPED or waits:
-            yield _to_cell(CELL[Cause.RESET], status)
-
-
-def _to_cell(request: Request, status: CellStatus) -> Choice:
-    return Choice(request.word, f'cell {request.word}', request.effect, who=_of(request, status))
+    waits = any(job.state not in OVER for job in status.jobs) or bool(status.waits_for)
+    if status.state in _WAITING_FOR_ORDERS and not waits:
+        (add,) = requests_about(About.QUEUE)
+        order, effect = 'submit ORDER.yaml', 'gives it a work order'
+        who = _of(add, status)
+        yield Choice('submit', order, effect, needs_reason=False, who=who, is_complete=False)
+    for request in worthwhile_for_cell(status):
+        word, who = request.word, _of(request, status)
+        if request.cause is Cause.CLEAR:
+            shown = f'cell {word} --as-shown {status.seq}'
+            yield Choice(word, shown, 'if the belt is as shown here', who=who)
+            each = f'cell {word} --belt 1=ITEM,2=empty'
+            effect = 'else: every slot as it really is'
+            yield Choice(word, each, effect, who=who, is_complete=False)
+        elif request.cause in (Cause.RESET, Cause.START):
+            yield Choice(word, f'cell {word}', request.effect, who=who)
 
 
 def alike_lines(status: CellStatus, shell: Shell) -> list[str]:

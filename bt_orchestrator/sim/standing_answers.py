@@ -11,12 +11,12 @@ from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.failures import AGAIN, MARK_DONE, RETRY
 from bt_orchestrator.model.hold_words import hold_name
-from bt_orchestrator.model.requests import ANSWERS, REMOVE_ITEM, Asked
+from bt_orchestrator.model.requests import Asked, answering, possible_answers
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.sim.simulation import Simulation
 
-POSSIBLE = (*ANSWERS, REMOVE_ITEM.word)
+POSSIBLE = possible_answers()
 """The possible predefined answers."""
 
 MOST_RETRIES = 10
@@ -97,12 +97,10 @@ class StandingAnswers:
             del self._seen[hold.id]  # since then its item was rejected, or its job aborted
             self.look()
             return
-        if answer == REMOVE_ITEM.word:
-            asked = Asked(REMOVE_ITEM, self._by, {'item': hold.item or ''})
-        else:
-            marked = answer == MARK_DONE and hold.item is not None
-            results = self._results.get(hold.task or '', {}) if marked else {}
-            asked = Asked(ANSWERS[answer], self._by, {'hold': hold.id, 'results': results})
+        request, about = answering(hold, answer)
+        marked = answer == MARK_DONE and hold.item is not None
+        results = {'results': self._results.get(hold.task or '', {})} if marked else {}
+        asked = Asked(request, self._by, {**about, **results})
         given = self._simulation.orchestrator.ask(asked)
         if not given.accepted:
             self._complaints.append(given.message)

@@ -20,7 +20,7 @@ from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.limits import listed
-from bt_orchestrator.model.requests import ADD, Asked
+from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
@@ -127,7 +127,7 @@ class EngineWhatIf:
             if order.get('order') in run.state.jobs:
                 used = WrongField('order', f'{job.id} is the id of another job', 'choose another')
                 return _with_mistakes((used,))
-            asked = Asked(ADD, NOBODY, {'orders': [given]})
+            asked = ask('queue.add', NOBODY, orders=[given])
             answer = self._node(run).answer(asked)
             return CheckedOrder(answer.accepted, '' if answer.accepted else answer.message)
 
@@ -251,7 +251,7 @@ def _lost(run: RunOn) -> frozenset[str]:
 
 def _unlooked(state: CellState, requests: Sequence[Asked]) -> Iterator[str]:
     """Say which ids cannot be looked up: the content of sealed parts stays with the node."""
-    added = (asked.arguments for asked in requests if asked.request == ADD)
+    added = (asked.arguments for asked in requests if asked.request.takes_orders)
     given: Iterator[Any] = chain.from_iterable(cast('Any', one['orders']) for one in added)
     names = [one.order for one in given if one.order and one.order not in state.order_ids]
     if names and state.order_ids.sealed:

@@ -11,8 +11,7 @@ from functools import lru_cache
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.packml import Cause
-from bt_orchestrator.model.requests import About, Request, of_hold
-from bt_orchestrator.model.requests.table import ADD, CELL, RELEASE_SCRIPT, REMOVE_ITEM
+from bt_orchestrator.model.requests import About, Request, of_hold, requests_about
 from bt_orchestrator.model.requests.worthwhile import (
     worthwhile_for_cell,
     worthwhile_for_component,
@@ -35,7 +34,7 @@ def cell_offers(status: CellStatus) -> list[Offer]:
 
 
 def _cell_offer(request: Request, status: CellStatus) -> Offer:
-    shown = {'as_shown': status.seq} if request is CELL[Cause.CLEAR] else {}
+    shown = {'as_shown': status.seq} if request.cause is Cause.CLEAR else {}
     return _offer(request, given=shown, without=('hold',))
 
 
@@ -63,7 +62,7 @@ def item_offers(item: ItemStatus | None) -> Sequence[Offer]:
 
 @lru_cache(maxsize=1024)
 def _item_offers(item: str) -> Sequence[Offer]:
-    return [_offer(REMOVE_ITEM, item)]
+    return [_offer(one, item) for one in requests_about(About.ITEM)]
 
 
 def component_offers(component: ComponentStatus) -> Sequence[Offer]:
@@ -127,7 +126,8 @@ def _job_offers(
         is_alone=is_alone,
         is_cell_stopped=is_cell_stopped,
     )
-    release = [_offer(RELEASE_SCRIPT, unreleased, without=('cell_digest',))] if unreleased else []
+    of_script = requests_about(About.SCRIPT) if unreleased else ()
+    release = (_offer(one, unreleased, without=('cell_digest',)) for one in of_script)
     return [*release, *(_offer(request, job) for request in wanted)]
 
 
@@ -141,7 +141,8 @@ def _has_back(job: JobStatus, status: CellStatus) -> bool:
 
 def add_offer() -> Offer:
     """Return what is always possible: to queue orders."""
-    return _offer(ADD)
+    (add,) = requests_about(About.QUEUE)
+    return _offer(add)
 
 
 def _offer(

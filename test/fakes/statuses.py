@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.packml import VERBS, PackmlState, possible_in
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     BeltStatus,
@@ -139,7 +139,9 @@ def status(**about: Any) -> CellStatus:
         'flags': (FlagStatus('clear', 0, 1),),
     }
     lists = {key: tuple(value) for key, value in about.items() if isinstance(value, list)}
-    return CellStatus(**{**usual, **about, **lists})
+    allowed = possible_in(about.get('state', usual['state']))
+    commands = tuple(VERBS[cause] for cause in allowed)
+    return CellStatus(**{'commands': commands, **usual, **about, **lists})
 
 
 def long_line(count: int, held: int, working: int) -> CellStatus:

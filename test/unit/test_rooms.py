@@ -29,7 +29,7 @@ DOOR = ('cli/door.py', 'bt_orchestrator.ros.link.ros_link')
 
 REQUESTS = ('.model.requests.', '.model.commands.', '.model.jobs.job_commands.')
 NO_REQUESTS = ('TABLE', 'REQUESTS', 'Answer', 'OrderAnswer', 'Command', 'OnRecord', 'Sharing')
-MOST_NAMING_REQUESTS = 40
+MOST_NAMING_REQUESTS = 18
 """Modules that name a single request, or a class of orders: only fewer."""
 
 

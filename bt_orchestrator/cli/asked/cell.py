@@ -9,32 +9,34 @@ from bt_orchestrator.cli.action import Action
 from bt_orchestrator.cli.asked.derived import add_answer_options, of_request
 from bt_orchestrator.cli.asked.words import allowed, in_one_line
 from bt_orchestrator.cli.door import ask_and_print
-from bt_orchestrator.model.requests import CELL, STOP_AFTERS
+from bt_orchestrator.model.requests import About, requests_about
+from bt_orchestrator.model.wish import STOP_AFTER
 
 DESCRIPTION = """\
 Command the cell of a running tree node as a whole; `job` is for one job. docs/operating.md says
 what each command does in which state. The node refuses a command that is not possible now, and
 names those that are."""
 
-_ANY = next(iter(STOP_AFTERS.values()))
+_STOP_AFTERS = [one for one in requests_about(About.CELL) if one.cause is None]
 
 
 def _add_stop_after(parser: argparse.ArgumentParser) -> None:
-    each = (f'{after}: {in_one_line(one)}' for after, one in STOP_AFTERS.items())
+    words = [one.word.removeprefix(STOP_AFTER) for one in _STOP_AFTERS]
+    each = map('{}: {}'.format, words, map(in_one_line, _STOP_AFTERS))
     parser.description = '; '.join(each)
-    parser.add_argument('after', choices=tuple(STOP_AFTERS), help='after what')
-    add_answer_options(parser, _ANY)
+    parser.add_argument('after', choices=words, help='after what')
+    add_answer_options(parser, _STOP_AFTERS[0])
 
 
 def _stop_after(args: argparse.Namespace) -> int:
-    return ask_and_print(args, STOP_AFTERS[args.after].name, as_json=args.json)
+    return ask_and_print(args, f'cell.{STOP_AFTER}{args.after}', as_json=args.json)
 
 
 ACTIONS: Mapping[str, Action] = {
-    **{one.word: of_request(one) for one in CELL.values()},
+    **{one.word: of_request(one) for one in requests_about(About.CELL) if one.cause},
     'stop-after': Action(
         _add_stop_after,
         _stop_after,
-        f'lets the line run empty after an item or a job, then stops ({allowed(_ANY)})',
+        f'lets the line run empty after an item or a job, then stops ({allowed(_STOP_AFTERS[0])})',
     ),
 }

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+from bt_orchestrator.model.jobs import job_control
+from bt_orchestrator.model.jobs.job_control import Method
+from bt_orchestrator.model.packml import VERBS, Cause
 from bt_orchestrator.model.roles import Role
+
+_CAUSES: Mapping[str, Cause] = {word: cause for cause, word in VERBS.items()}
+_METHODS: Mapping[str, Method] = {
+    one.verb: one for one in (*job_control.METHODS, job_control.REQUEUE)
+}
 
 
 class About(Enum):
@@ -77,6 +86,8 @@ class Request:
     refused until something undoes it, so it is never delayed."""
     is_of_list: bool = False
     """It changes the list of jobs, and nothing on the line."""
+    is_remark: bool = False
+    """It says something about a hold, which stays."""
     also: tuple[str, ...] = ()
     """Other words for it that commands take; recorded is `word`."""
 
@@ -89,6 +100,16 @@ class Request:
     def subject(self) -> Parameter | None:
         """The id of its subject; None: the cell, which needs no id."""
         return self.parameters[0] if self.about in NAMED else None
+
+    @property
+    def cause(self) -> Cause | None:
+        """The command of PackML that it gives to the cell; None: PackML has none."""
+        return _CAUSES.get(self.word) if self.about is About.CELL else None
+
+    @property
+    def method(self) -> Method | None:
+        """What the table of job control has for it; None: it is about no job, or moves one."""
+        return _METHODS.get(self.word) if self.about is About.JOB else None
 
     @property
     def is_foreseen(self) -> bool:

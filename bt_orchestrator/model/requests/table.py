@@ -168,18 +168,18 @@ REQUEUE = _of_method(
     is_limited=True,
 )
 
-JOB: tuple[tuple[Method, Request], ...] = (
-    (job_control.START, _of_method(job_control.START, _BOTH, is_limited=True)),
-    (job_control.REVOKE_START, _of_method(job_control.REVOKE_START, _BOTH)),
-    (job_control.UPDATE, UPDATE),
-    (job_control.PAUSE, _of_method(job_control.PAUSE, _BOTH)),
-    (job_control.RESUME, _of_method(job_control.RESUME, _BOTH, is_limited=True)),
-    (job_control.STOP, _of_method(job_control.STOP, _BOTH)),
-    (job_control.REQUEUE, REQUEUE),
-    (job_control.ABORT, _of_method(job_control.ABORT, _ENGINEERS, is_confirmed=True)),
-    (job_control.CANCEL, _of_method(job_control.CANCEL, _PLANNERS, is_confirmed=True)),
+_CONTROLS = (
+    _of_method(job_control.START, _BOTH, is_limited=True),
+    _of_method(job_control.REVOKE_START, _BOTH),
+    UPDATE,
+    _of_method(job_control.PAUSE, _BOTH),
+    _of_method(job_control.RESUME, _BOTH, is_limited=True),
+    _of_method(job_control.STOP, _BOTH),
+    REQUEUE,
+    _of_method(job_control.ABORT, _ENGINEERS, is_confirmed=True),
+    _of_method(job_control.CANCEL, _PLANNERS, is_confirmed=True),
     # It changes only the list; the MES that ordered a job must be able to clear it.
-    (job_control.CLEAR, _of_method(job_control.CLEAR, _BOTH, is_of_list=True)),
+    _of_method(job_control.CLEAR, _BOTH, is_of_list=True),
 )
 
 # --- items and holds (semantics 7.1) ------------------------------------------------------------
@@ -222,15 +222,12 @@ ANSWERS: Mapping[str, Request] = {
 
 ACKNOWLEDGE = _request(
     About.HOLD, 'acknowledge', 'records that somebody has seen it; it stays', _OPERATORS,
-    why=Why.NEVER, is_limited=True,
+    why=Why.NEVER, is_limited=True, is_remark=True,
 )  # fmt: skip
 COMMENT = _request(
     About.HOLD, 'comment', 'records what somebody says about it; it stays', _OPERATORS,
-    is_limited=True,
+    is_limited=True, is_remark=True,
 )  # fmt: skip
-REMARKS = (ACKNOWLEDGE.word, COMMENT.word)
-"""Words about a hold that are no answers to it."""
-
 # --- components (semantics 7.5) -----------------------------------------------------------------
 
 OUT_OF_SERVICE = _request(
@@ -257,7 +254,7 @@ TABLE: tuple[Request, ...] = (
     ADD,
     MOVE,
     NEXT,
-    *(request for _, request in JOB),
+    *_CONTROLS,
     REMOVE_ITEM,
     *ANSWERS.values(),
     ACKNOWLEDGE,
@@ -284,10 +281,17 @@ def of_word(about: About, word: str) -> Request | None:
     return of_name(f'{about.value}.{word}')
 
 
+def requests_about(*about: About) -> tuple[Request, ...]:
+    """Return the requests about some kinds of subjects, in the order of the table."""
+    return tuple(one for one in TABLE if one.about in about)
+
+
 def words_about(about: About) -> tuple[str, ...]:
     """Return every word that stands for a request."""
-    return tuple(word for one in TABLE if one.about is about for word in (one.word, *one.also))
+    return tuple(word for one in requests_about(about) for word in (one.word, *one.also))
 
 
-COMMANDED = tuple(word for word in words_about(About.JOB) if word not in (MOVE.word, UPDATE.word))
-"""What is asked of one job, by a word alone."""
+def is_remark(word: str) -> bool:
+    """Tell whether a word about a hold leaves it as it is."""
+    request = of_word(About.HOLD, word)
+    return request is not None and request.is_remark

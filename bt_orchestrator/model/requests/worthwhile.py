@@ -11,16 +11,14 @@ from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests.possible import of_job
 from bt_orchestrator.model.requests.request import About, Request
 from bt_orchestrator.model.requests.table import (
-    CELL,
     IN_SERVICE,
     MOVE,
     NEXT,
     OUT_OF_SERVICE,
-    STOP_AFTERS,
     of_word,
 )
 from bt_orchestrator.model.status import CellStatus, ComponentStatus
-from bt_orchestrator.model.wish import NEVER
+from bt_orchestrator.model.wish import NEVER, STOP_AFTER
 
 _STOPPED = (
     PackmlState.STOPPING,
@@ -42,17 +40,17 @@ def worthwhile_for_cell(status: CellStatus) -> Iterator[Request]:
 
 def _changes_cell(request: Request, status: CellStatus) -> bool:
     waits = any(job.state not in OVER for job in status.jobs)
-    if request is CELL[Cause.UNHOLD]:
-        return any(hold.is_pause and not hold.must_be_named for hold in status.holds)
-    if request is CELL[Cause.CLEAR]:
-        return not any(hold.key == INDEX_KEY for hold in status.holds)  # has the belt moved?
-    if request is CELL[Cause.START]:
-        return waits or bool(status.waits_for)
-    if request is CELL[Cause.RESET]:
-        return waits or status.state is PackmlState.STOPPED
-    for after, one in STOP_AFTERS.items():
-        if one is request:
-            return _changes_stop(after, status)
+    match request.cause:
+        case Cause.UNHOLD:
+            return any(hold.is_pause and not hold.must_be_named for hold in status.holds)
+        case Cause.CLEAR:
+            return not any(hold.key == INDEX_KEY for hold in status.holds)  # has the belt moved?
+        case Cause.START:
+            return waits or bool(status.waits_for)
+        case Cause.RESET:
+            return waits or status.state is PackmlState.STOPPED
+        case None:
+            return _changes_stop(request.word.removeprefix(STOP_AFTER), status)
     return True
 
 

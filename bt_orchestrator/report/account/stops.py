@@ -9,13 +9,13 @@ from typing import Any, NamedTuple
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record, to_record
 from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.report.account.losses import WORDS, Loss, Step
 from bt_orchestrator.report.account.words import is_seen
 
 MOST_HOLDS = 100
 """Holds that are told one by one: those that cost most. Of all others number and time."""
 
-_REMARKS = ('acknowledge', 'comment')
 """Answers that change nothing."""
 
 
@@ -109,7 +109,7 @@ class OpenHolds:
         held = self.open.get(event.hold or '')
         if held is None:
             self._said = event  # `resume` and `remove-item` name no hold, and release it at once
-        elif event.answer not in _REMARKS:
+        elif not is_remark(event.answer):
             _answer(held, event)
 
     def plain(self) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import WorkOrder
-from bt_orchestrator.model.requests import ADD, Asked
+from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.ros.types.messages import check
 from bt_orchestrator.ros.types.status_messages import order_answer
 
@@ -40,7 +40,7 @@ def call_of(asked: Asked) -> Call:
 
 def _has_orders(asked: Asked) -> bool:
     orders = asked.arguments.get('orders', ())
-    return asked.request == ADD and all(isinstance(one, WorkOrder) for one in orders)
+    return asked.request.takes_orders and all(isinstance(one, WorkOrder) for one in orders)
 
 
 def _sign(request: Any, by: By) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 from bt_orchestrator.errors import NotKept, Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.limits import QUEUE_SHOWN
-from bt_orchestrator.model.requests import ADD, Asked, ask
+from bt_orchestrator.model.requests import Asked, ask, of_name
 from bt_orchestrator.ports import CheckedOrder, ExpectedJob, Moment, Planning
 from bt_orchestrator.script.orders.plain_order import order_from
 
@@ -112,7 +112,8 @@ def asked_of(command: object) -> Asked:
     if not isinstance(given, Mapping):
         raise ValueError('the arguments of a command are an object')
     arguments = dict(given)
-    if command['name'] == ADD.name:
+    request = of_name(command['name'])
+    if request is not None and request.takes_orders:
         arguments['orders'] = _orders(arguments.get('orders'))
     if not all(isinstance(key, str) and key not in _OWN for key in arguments):
         raise ValueError(f'{command["name"]} does not take {", ".join(arguments)}')

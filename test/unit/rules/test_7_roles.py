@@ -27,7 +27,7 @@ from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Command
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.requests import REMARKS, REQUESTS, About, Why
+from bt_orchestrator.model.requests import REQUESTS, About, Why
 from bt_orchestrator.model.roles import Role
 
 LINE = Line()
@@ -60,7 +60,16 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
     'script.release_script': lambda by: ReleaseScript('0123456789ab', by),
     **{
         f'hold.{word}': lambda by, word=word: AnswerHold('1', word, by)  # type: ignore[misc]
-        for word in ('retry', 'again', 'mark_done', 'skip', 'reject', 'abort_job', *REMARKS)
+        for word in (
+            'retry',
+            'again',
+            'mark_done',
+            'skip',
+            'reject',
+            'abort_job',
+            'acknowledge',
+            'comment',
+        )
     },
 }
 """A command for every request but those that are made like another one here."""
