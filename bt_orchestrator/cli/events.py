@@ -25,7 +25,7 @@ from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import Records
-from bt_orchestrator.report.exports import OUTPUTS, output_of
+from bt_orchestrator.report.exports import OUTPUTS
 from bt_orchestrator.report.reading import Reading, removed
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -191,8 +191,9 @@ def _output(args: argparse.Namespace, records: Records) -> Iterator[Callable[[st
         with tables_in(args.output, records.extent().history) as write:
             yield write
         return
+    made = OUTPUTS.get(args.format or 'jsonl') or of_others('exports')[args.format].load()
     with opened(args.output) as file:
-        output = output_of(args.format or 'jsonl')(file)
+        output = made(file)
 
         def write_at_once(text: str) -> None:
             output.write(text)

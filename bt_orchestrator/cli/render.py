@@ -7,6 +7,7 @@ from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options
+from bt_orchestrator.cli.draw_tree import draw_tree
 from bt_orchestrator.cli.folders import script_folders
 from bt_orchestrator.cli.live_picture import follow, node_status, saved_status
 from bt_orchestrator.cli.node_options import add_node_options
@@ -21,7 +22,6 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.tree.draw_tree import draw_tree
 
 DESCRIPTION = """\
 Draw a script: the belt with its sections, every task with its arguments and policies, flags, zones

@@ -7,22 +7,22 @@ import os
 from pathlib import Path
 
 from bt_orchestrator.cli.numbers import port
-from bt_orchestrator.doors.listening import LOOPBACK
 from bt_orchestrator.users.file import default_file
 
 
 def add_server_options(
-    parser: argparse.ArgumentParser, usual_port: int, elsewhere: str = ''
+    parser: argparse.ArgumentParser, this_computer: str, usual_port: int, elsewhere: str = ''
 ) -> None:
     """Declare where it listens, and who may log in.
 
+    :param this_computer: address that no other computer reaches
     :param elsewhere: what it needs at an address that other computers reach
     """
     parser.add_argument(
         '--host',
-        default=LOOPBACK,
+        default=this_computer,
         metavar='ADDRESS',
-        help=f'address to listen at (default {LOOPBACK}: this computer alone){elsewhere}',
+        help=f'address to listen at (default {this_computer}: this computer alone){elsewhere}',
     )
     parser.add_argument(
         '--port',

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import again_words, hold_words
-from bt_orchestrator.report.task_spans import TaskSpans
+from bt_orchestrator.model.task_spans import TaskSpans
 from bt_orchestrator.report.wait_log import Waits, WaitSpan
 
 

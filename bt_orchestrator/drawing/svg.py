@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 from xml.etree import ElementTree as ET
 
 from bt_orchestrator.drawing.box import Box
 from bt_orchestrator.drawing.style import FONT, INK, PAPER
-from bt_orchestrator.report.xml_text import xml_text
 
 CHARACTER = 0.62
 """Width of a character as a part of the font size, at most."""
@@ -71,3 +71,12 @@ class Svg:
 
 def _text(value: Any) -> str:
     return f'{value:.2f}'.rstrip('0').rstrip('.') if isinstance(value, float) else str(value)
+
+
+def xml_text(text: str) -> str:
+    """Return a text without characters that XML 1.0 cannot carry."""
+    return _NOT_XML.sub('\N{REPLACEMENT CHARACTER}', text)
+
+
+_NOT_XML = re.compile('[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
+"""Characters outside production 2 of XML 1.0."""

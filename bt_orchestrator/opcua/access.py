@@ -7,7 +7,6 @@ from pathlib import Path
 
 from bt_orchestrator.doors.listening import LOOPBACK, is_loopback
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.extending import OPCUA
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
 
@@ -25,7 +24,8 @@ class Access:
     pki: Path
     """Folder of the certificates (`opcua.pki`)."""
     host: str = LOOPBACK
-    port: int = OPCUA.port
+    port: int = 0
+    """0: any free one."""
     is_insecure: bool = False
     """Unencrypted connections are accepted as well; passwords are encrypted all the same."""
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import IO, Any, Protocol
 
-from bt_orchestrator.extending import of_others
 from bt_orchestrator.model.codec import from_plain
 from bt_orchestrator.report.csv_export import CsvExport
 from bt_orchestrator.report.xes_export import XesExport
@@ -65,12 +64,6 @@ OUTPUTS: Mapping[str, Callable[[IO[str]], Output]] = {
     'csv': CsvExport,
     'xes': XesExport,
 }
-
-
-def output_of(name: str) -> Callable[[IO[str]], Output]:
-    """Return what writes a format: ours, or that of another package."""
-    found: Callable[[IO[str]], Output] = OUTPUTS.get(name) or of_others('exports')[name].load()
-    return found
 
 
 def shown(plain: Any) -> str:

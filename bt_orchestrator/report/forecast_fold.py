@@ -10,6 +10,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.counting import PACKED
 from bt_orchestrator.model.jobs.job_record import ABORTED, REMOVED, JobRecord
+from bt_orchestrator.model.task_spans import TaskSpans
 from bt_orchestrator.report.causes import Cause, cause_words, kind_words
 from bt_orchestrator.report.forecast import (
     Bottleneck,
@@ -27,7 +28,6 @@ from bt_orchestrator.report.forecast import (
 )
 from bt_orchestrator.report.intervals import Span, covered_s
 from bt_orchestrator.report.jobs import JobFold
-from bt_orchestrator.report.task_spans import TaskSpans
 from bt_orchestrator.report.turns import TurnFold
 from bt_orchestrator.report.wait_log import NO_WAITS, Waits, WaitSpan
 

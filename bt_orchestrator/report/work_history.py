@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.task_spans import TaskSpan, TaskSpans
 from bt_orchestrator.report.item.history import FAILED, RUNNING, SUCCEEDED
-from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
 
 MOST_CYCLES = 20
 MOST_FAILURES = 50

@@ -15,8 +15,8 @@ from xml.sax.saxutils import quoteattr
 
 from bt_orchestrator.model.codec import json_of, known_event
 from bt_orchestrator.model.events import TaskEvent
+from bt_orchestrator.model.task_spans import TaskSpans
 from bt_orchestrator.report.csv_export import iso_time
-from bt_orchestrator.report.task_spans import TaskSpans
 
 _HEAD = """\
 <?xml version="1.0" encoding="UTF-8"?>

@@ -11,8 +11,8 @@ from dataclasses import replace
 from bt_orchestrator.errors import DamagedRecord
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.task_spans import TaskSpan, TaskSpans
 from bt_orchestrator.ports import EventStore
-from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
 
 log = logging.getLogger(__name__)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import hold_words, why_words
-from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
+from bt_orchestrator.model.task_spans import TaskSpan, TaskSpans
 
 
 class Progress:

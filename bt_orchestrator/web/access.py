@@ -8,7 +8,6 @@ from pathlib import Path
 
 from bt_orchestrator.doors.listening import LOOPBACK, address_in, is_everywhere, is_loopback
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.extending import PAGE
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
 
@@ -30,7 +29,8 @@ class Access:
     users: Path
     """File of the users and their roles (`users/`)."""
     host: str = LOOPBACK
-    port: int = PAGE.port
+    port: int = 0
+    """0: any free one."""
     certificate: Path | None = None
     """PEM; with `key`: the page speaks TLS."""
     key: Path | None = None

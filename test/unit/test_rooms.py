@@ -14,6 +14,8 @@ FILES = sorted(PACKAGE.rglob('*.py'))
 
 MOST_LINES = 5000
 
+TOP = {PACKAGE / '__init__.py'}
+
 INSIDERS = ('ros/executor', 'ros/actions')
 """The rooms that may use what rclpy does not promise to keep."""
 
@@ -26,6 +28,11 @@ SURFACES = ('cli/', 'screen/', 'drawing/')
 DOOR = ('cli/door.py', 'bt_orchestrator.ros.link.ros_link')
 """The one place where the door of a real node is opened."""
 
+USERS = ('bench', 'launch')
+"""What uses the package, and is installed or measured with it."""
+
+MOST_EDGES = 147
+"""Pairs of rooms of which one imports the other: only fewer."""
 
 REQUESTS = ('.model.requests.', '.model.commands.', '.model.jobs.job_commands.')
 NO_REQUESTS = ('TABLE', 'REQUESTS', 'Answer', 'OrderAnswer', 'Command', 'OnRecord', 'Sharing')
@@ -182,6 +189,41 @@ def _inherited(kind: ast.ClassDef, imported: set[str]) -> Iterator[str]:
 def _is_private(name: str) -> bool:
     of_tuples = ('_asdict', '_replace', '_fields')  # public names of named tuples
     return name.startswith('_') and not name.startswith('__') and name not in of_tuples
+
+
+def test_rooms_know_few_others() -> None:
+    """Also those that may be imported: each edge is one more thing to know of both."""
+    places = {'.'.join(place(file)): place(file) for file in FILES if file not in TOP}
+    users = [file for top in USERS for file in sorted((ROOT / top).rglob('*.py'))]
+    edges = {
+        (room_of(place(file)), room_of(places[module]))
+        for file in {*FILES, *users} - TOP
+        for module in imported_modules(file)
+        if module in places and room_of(places[module]) != room_of(place(file))
+    }
+    assert len(edges) <= MOST_EDGES, sorted(edges)
+
+
+def place(file: Path) -> tuple[str, ...]:
+    """Return where a module is: its packages, and its name if it is no package itself."""
+    parts = file.relative_to(ROOT).with_suffix('').parts
+    return parts[:-1] if parts[-1] == '__init__' else parts
+
+
+def room_of(parts: tuple[str, ...]) -> str:
+    """Return the room of a module: what stands at the top of the package, or beside it."""
+    return parts[1] if parts[0] == PACKAGE.name else parts[0]
+
+
+def imported_modules(file: Path) -> Iterator[str]:
+    """Yield the names that a module imports, both as a module and as a member of one."""
+    for node in ast.walk(ast.parse(file.read_text())):
+        match node:
+            case ast.Import(names):
+                yield from (alias.name for alias in names)
+            case ast.ImportFrom(str(module), names):
+                yield module
+                yield from (f'{module}.{alias.name}' for alias in names)
 
 
 def test_few_modules_name_a_single_request() -> None:

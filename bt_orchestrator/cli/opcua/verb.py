@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'what', nargs='*', metavar='trust [THUMBPRINT]', help='see above; nothing: serve'
     )
     parser.add_argument('--remove', action='store_true', help='trust: trust it no more')
-    add_server_options(parser, OPCUA.port)
+    add_server_options(parser, Access.host, OPCUA.port)
     parser.add_argument(
         '--pki',
         type=Path,

@@ -15,7 +15,9 @@ from bt_orchestrator.web.access import IDLE_S, Access, AccessRefused
 
 def add_access_options(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    add_server_options(parser, PAGE.port, '; elsewhere it needs users, and TLS or a proxy')
+    add_server_options(
+        parser, Access.host, PAGE.port, '; elsewhere it needs users, and TLS or a proxy'
+    )
     parser.add_argument('--certificate', type=Path, metavar='FILE', help='TLS: PEM, whole chain')
     parser.add_argument('--key', type=Path, metavar='FILE', help='TLS: its key, PEM, no password')
     parser.add_argument(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import select
+import socket
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -20,7 +22,7 @@ from bt_orchestrator.report.account.live import Live, LiveAccount
 from bt_orchestrator.report.account.live_words import live_line, live_plain
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import us_of
-from bt_orchestrator.screen.terminal.keys import StopOrKey, keys_of_person
+from bt_orchestrator.screen.terminal.keys import Keys, keys_of_person
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -86,6 +88,33 @@ def follow(args: argparse.Namespace, cell: Cell | None) -> int:
             lost = live.account.source.unreadable if live is not None else lost
             if waiting.ends_within(max(args.every, LEAST_S)):
                 return 1 if lost else 0
+
+
+class StopOrKey:
+    """A context: waits for a stop signal, or for a key of the person, if there is one."""
+
+    def __init__(self, stop: StopSignals, keys: Keys | None) -> None:
+        self._stop = stop
+        self._keys = keys
+
+    def __enter__(self) -> StopOrKey:
+        self._woken, self._wake = socket.socketpair()
+        self._stop.notify(lambda: self._wake.send(b'.'))
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._stop.notify(lambda: None)
+        self._wake.close()
+        self._woken.close()
+
+    def ends_within(self, limit_s: float) -> bool:
+        """Wait so long, or until a key is pressed; return whether the person wants an end."""
+        inputs: list[socket.socket | Keys] = [self._woken]
+        if self._keys is not None:
+            inputs.append(self._keys)
+        select.select(inputs, [], [], limit_s)
+        keys = '' if self._keys is None else self._keys.pressed()
+        return self._stop.requested or 'q' in keys
 
 
 def _refuse_contradictions(args: argparse.Namespace) -> None:

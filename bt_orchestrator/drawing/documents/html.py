@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 from zoneinfo import ZoneInfo
 
 from bt_orchestrator.drawing.documents.style import STYLE
-from bt_orchestrator.report.xml_text import xml_text
+from bt_orchestrator.drawing.svg import xml_text
 
 _SVG = '{http://www.w3.org/2000/svg}'
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.task_spans import TaskSpan
 from bt_orchestrator.report.account.losses import WORDS, Loss, Step
 from bt_orchestrator.report.account.made import FOLLOWED as OF_ITEMS
 from bt_orchestrator.report.account.made import ItemsAtWork, Left
@@ -17,7 +18,6 @@ from bt_orchestrator.report.account.standing import FOLLOWED as OF_STANDING
 from bt_orchestrator.report.account.standing import Cause, Standing
 from bt_orchestrator.report.account.stops import Held, OpenHolds
 from bt_orchestrator.report.account.troubles import failing_component
-from bt_orchestrator.report.task_spans import TaskSpan
 
 FOLLOWED = (
     *OF_STANDING,

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.task_spans import TaskSpan
 from bt_orchestrator.report.account.course import Stretch, is_busy
 from bt_orchestrator.report.account.losses import Loss
 from bt_orchestrator.report.account.made import Left, Made, count
 from bt_orchestrator.report.account.slot import FailedSum, RestOfHolds, Slot, StopSum
 from bt_orchestrator.report.account.stops import MOST_HOLDS, Held, without_times
-from bt_orchestrator.report.task_spans import TaskSpan
 
 
 class OpenSlot:

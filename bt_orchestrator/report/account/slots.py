@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 from copy import deepcopy
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.task_spans import TaskSpan
 from bt_orchestrator.report.account.course import EVER_US, Stretch
 from bt_orchestrator.report.account.made import Left
 from bt_orchestrator.report.account.open_slot import OpenSlot
 from bt_orchestrator.report.account.slot import QUARTER_US, Slot
 from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.account.stops import Held, OpenHolds
-from bt_orchestrator.report.task_spans import TaskSpan
 
 
 class Slots:

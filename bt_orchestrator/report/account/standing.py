@@ -9,10 +9,10 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record, to_plain, to_record
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.task_spans import TaskSpans
 from bt_orchestrator.report.account.losses import OF_STOP_REASON, Loss
 from bt_orchestrator.report.account.orders_at_hand import FOLLOWED as OF_ORDERS
 from bt_orchestrator.report.account.orders_at_hand import OrdersAtHand
-from bt_orchestrator.report.task_spans import TaskSpans
 
 
 class Cause(NamedTuple):

@@ -9,7 +9,7 @@ from datetime import datetime, tzinfo
 from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
+from bt_orchestrator.model.task_spans import TaskSpan, TaskSpans
 
 MOST_KEPT = 200
 """Durations of one task that are kept of a day or an hour, evenly over it."""

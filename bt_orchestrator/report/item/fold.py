@@ -8,6 +8,7 @@ from typing import Any
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import held_words
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.task_spans import TaskSpans
 from bt_orchestrator.report.intervals import Span, gaps
 from bt_orchestrator.report.item.history import (
     CONTINUED,
@@ -28,7 +29,6 @@ from bt_orchestrator.report.item.history import (
 )
 from bt_orchestrator.report.item.scene import Film
 from bt_orchestrator.report.item.why import Next, Scripts, waits
-from bt_orchestrator.report.task_spans import TaskSpans
 
 
 def _no_script(_: str) -> Script | None:

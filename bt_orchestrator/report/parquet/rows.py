@@ -7,10 +7,10 @@ from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.task_spans import TaskSpan, TaskSpans
 from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.csv_export import COLUMNS, LEFT_OUT
 from bt_orchestrator.report.parquet.table_file import INT, SECONDS, TEXT, TIME, fits
-from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
 
 _NUMBERS = ('seq', 'section', 'attempt', 'count', 'beat')
 _MORE = 'more'

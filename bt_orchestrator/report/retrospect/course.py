@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.counting import MISSING
+from bt_orchestrator.model.task_spans import TaskSpan, TaskSpans
 from bt_orchestrator.report.account.fold import AccountFold, Times
 from bt_orchestrator.report.account.planned import us_of
-from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
 
 
 class WorkKey(NamedTuple):

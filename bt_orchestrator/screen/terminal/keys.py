@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import os
 import select
-import socket
 import sys
 import termios
 import tty
 from collections.abc import Iterator
 from contextlib import contextmanager
-
-from bt_orchestrator.stop_signals import StopSignals
 
 
 class Keys:
@@ -50,33 +47,6 @@ def keys_of_person() -> Iterator[Keys | None]:
         yield Keys(descriptor)
     finally:
         termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
-
-
-class StopOrKey:
-    """A context: waits for a stop signal, or for a key of the person, if there is one."""
-
-    def __init__(self, stop: StopSignals, keys: Keys | None) -> None:
-        self._stop = stop
-        self._keys = keys
-
-    def __enter__(self) -> StopOrKey:
-        self._woken, self._wake = socket.socketpair()
-        self._stop.notify(lambda: self._wake.send(b'.'))
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self._stop.notify(lambda: None)
-        self._wake.close()
-        self._woken.close()
-
-    def ends_within(self, limit_s: float) -> bool:
-        """Wait so long, or until a key is pressed; return whether the person wants an end."""
-        inputs: list[socket.socket | Keys] = [self._woken]
-        if self._keys is not None:
-            inputs.append(self._keys)
-        select.select(inputs, [], [], limit_s)
-        keys = '' if self._keys is None else self._keys.pressed()
-        return self._stop.requested or 'q' in keys
 
 
 def _keyboard() -> int | None:

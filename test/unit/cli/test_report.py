@@ -14,7 +14,7 @@ from fakes.hand_made_shift import LINE, SHIFTS, the_day
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.cli.reporting import following
-from bt_orchestrator.screen.terminal.keys import StopOrKey
+from bt_orchestrator.cli.reporting.following import StopOrKey
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from bt_orchestrator.screen.terminal.keys import StopOrKey, keys_of_person
+from bt_orchestrator.cli.reporting.following import StopOrKey
+from bt_orchestrator.screen.terminal.keys import keys_of_person
 from bt_orchestrator.stop_signals import StopSignals
 
 LONG_S = 30.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Iterable
 from typing import Any, NamedTuple, NoReturn
 
@@ -14,6 +15,7 @@ from bt_orchestrator.drawing.card import Sheet, details
 from bt_orchestrator.drawing.label import Entry, Label, Text
 from bt_orchestrator.drawing.picture import TreePicture
 from bt_orchestrator.drawing.style import FAINT, FONT, INK, PAPER
+from bt_orchestrator.drawing.svg import xml_text
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
@@ -21,7 +23,6 @@ from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.tree.compile import CellTree
-from bt_orchestrator.tree.dot_label import dot_label, tooltip
 from bt_orchestrator.tree.leaf import ActionLeaf
 
 JOB = 'JOB'
@@ -158,3 +159,42 @@ def legend() -> list[Text]:
     shapes = ', '.join(f'{kind.shape_name}: {kind.name}' for kind in KINDS)
     order = 'children are ticked from top to bottom, which decides ties'
     return [Text(text, colour=FAINT) for text in (shapes, order)]
+
+
+# --- labels and tooltips as Graphviz reads them: tables like HTML, text with backslashes ------
+
+
+def dot_label(label: Label) -> str:
+    """Return a label as an HTML-like table."""
+    attributes = [f'BORDER="{label.border}"', 'CELLBORDER="0"', 'CELLSPACING="0"']
+    attributes += [f'COLOR="{INK}"'] if label.border else []
+    attributes += [f'BGCOLOR="{label.fill}"'] if label.fill else []
+    attributes += ['STYLE="dashed"'] if label.dashed else []
+    attributes += [f'HEIGHT="{label.height:g}"'] if label.height else []
+    body = ''.join(f'<TR>{"".join(map(_entry, row))}</TR>' for row in label.rows)
+    return f'<<TABLE {" ".join(attributes)}>{body}</TABLE>>'
+
+
+def tooltip(lines: Iterable[str]) -> str:
+    """Return lines for a tooltip, which is no HTML but knows backslashes."""
+    return xml_text('\n'.join(line.replace('\\', '\\\\') for line in lines))
+
+
+def _entry(entry: Entry) -> str:
+    align = 'CENTER' if entry.centred else 'LEFT'
+    attributes = [f'ALIGN="{align}"', f'BALIGN="{align}"', 'CELLPADDING="2"']
+    attributes += [f'BGCOLOR="{entry.fill}"'] if entry.fill else []
+    attributes += [f'COLSPAN="{entry.span}"'] if entry.span > 1 else []
+    attributes += [f'WIDTH="{entry.width:g}"'] if entry.width else []
+    attributes += [f'HEIGHT="{entry.height:g}"'] if entry.height else []
+    content = f'<BR ALIGN="{align}"/>'.join(map(_text, entry.texts))
+    if len(entry.texts) > 1:
+        content += f'<BR ALIGN="{align}"/>'
+    return f'<TD {" ".join(attributes)}>{content}</TD>'
+
+
+def _text(text: Text) -> str:
+    inner = html.escape(xml_text(text.text), quote=False)
+    inner = f'<I>{inner}</I>' if text.italic else inner
+    inner = f'<B>{inner}</B>' if text.bold else inner
+    return f'<FONT POINT-SIZE="{text.size}" COLOR="{text.colour}">{inner}</FONT>'

@@ -6,7 +6,7 @@ from fakes.dot_text import DotText
 from fakes.line import THREE, Line, with_section
 from py_trees.blackboard import Blackboard
 
-from bt_orchestrator.tree.draw_tree import draw_tree
+from bt_orchestrator.cli.draw_tree import draw_tree
 
 
 def drawn(text: str) -> DotText:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.report.task_spans import TaskSpans
+from bt_orchestrator.model.task_spans import TaskSpans
 
 WORK = {'job': 'J', 'section': 2, 'item': 'J/1', 'task': 'work'}
 
