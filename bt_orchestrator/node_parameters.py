@@ -97,7 +97,7 @@ class NodeParameters:
         bool,
         Words(
             'the cell resets and starts by itself when an order arrives, unless an operator '
-            'stopped it, and does not wait for `reset` and `start`'
+            'stopped it'
         ),
     ] = True
     auto_resume: Annotated[
@@ -114,7 +114,7 @@ class NodeParameters:
     journal_synchronous: Annotated[
         str,
         Words(
-            'FULL: a power cut loses nothing; NORMAL: quicker by one fsync a commit, a power cut '
+            'FULL: a power cut loses nothing; NORMAL: faster by one fsync a commit, a power cut '
             'may lose the last events, a crash of the program loses nothing',
             choices=('FULL', 'NORMAL'),
         ),

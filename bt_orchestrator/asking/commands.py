@@ -90,7 +90,7 @@ def _statement(asked: Asked, _: CellState, __: ActionTypes) -> dict[str, Any]:
     if bool(belt) == bool(as_shown):
         raise CommandRefused(
             'clear needs to know what stands on the belt: either every slot, as in 1=WO-1/3 and '
-            '2=empty, or the seq of the status that shows the belt as it is'
+            '2=empty, or the seq of the status of the belt as it stands'
         )
     return {'belt': parse_slots(belt) if belt else AsShown(as_shown)}
 

@@ -37,14 +37,14 @@ DESCRIPTION = """\
 Read scripts, recipes and work orders against the cell they are for, and print every mistake in
 them as FILE:LINE:COLUMN: WHAT; HINT. Moves nothing and needs no node.
 
-Of scripts without mistakes it says how long a full line takes from one item to the next, by the
-durations of the cell file: what has to happen one after the other, and what a quicker task would
-bring. Of recipes it says that the cell can do each operation; whether one script can do all of
-them in a row is what `generate` finds out. Of a work order it reads the script as well, or
-generates that of its recipe.
+For a script without mistakes it prints the pace: the seconds per item of a full line, by the
+durations of the cell file. It names the tasks that limit the pace, and the gain from faster ones.
+For a recipe it says whether the cell can do each operation. Only `generate` finds out whether one
+script can do all of them in a row. For a work order it also reads the script, or generates that
+of its recipe.
 
-What is probably not meant is printed as FILE:LINE:COLUMN: warning: WHAT; HINT on the standard
-error, and changes nothing, but with --strict."""
+Things that are probably not intended are warnings: FILE:LINE:COLUMN: warning: WHAT; HINT on the
+standard error. They change nothing without --strict."""
 
 EPILOG = 'exit status: 0 fine, 1 there are mistakes (with --strict: or warnings), 2 wrong use'
 

@@ -37,15 +37,16 @@ QUIET_S = 1.0
 
 DESCRIPTION = """\
 Print every event of a running tree node from now on, one JSON object a line, until Ctrl-C. With
---since-seq also those before, and none is missed: what the topic lost is fetched from the node's
-journal; a node that comes back with another journal is followed from its first event on, which is
-said on stderr. With --journal read a journal file instead, whether its node runs or not, and
+--since-seq also those before, without a gap: events that the topic lost are fetched from the
+node's journal. If a node comes back with another journal, it is followed from its first event on,
+and stderr says so. With --journal read a journal file instead, whether its node runs or not, and
 end."""
 
 EPILOG = """\
-xes: one trace an item, the tasks are the activities (IEEE 1849-2016); csv: one row an event;
+xes: one trace an item, the tasks are the activities (IEEE 1849-2016).
+csv: one row an event.
 parquet: the tables events.parquet, one row an event, and tasks.parquet, one row an attempt of a
-task, in the folder of -o
+task, in the folder of -o.
 
 exit status: 0 everything was printed, 1 something was not (of a damaged journal, say), 2 wrong
 use"""

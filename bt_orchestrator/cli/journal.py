@@ -8,9 +8,9 @@ from pathlib import Path
 from bt_orchestrator.store.sqlite.restoring import bring_back
 
 DESCRIPTION = """\
-Bring a backup back: `journal restore COPY FILE` makes FILE of a copy that SQLite's .backup made,
-or of the files of a node that was stopped. COPY is only read. The next node on FILE holds the cell
-(hold `restored`), also with --auto-resume, until somebody has compared belt and queue with it."""
+Restore a backup: `journal restore COPY FILE` makes FILE of COPY. COPY is a copy that SQLite's
+.backup made, or the files of a node that was stopped; it is only read. The next node on FILE holds
+the cell (hold `restored`), also with --auto-resume, until a person has compared belt and queue."""
 
 EPILOG = """\
 exit status: 0 brought back, 1 refused (no journal was changed), 2 wrong use"""

@@ -29,14 +29,14 @@ from bt_orchestrator.script.starter.starter_files import (
 from bt_orchestrator.script.starter.starter_plan import FoundServer, Plan, plan_cell
 
 DESCRIPTION = """\
-Write a cell file, a script and a work order to begin with, with comments. They work as they are:
+Write a cell file, a script and a work order to begin with, with comments. They work unchanged:
 check, render, simulate and sim-cell take them. The schemas beside them let an editor help; they
 belong into version control with the rest. Files that exist are left alone."""
 
 EPILOG = """\
 --from-graph takes the action servers that run now: their names, types and task constants, and
-topics beside them that may be their state. What cannot be known is guessed and marked: which
-section a component stands in, which one is the conveyor, which tasks place and take out an item.
+topics beside them that may be their state. Some facts are guessed, and marked: the section of a
+component, the conveyor, and the tasks that place and take out an item.
 
 exit status: 0 written, 1 nothing was written, 2 wrong use"""
 

@@ -27,9 +27,9 @@ DESCRIPTION = """\
 Draw a script: the belt with its sections, every task with its arguments and policies, flags, zones
 and initialization. Needs no node. A script that would get stuck is drawn as well; see `check`.
 
-With --live or --status the same drawing shows how the line stands: what runs, waits (and for
-what), failed or is held, where the items are, the flags' counts. What a section does for a job of
-another script is said at its slot."""
+With --live or --status the same drawing shows the state of the line. It marks tasks that run, wait
+(and for what), failed or are held, and shows the items and the counts of the flags. The slot of a
+section says what it does for a job of another script."""
 
 EPILOG = 'exit status: 0 drawn, 1 the script is refused or cannot be drawn, 2 wrong use'
 

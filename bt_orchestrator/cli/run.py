@@ -21,16 +21,16 @@ from bt_orchestrator.ports import EventSink
 from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
-Run the tree node of a cell: it takes orders, ticks the tree, sends goals, and tells on its topics
-what happens. Prints `tree node ready: ...` when it can be asked; ends with Ctrl-C: goals are
-cancelled and their ends awaited for at most 10 s (a second Ctrl-C leaves at once)."""
+Run the tree node of a cell: it takes orders, ticks the tree, sends goals, and publishes events and
+status. Prints `tree node ready: ...` when it takes requests. Ends with Ctrl-C: it cancels goals
+and waits at most 10 s for their ends (a second Ctrl-C leaves at once)."""
 
 EPILOG = """\
 every option but --namespace is also a ROS parameter of the node, which wins:
 --ros-args -p tick_rate_hz:=20.0
 
-exit status: 0 ended by a signal, 1 the cell file is refused, a goal had not ended, or
-the middleware never let go, 2 wrong use"""
+exit status: 0 ended by a signal, 1 the cell file is refused, a goal did not end or the middleware
+did not stop, 2 wrong use"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,8 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--namespace',
         default='',
         metavar='NS',
-        help='ROS namespace of the node and of relative names in the cell file, so that two cells '
-        'can run side by side',
+        help='ROS namespace of the node and of relative names in the cell file, to run two cells '
+        'side by side',
     )
     parser.add_argument(
         '--sink',

@@ -14,8 +14,8 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
-Start a real ROS 2 action server for every component of a cell file and for its conveyor, with
-nominal durations, results, feedback and state topics, and with the faults you ask for. Prints
+Start a real ROS 2 action server for every component of a cell file and for its conveyor. They have
+nominal durations, results, feedback and state topics, and the faults you ask for. Prints
 `sim-cell ready: ...` when all servers are up; ends with Ctrl-C."""
 
 FAULTS = """\
@@ -94,8 +94,8 @@ def _add_ros_options(parser: argparse.ArgumentParser) -> None:
         type=_namespace,
         default='',
         metavar='NS',
-        help='ROS namespace of relative action and topic names, so that two cells can run side by '
-        'side; absolute names of the cell file stay as they are',
+        help='ROS namespace of relative action and topic names, to run two cells side by side; '
+        'absolute names of the cell file stay unchanged',
     )
     parser.add_argument(
         '--feedback',

@@ -59,8 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--what-if',
         type=Path,
         metavar='FILE',
-        help='run the orders again with this cell file, or with this script instead of the one of '
-        'its name (or of the only one), and compare',
+        help='run the orders again with this cell file, or with this script in place of the one '
+        'of its name (or the only one); compare both',
     )
     shown = parser.add_mutually_exclusive_group()
     shown.add_argument(

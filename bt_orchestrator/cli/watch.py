@@ -23,9 +23,9 @@ if TYPE_CHECKING:  # it needs rich, which takes its time
 Lines = TypeVar('Lines', bound=Viewer)
 
 DESCRIPTION = """\
-Show a running tree node until Ctrl-C: its belt, what every section does or waits for, jobs, flags,
-components that are missing, and what an operator can answer to a hold. On a terminal the whole
-screen, otherwise a line for each change."""
+Show a running tree node until Ctrl-C: belt, jobs, flags, the work and waits of each section,
+missing components, and the possible answers to holds. On a terminal it fills the screen,
+otherwise it prints a line for each change."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

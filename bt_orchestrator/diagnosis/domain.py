@@ -35,7 +35,7 @@ def domain(environment: Mapping[str, str]) -> Check:
     name = 'ROS_DOMAIN_ID'
     text = environment.get(name, '').strip()
     if not text:
-        return ok(name, '0, as it is not set; only nodes of domain 0 are found')
+        return ok(name, '0, the default; only nodes of domain 0 are found')
     if not text.isdecimal() or int(text) > LARGEST:
         return fail(name, f'{text!r} is not a domain', f'set a whole number from 0 to {LARGEST}')
     if int(text) > CROWDED:

@@ -307,7 +307,7 @@ def _nonconforming(entry: _Entry, event: e.ItemNonconforming | e.TaskContinued) 
 
 _REMARKS: Mapping[type[e.Event], str] = {
     e.JobUpdated: 'was changed',
-    e.JobMayStart: 'waits for its start no more',
+    e.JobMayStart: 'no longer waits for its start',
 }
 
 _ENDS = (e.JobCompleted, e.JobAborted)

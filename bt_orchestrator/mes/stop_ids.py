@@ -56,7 +56,7 @@ _OF_HOLDS = (
     StopId(206, Reason.TASK_RESULT_FALSE.value, 600, 'the server says that it was not done'),
     StopId(207, Reason.MISSING_RESULT.value, 600, 'the task needs a result that is not there'),
     StopId(208, Reason.SERVER_LOST.value, 700, 'the server that had the goal is gone'),
-    StopId(209, Reason.IN_DOUBT.value, 700, 'nobody knows how far the task came'),
+    StopId(209, Reason.IN_DOUBT.value, 700, 'it is not known how far the task came'),
     StopId(210, Reason.RESULT_REFUSED.value, 600, 'the verdict of the task refuses its result'),
     StopId(213, Reason.DUPLICATE_SERIAL.value, 600, 'the serial that was read is in the history'),
     StopId(211, 'slot_occupied', 600, 'an item stands where another one would be placed'),

@@ -45,6 +45,6 @@ class Access:
             raise AccessRefused(str(error)) from error
         if not has_users:
             raise AccessRefused(
-                f'there are no users in {self.users}, so nobody could log in; add one with: '
+                f'there are no users in {self.users}; add one, who can log in, with: '
                 'bt-orchestrator user add mes --role mes'
             )

@@ -28,7 +28,7 @@ LOOK_BACK = 2_000
 log = logging.getLogger(__name__)
 
 FIELDS = (
-    Argument('Hold', ua.VariantType.String, 'id of the hold, for AnswerHold; empty: it is none'),
+    Argument('Hold', ua.VariantType.String, 'id of the hold, for AnswerHold; empty: no hold'),
     Argument('Answers', ua.VariantType.String, 'the answers that it takes now', is_list=True),
     Argument(
         'AnswerRoles',

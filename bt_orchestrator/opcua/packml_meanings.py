@@ -16,7 +16,7 @@ VALUES: Mapping[str, str] = {
         'further. 0 outside of Execute, UncertainInitialValue until two moves were seen; it '
         'falls while a move is overdue'
     ),
-    'Status/MachSpeed': 'BadNotSupported, as its range: nobody sets the speed of the line',
+    'Status/MachSpeed': 'BadNotSupported, as its range: the speed of the line cannot be set',
     'Status/UnitModeCurrent': '1, Produce: the only mode',
     'Admin/StateCurrentTime': 'seconds of the present stay, by unit mode and state',
     'Admin/StateCumulativeTime': 'seconds since the journal began, by unit mode and state',
@@ -51,7 +51,7 @@ _OBJECTS: Mapping[str, str] = {
 }
 _NOT_OURS: Mapping[str, str] = {
     '/SetUnitMode': 'takes 1, Produce; else BadNotSupported: there is no other mode',
-    '/SetMachSpeed': 'BadNotSupported: nobody sets the speed of the line',
+    '/SetMachSpeed': 'BadNotSupported: the speed of the line cannot be set',
     '/SetProduct': 'BadNotSupported: an order says what is made',
     '/SetParameter': 'BadNotSupported: an order has the parameters',
 }

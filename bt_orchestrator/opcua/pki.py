@@ -162,7 +162,7 @@ def _read_key(path: Path) -> rsa.RSAPrivateKey:
     if mode & _OTHERS:
         raise PkiUnusable(
             f'{path}: other users of this computer may read it (mode {mode & 0o777:o}), and '
-            'could pretend to be this server; if nobody did, chmod 600 it'
+            'could pretend to be this server; chmod 600 it, and make a new one if in doubt'
         )
     load = load_pem_private_key if content.lstrip().startswith(b'-----') else load_der_private_key
     key = load(content, password=None)

@@ -85,7 +85,7 @@ JOB: Mapping[str, Shown] = {
     'Packed': Shown(COUNT, 'items packed, good or nonconforming'),
     'Good': Shown(COUNT, 'items packed that are not nonconforming'),
     'Rejected': Shown(COUNT, 'items that left the line as scrap'),
-    'Nonconforming': Shown(COUNT, 'packed items of which a task failed and was passed'),
+    'Nonconforming': Shown(COUNT, 'packed items that passed a failed task'),
     'Missing': Shown(COUNT, 'items that left the line as empty positions'),
     'StartTime': Shown(TIME, 'when it left the queue'),
     'EndTime': Shown(TIME, 'when its last item had left; before, when that is expected'),

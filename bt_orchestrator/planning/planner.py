@@ -50,7 +50,7 @@ class Planner:
             if best is not None and own_s >= best.claim.per_item_s - SAME_S:
                 break  # the others are no better
         if best is None and bound_s is not None:
-            raise NotFound([f'the engine gets to the end with none of the best plans; {_BIND}'])
+            raise NotFound([f'no plan among the best reaches the end in the engine; {_BIND}'])
         return best
 
     def _solutions(self, model: LineModel) -> Iterator[Solution]:

@@ -132,7 +132,7 @@ def _to_release(state: CellState, asked: Asked) -> list[Hold]:
     if all(hold.must_be_named for hold in state.pauses):
         raise CommandRefused(f'nothing was released; {there}')
     raise CommandRefused(
-        f'none of the pauses is yours; {there}; the person who paused resumes, or name the hold '
+        f'no pause is yours; {there}; the person who paused resumes, or name the hold '
         'to release it for that person'
     )
 

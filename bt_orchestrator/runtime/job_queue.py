@@ -199,7 +199,7 @@ CONTROLS: Mapping[str, _Control] = {
         (job_control.STOP, _ENDS, _stop),
         (job_control.ABORT, 'is being aborted', _abort),
         (job_control.CANCEL, 'is out of the queue', _only(e.JobRemoved)),
-        (job_control.CLEAR, 'is listed no more', _only(e.JobCleared)),
+        (job_control.CLEAR, 'is no longer listed', _only(e.JobCleared)),
     )
 }
 """By the command's word: the method, the answer, and the function that does it."""

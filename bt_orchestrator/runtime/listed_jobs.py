@@ -21,7 +21,7 @@ def find(state: CellState, name: str) -> JobState:
     if job is not None:
         return job
     if name in state.order_ids:
-        raise CommandRefused(f'{name} is listed no more; the journal has its history')
+        raise CommandRefused(f'{name} is no longer listed; the journal has its history')
     raise CommandRefused(f'there is no job {name}; jobs now: {listed(state.jobs, "none")}')
 
 

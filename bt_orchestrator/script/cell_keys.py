@@ -271,7 +271,8 @@ CELL = Table(
         Key(
             'release',
             Kind.CHOICE,
-            'who releases generated scripts: without it they do not start; automatic: nobody',
+            'who releases generated scripts, which do not start without a release; automatic: '
+            'every one is released',
             'automatic',
             default=Release.ENGINEER.value,
             choices=words(Release),

@@ -45,7 +45,7 @@ def find_below(name_or_path: str, folders: Sequence[Path], option: str) -> Path:
     """
     if is_path(name_or_path) and not _is_below(Path(name_or_path), folders):
         where = ', '.join(map(str, folders)) or 'none'
-        what = f'the path {quoted(name_or_path)} is in none of the folders of this node ({where})'
+        what = f'the path {quoted(name_or_path)} is not in a folder of this node ({where})'
         hint = f'put the script there, or start the node with {option}'
         raise Refused([_missing(name_or_path, START, what, hint)])
     return find_script(name_or_path, folders, unlike_any='check the name')

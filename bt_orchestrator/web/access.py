@@ -85,7 +85,7 @@ class Access:
             )
         if (not self.is_local or self.proxy_header) and not self._has_users:
             raise AccessRefused(
-                f'there are no users in {self.users}, so nobody could look; add one with: '
+                f'there are no users in {self.users}; add one, who can look, with: '
                 'bt-orchestrator user add NAME --role ROLE'
             )
         self._check_certificate()

@@ -103,7 +103,7 @@ class GuardMiddleware:
         if not self._access.is_proxy(caller.address):
             return f'{caller.address} is not the proxy of this page; go through the proxy'
         if not caller.proxied:
-            return f'the proxy named nobody in {self._access.proxy_header}'
+            return f'the proxy named no user in {self._access.proxy_header}'
         return (
             f'{caller.proxied} is no user of this page; add one with: bt-orchestrator user add '
             f'{caller.proxied} --role ROLE'

@@ -55,7 +55,7 @@ PLACES: Mapping[str, Place] = {
         'takes a component out of service, or brings it back', 'component.*', 'command'
     ),
     '/api/scripts/{script:path}/release': Place(
-        'releases a generated script, so that its jobs may start', 'script.release_script'
+        'releases a generated script: its jobs may start', 'script.release_script'
     ),
     '/api/queue/add': Place(
         'queues work orders, all or none; each needs an id of its own', 'queue.add'

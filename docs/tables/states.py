@@ -82,7 +82,7 @@ def _after(method: Method, before: JobWord) -> str:
     if before not in method.changes:
         return ''
     after = method.changes[before]
-    return 'listed no more' if after is None else after.value
+    return 'no longer listed' if after is None else after.value
 
 
 def _yes(answer: bool) -> str:

@@ -132,7 +132,7 @@ class LinkContract(FollowingContract):
 
         assert asked_of(link, 'job.clear', job=first).accepted
         for ask_for in (link.job, link.jobs):
-            with pytest.raises(CommandRefused, match=f'{first} is listed no more'):
+            with pytest.raises(CommandRefused, match=f'{first} is no longer listed'):
                 ask_for(first)
         with pytest.raises(CommandRefused, match='there is no job NOBODY; jobs now: '):
             link.job('NOBODY')

@@ -92,7 +92,7 @@ def test_a_server_of_another_type(servers: ThreadServers) -> None:
     found = checks['arm: action server']
     assert found.verdict is Verdict.FAIL
     assert 'is bt_orchestrator_interfaces/action/Component (/thread_servers), not' in found.found
-    assert checks['arm: state topic'].found == 'nobody publishes /arm/state'
+    assert checks['arm: state topic'].found == 'no node publishes /arm/state'
 
 
 @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ def test_simulated_time_that_nobody_publishes(servers: ThreadServers) -> None:
     check = about_node('/thread_servers')['clock']
     assert (check.verdict, check.found) == (
         Verdict.FAIL,
-        '/thread_servers has use_sim_time and nobody publishes /clock',
+        '/thread_servers has use_sim_time, but no node publishes /clock',
     )
 
 

@@ -164,8 +164,8 @@ def test_times_of_today_come_back_exactly() -> None:
 @pytest.mark.parametrize(
     ('fields', 'message'),
     [
-        ({'name': str, 'count': int, 'capacity': int, 'new': str}, 'Fact.new is told in no field'),
-        ({'name': str, 'count': int}, 'no field of Fact is told in capacity'),
+        ({'name': str, 'count': int, 'capacity': int, 'new': str}, 'Fact.new has no field'),
+        ({'name': str, 'count': int}, 'Fact has no field for capacity'),
         ({'name': str, 'count': int, 'capacity': float}, 'uint32 holds no float'),
         ({'name': int, 'count': int, 'capacity': int}, 'string holds no int'),
     ],

@@ -83,7 +83,7 @@ def test_7_3_pauses_of_two_operators_are_released_one_by_one(small_cell: CellPro
     assert [hold.owner for hold in watch.status.holds] == ['Ada', 'Bob']
     status, _, errors = run_verb(folder, 'cell', 'resume', '--who', 'Cat', '--reason', 'x')
     assert status == 1
-    assert 'none of the pauses is yours' in errors
+    assert 'no pause is yours' in errors
     assert run_verb(folder, 'cell', 'resume', '--who', 'Ada', '--reason', 'x')[0] == 0
     assert not watch.seen('task.started')
     assert run_verb(folder, 'cell', 'resume', '--who', 'Cat', '--all', '--reason', 'x')[0] == 0

@@ -103,7 +103,7 @@ def test_no_file_outside_the_folders_is_read(small_cell: CellProcesses, tmp_path
     os.mkfifo(small_cell.folder / 'pipe.yaml')
     for path in ('/etc/shadow', '/proc/kmsg', str(secret), '../secret.yaml'):
         (told,) = refusal(watch, path)
-        assert 'is in none of the folders of this node' in told, path
+        assert 'is not in a folder of this node' in told, path
         assert 'hidden' not in told
     (pipe,) = refusal(watch, 'pipe')
     assert 'there is no script `pipe`' in pipe

@@ -23,7 +23,7 @@ _STOP_AFTERS = [one for one in requests_about(About.CELL) if one.cause is None]
 def _add_stop_after(parser: argparse.ArgumentParser) -> None:
     words = [one.word.removeprefix(STOP_AFTER) for one in _STOP_AFTERS]
     each = map('{}: {}'.format, words, map(in_one_line, _STOP_AFTERS))
-    parser.description = '; '.join(each)
+    parser.description = '. '.join(each)
     parser.add_argument('after', choices=words, help='after what')
     add_answer_options(parser, _STOP_AFTERS[0])
 

@@ -24,7 +24,7 @@ from bt_orchestrator.model.requests import (
 )
 
 _NO_LOCKOUT = (
-    'It protects nobody at the machine: lock out its energy before you reach into the machine.'
+    'It does not protect people at the machine: lock out its energy before you reach into it.'
 )
 
 _MORE: Mapping[str, str] = {

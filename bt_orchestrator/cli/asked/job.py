@@ -13,7 +13,7 @@ from bt_orchestrator.model.requests import REQUESTS, About
 
 DESCRIPTION = """\
 Change, hold or end one job of a running tree node; `cell` is for the cell as a whole.
-docs/queue.md says what each command does in which state of a job."""
+See docs/queue.md for the effect of each command in each state of a job."""
 
 _UPDATE = REQUESTS['job.update']
 _ALL = actions_about(About.JOB)

@@ -45,9 +45,9 @@ from bt_orchestrator.sim.controllers.selection import WrongSelection, select
 from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
-Show the whole path on this machine: simulated controllers in two processes, the tree node in a
-third, one work order, progress as it happens, and a summary. Needs no cell and no robot;
-everything it starts is gone when it ends. A hold is answered with a key, or with the command that
+Show the whole path on this machine: two processes of simulated controllers, the tree node, one
+work order, its progress, and a summary. Needs no cell and no robot, and ends all that
+it started. A hold is answered with a key, or with the command that
 is printed. A demo that was killed, or whose tree node was, leaves its controllers at work, as on a
 real line, and goes on with --resume."""
 

@@ -37,16 +37,17 @@ from bt_orchestrator.script.report import did_you_mean, listing
 from bt_orchestrator.script.script_file import read_script
 
 DESCRIPTION = """\
-Generate the script of a recipe for a cell: which component does each operation, in which section,
-what runs side by side, what waits for what. The script is an ordinary one, complete, with a
-comment at every task that says why it is there. Before it is shown, it is read again, proven not
-to get stuck, and run in virtual time. The same files give the same script, byte for byte.
+Generate the script of a recipe for a cell. It decides which component does each operation, in
+which section, which tasks run side by side, and which wait for which. The script is an ordinary
+one, complete, with a comment at every task that says why it is there. Before it is shown, it is
+read again, proven not to get stuck, and run in virtual time. The same files give the same script,
+byte for byte.
 
 Without -o the script is printed."""
 
 EPILOG = """\
-What is to be otherwise belongs into overrides, which survive: `bind` an operation to a component,
-`set` the keys of its task, `order` operations. A file that was edited by hand is not replaced.
+Put your own decisions into overrides, which survive: `bind` an operation to a component, `set`
+the keys of its task, `order` operations. A file that was edited by hand is not replaced.
 
 exit status: 0 fine, 1 there is no script, or --check or --diff found a difference, 2 wrong use"""
 

@@ -50,7 +50,7 @@ def add_forecast_options(parser: argparse.ArgumentParser) -> None:
         '--usual-durations',
         action='store_true',
         help='with --forecast: tasks take as long as they had taken before the job, as in the '
-        'forecast of the node, and not as the cell file says',
+        'forecast of the node; without it the cell file says how long',
     )
 
 

@@ -62,8 +62,8 @@ def _add_forms(parser: argparse.ArgumentParser) -> None:
     form.add_argument(
         '--html',
         action='store_true',
-        help='with --item, --serial, --lot or --job: the whole record of each item as a document, '
-        'for a browser and for paper: attempts, results, waits and why, holds and who answered',
+        help='with --item, --serial, --lot or --job: the whole record of each item as a document '
+        'for a browser and for paper; attempts, results, waits and why, holds and who answered',
     )
     form.add_argument(
         '--record', action='store_true', help='the same as JSON, one object an item and line'

@@ -31,7 +31,9 @@ def script_of(job: JobRecord, reading: Reading, journal: Path) -> Iterator[str]:
         )
     if _origin(script) != (job.recipe, job.recipe_version):
         script = replace(script, made_from=None)  # an equal one, of another version of the recipe
-    head = [f'What job {job.job} ran, by the journal; time limits of components are written out.']
+    head = [
+        f'The script that job {job.job} ran, by the journal, with the time limits of components.'
+    ]
     if job.params:
         head.append(f'Its parameters: {json_of(job.params)}')
     yield write_script(script, None, Comments(head)).rstrip()

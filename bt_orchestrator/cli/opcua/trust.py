@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def run_trust(pki: Path, given: Sequence[str], *, removes: bool) -> int:
-    """List certificates, trust one, or trust it no more; returns the exit status.
+    """List certificates, trust one, or stop trusting it; returns the exit status.
 
     :param pki: folder of the certificates
     :param given: the beginning of a thumbprint; none: list them
@@ -40,7 +40,9 @@ def run_trust(pki: Path, given: Sequence[str], *, removes: bool) -> int:
         found = trust.remove(given[0]) if removes else trust.trust(given[0])
     except NoSuchCertificate as error:
         raise WrongUse(f'opcua trust: {error}') from error
-    done = 'is trusted no more; its connections end' if removes else 'is trusted; connect it again'
+    done = (
+        'is no longer trusted; its connections end' if removes else 'is trusted; connect it again'
+    )
     print(f'{found.thumbprint} {found.subject} {done}')
     return 0
 

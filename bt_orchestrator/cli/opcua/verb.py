@@ -36,7 +36,7 @@ Clients log in as a user (`user`), and connect with a certificate that is truste
 
   opcua trust                       which clients were refused, and which are trusted
   opcua trust THUMBPRINT            trust one; the beginning of its thumbprint is enough
-  opcua trust --remove THUMBPRINT   trust it no more"""
+  opcua trust --remove THUMBPRINT   stop trusting it"""
 
 ROOM = 'bt_orchestrator.opcua'
 
@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         'what', nargs='*', metavar='trust [THUMBPRINT]', help='see above; nothing: serve'
     )
-    parser.add_argument('--remove', action='store_true', help='trust: trust it no more')
+    parser.add_argument('--remove', action='store_true', help='trust: stop trusting it')
     add_server_options(parser, Access.host, OPCUA.port)
     parser.add_argument(
         '--pki',

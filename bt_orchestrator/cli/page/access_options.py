@@ -52,7 +52,7 @@ def add_access_options(parser: argparse.ArgumentParser) -> None:
         type=seconds,
         default=IDLE_S,
         metavar='SECONDS',
-        help=f'a session that nobody uses for so long is locked (default {IDLE_S:.0f})',
+        help=f'a session that is not used for so long is locked (default {IDLE_S:.0f})',
     )
 
 

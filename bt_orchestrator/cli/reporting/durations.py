@@ -99,6 +99,6 @@ def _check(cell: Cell, new: Mapping[str, Mapping[str, float]], name: str) -> Non
         for task, seconds in wanted.items():
             if cell.components[component].duration_s(task) != seconds:
                 raise NotEditable(
-                    f'{name} is written so that the time of {component} {task} cannot be changed '
-                    f'alone; set it to {seconds:g} by hand'
+                    f'the layout of {name} does not allow the time of {component} {task} to be '
+                    f'changed alone; set it to {seconds:g} by hand'
                 )

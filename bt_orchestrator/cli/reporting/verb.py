@@ -28,9 +28,9 @@ from bt_orchestrator.report.account.text import account_text
 from bt_orchestrator.report.reading import Reading
 
 DESCRIPTION = """\
-Print the account of a shift, a day, a job, or of all that a journal has: quantities, the rate
+Print the account of a shift, a day, a job, or of a whole journal. It has quantities, the rate
 against the pace, OEE with every loss of time down to its holds, stop reasons, failing tasks,
-MTBF and MTTR. With --follow that of the shift that runs, as it grows. The journal is only read;
+MTBF and MTTR. With --follow it shows the shift that runs, as it grows. The journal is only read;
 its node may run or not. docs/account.md has the definitions."""
 
 EPILOG = """\

@@ -127,7 +127,7 @@ class JobReleased(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class JobMayStart(Event):
-    """A queued job waits for its start no more: the time has come, or somebody wished so."""
+    """A queued job no longer waits for its start: the time has come, or a request released it."""
 
     event: ClassVar[str] = 'job.may_start'
     job: str

@@ -58,7 +58,7 @@ RESUME = Method('Resume', 'resume', 'go on with the items of a job', {SUSPENDED:
 STOP = Method(
     'Stop',
     'stop',
-    'end a job early: its items on the line are finished, no more are begun',
+    'end a job early: its items on the line are finished, and it begins no others',
     dict.fromkeys((RUNNING, HELD, SUSPENDED), ENDED),
 )
 ABORT = Method(
@@ -77,7 +77,7 @@ CANCEL = Method(
 CLEAR = Method(
     'Clear',
     'clear',
-    'list an ended job no more; the journal keeps it',
+    'remove an ended job from the list; the journal keeps it',
     {ENDED: None, ABORTED: None},
 )
 

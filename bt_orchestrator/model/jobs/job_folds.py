@@ -175,7 +175,7 @@ def job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
 
 
 def job_cleared(event: e.JobCleared, state: CellState) -> None:
-    """List the ended job no more; its id stays used."""
+    """Remove an ended job from the list; its id stays used."""
     del state.ended[event.job]
 
 

@@ -222,7 +222,7 @@ class LiveJobs(dict[str, 'JobState']):
         self._judge(name)
 
     def allow_start(self, name: str) -> None:
-        """Let a job in the queue wait for its start no more."""
+        """Release a queued job from its start: it may begin at once."""
         self._await(name, waits=False)
         self[name] = changed(self.queued(name), awaits_start=False)
         self._judge(name)

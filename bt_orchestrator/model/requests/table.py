@@ -105,7 +105,7 @@ STOP_AFTERS: Mapping[str, Request] = {
             (after, f'begins no more {after}s, lets the line run empty, then stops')
             for after in AFTER
         ),
-        (NEVER, 'takes back that the line runs empty and stops'),
+        (NEVER, 'withdraws the request to run the line empty'),
     )
 }
 """By the word for after what."""

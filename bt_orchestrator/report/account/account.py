@@ -123,7 +123,7 @@ class Account:
         said += [step_words(step, self.period) for step in source.steps]
         said += [break_words(one, self.period) for one in self.period.changed_breaks]
         if shown.performance is not None and shown.performance > 1 and not self._lacks_time:
-            said.append('quicker than the pace: the durations in the cell file are too long')
+            said.append('faster than the pace: some durations in the cell file are too long')
         scripts = shown.times.scripts
         for made, pace in shown.paces.items():
             if not pace.is_exact:

@@ -93,7 +93,7 @@ WORDS: Mapping[Loss, Words] = {
         Step.PERFORMANCE,
         'slow cycles',
         'the rest: cycles slower than the pace, a line that fills or drains; below 0 where the '
-        'line was quicker than its pace',
+        'line was faster than its pace',
     ),
     Loss.REJECTS: Words(
         Step.QUALITY,

@@ -54,7 +54,7 @@ COUNTS: Mapping[str, str] = {
 EXTRAS: Mapping[str, str] = {
     PACKED_QUANTITY: 'items that were packed, good or nonconforming',
     'ScrapQuantity': 'items that left the line rejected',
-    'NonconformingQuantity': 'packed items of which a task failed and was passed',
+    'NonconformingQuantity': 'packed items that passed a failed task',
     'MissingQuantity': 'items that were never placed, or taken off the belt by hand',
     RECIPE: 'recipe that the script was generated from; not there: none',
     RECIPE_VERSION: 'version of the recipe; not there: none, or not known',

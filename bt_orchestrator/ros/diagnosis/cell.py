@@ -60,7 +60,7 @@ def _state(graph: Graph, component: Component, state: StateTopic) -> Check:
     found = graph.publishers(state.topic)
     if not found:
         remedy = 'the component counts as not ready and gets no goal; start what publishes it'
-        return fail(name, f'nobody publishes {topic}', remedy)
+        return fail(name, f'no node publishes {topic}', remedy)
     wrong = [one for one in found if one.topic_type != state.type]
     if wrong:
         what = f'{topic} is {wrong[0].topic_type} ({names(wrong)}), not {state.type}'

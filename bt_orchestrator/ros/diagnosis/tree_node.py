@@ -64,7 +64,7 @@ def _clock(graph: Graph, node: str | None, timeout_s: float) -> Check:
     uses = node is not None and _uses_sim_time(graph, node, timeout_s)
     if uses and not clocks:
         remedy = 'its time stands still; start what publishes it, or set use_sim_time false'
-        return fail('clock', f'{node} has use_sim_time and nobody publishes {CLOCK}', remedy)
+        return fail('clock', f'{node} has use_sim_time, but no node publishes {CLOCK}', remedy)
     if uses:
         return ok('clock', f'{node} follows {CLOCK} ({names(clocks)})')
     there = f'; {names(clocks)} publishes {CLOCK}, for nodes with use_sim_time' if clocks else ''

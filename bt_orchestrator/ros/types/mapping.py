@@ -77,7 +77,7 @@ def mapped(kind: type[_Fact], message: Any, apart: Apart | None = None) -> Mappe
     made, used = _compiled(kind, message, kind, message, apart or {})
     untold = message.get_fields_and_field_types().keys() - used
     if untold:
-        raise TypeError(f'no field of {kind.__name__} is told in {", ".join(sorted(untold))}')
+        raise TypeError(f'{kind.__name__} has no field for {", ".join(sorted(untold))}')
     _KNOWN[kind] = made
     return made
 
@@ -134,7 +134,7 @@ def _compiled(
             read.append(f'{name}={form.read(f"it.{codec}")}')
             used.add(codec)
         else:
-            raise TypeError(f'{kind.__name__}.{name} is told in no field of {message.__name__}')
+            raise TypeError(f'{kind.__name__}.{name} has no field in {message.__name__}')
     source = f'write = lambda it: writes({", ".join(written)})\n'
     exec(f'{source}read = lambda it: reads({", ".join(read)})', scope)
     return Mapped(scope['write'], scope['read'], message, _told_by(kind, apart)), used

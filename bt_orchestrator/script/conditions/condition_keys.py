@@ -49,7 +49,7 @@ CONDITION = Table(
         Key(
             'all',
             Kind.LIST,
-            'conditions, each of which has to hold',
+            'conditions that all have to hold',
             _MEMBERS,
             members=Kind.CONDITION,
             fewest=1,
@@ -58,7 +58,7 @@ CONDITION = Table(
         Key(
             'any',
             Kind.LIST,
-            'conditions, one of which has to hold',
+            'conditions; at least one has to hold',
             _MEMBERS,
             members=Kind.CONDITION,
             fewest=1,

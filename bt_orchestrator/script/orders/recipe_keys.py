@@ -28,7 +28,7 @@ _OWN = (
     Key(
         'do',
         Kind.NAMES,
-        'capability that does it, or several of which one will do; the first is preferred',
+        'capability that does it, or a list: any of them will do, the first is preferred',
         '[glue, tape]',
         required=True,
         fewest=1,

@@ -69,14 +69,16 @@ def _of_shift(live: Live, cell: str) -> Iterator[Gauge]:
     yield one('begin_timestamp_seconds', 'When the shift began.', Fraction(begin, US))
     yield one('oee_ratio', 'Overall equipment effectiveness.', shown.oee)
     yield one('availability_ratio', 'Production time of planned busy time.', shown.availability)
-    yield one('performance_ratio', 'What was made at the pace.', shown.performance)
+    yield one(
+        'performance_ratio', 'Output as a part of the output at the pace.', shown.performance
+    )
     yield one('quality_ratio', 'Good items of produced ones.', shown.quality)
     yield one('planned_seconds', 'Planned time so far.', Fraction(times.planned.total_us, US))
     yield one('busy_seconds', 'Planned busy time so far.', Fraction(times.busy_us, US))
     yield one('production_seconds', 'Production time so far.', Fraction(times.production_us, US))
     lost = [({**of, 'loss': loss.value}, shown.loss_us(loss) / US) for loss in _known(live)]
     yield Gauge(
-        'shift_lost_seconds', 'Time lost so far; slow below 0: quicker than its pace.', lost
+        'shift_lost_seconds', 'Time lost so far; below 0: the line was faster than its pace.', lost
     )
     made = {
         kind: sum(getattr(one, kind) for one in times.made)

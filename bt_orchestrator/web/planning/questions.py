@@ -94,7 +94,7 @@ class Questions:
         try:
             async with self._turn:
                 if await is_gone():
-                    raise Withdrawn('nobody waits for the answer any more')
+                    raise Withdrawn('the question was withdrawn')
                 moment = await self._moment()
                 return await asyncio.to_thread(work, planning, moment)
         finally:

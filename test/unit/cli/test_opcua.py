@@ -91,7 +91,7 @@ def test_a_refused_client_is_listed_trusted_and_removed(
     assert 'is trusted; connect it again' in said_by(capsys, number[:8].upper())
     trust.check(content)
     assert 'trusted:\n' in said_by(capsys)
-    assert 'is trusted no more' in said_by(capsys, '--remove', number[:8])
+    assert 'is no longer trusted' in said_by(capsys, '--remove', number[:8])
     with pytest.raises(Untrusted):
         trust.check(content)
 

@@ -66,7 +66,7 @@ def test_a_job_waits_for_its_start(script: str, url: str) -> None:
         told = await mes.wait_for('LA-1', 'AllowedToStart', 'Waiting')
         assert told.JobOrder.StartTime == later
         assert await mes.method('Start', 'LA-1') == DONE
-        await mes.heard_of(lambda one: 'waits for its start no more' in one.Message.Text)
+        await mes.heard_of(lambda one: 'no longer waits for its start' in one.Message.Text)
         await mes.wait_for('LA-1', 'Ended')
 
     with_mes(url, look)

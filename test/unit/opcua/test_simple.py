@@ -129,7 +129,7 @@ def test_any_request_is_made_by_its_name(scene: Scene) -> None:
             ('job.fly', '', "there is no request 'job.fly'"),
             ('job.move', '{job: WO-20}', 'job.move needs position'),
             ('job.move', 'WO-20', 'expected the arguments as a mapping'),
-            ('job.hold', '{job: WO-20}', 'WO-20 is listed no more'),
+            ('job.hold', '{job: WO-20}', 'WO-20 is no longer listed'),
         ):
             accepted, message, _ = await ask(name, arguments)
             assert accepted is False

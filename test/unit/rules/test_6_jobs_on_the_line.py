@@ -190,7 +190,8 @@ def test_6_6_a_cleared_job_is_listed_no_more() -> None:
     run.go()
     assert run.control('clear', 'J').accepted
     assert run.state.ended == {}
-    assert run.control('clear', 'J').message == 'J is listed no more; the journal has its history'
+    said = run.control('clear', 'J').message
+    assert said == 'J is no longer listed; the journal has its history'
 
 
 # --- the line runs empty --------------------------------------------------------------------

@@ -40,7 +40,7 @@ def test_7_3_nobody_resumes_for_others_by_mistake() -> None:
     answer = run.command(Resume, who='Bob')
     assert not answer.accepted
     assert answer.message == (
-        'none of the pauses is yours; hold 1 (paused, Ann: it is so); the person who paused '
+        'no pause is yours; hold 1 (paused, Ann: it is so); the person who paused '
         'resumes, or name the hold to release it for that person'
     )
     assert list(run.state.holds) == ['1']

@@ -51,9 +51,7 @@ def test_of_a_file_elsewhere_nothing_is_told(folders: list[Path], path: str) -> 
         find_below(path, folders, '--any')
     (finding,) = caught.value.findings
     assert finding.what.startswith('the path `')
-    assert finding.what.endswith(
-        f'` is in none of the folders of this node ({folders[0]}, {folders[1]})'
-    )
+    assert finding.what.endswith(f'` is not in a folder of this node ({folders[0]}, {folders[1]})')
     assert finding.hint == 'put the script there, or start the node with --any'
 
 

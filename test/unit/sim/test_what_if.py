@@ -226,7 +226,7 @@ def test_an_order_is_checked_before_anybody_gives_it(tmp_path: Path) -> None:
         assert 'there is no script' in elsewhere.message
         outside = of(script='/etc/passwd')
         assert not outside.is_checked
-        assert 'in none of the folders' in outside.message
+        assert 'not in a folder' in outside.message
         assert list(simulation.state.jobs) == ['A', 'B', 'C'], 'nothing was queued'
 
 

@@ -1,0 +1,165 @@
+"""How the product speaks: plain words, short sentences (test/data/language.yaml).
+
+What is not clean yet is counted for each file in test/data/language_ratchet.json; a count may only
+fall. `LANGUAGE=write` writes lower counts there.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from functools import cache
+from typing import Any, NamedTuple
+
+import prose
+import pytest
+import yaml
+from fakes.shipped import ROOT
+
+RATCHET = ROOT / 'test' / 'data' / 'language_ratchet.json'
+LIST = yaml.safe_load((ROOT / 'test' / 'data' / 'language.yaml').read_text(encoding='utf-8'))
+MOST_WORDS: int = LIST['most_words']
+
+
+class Construction(NamedTuple):
+    """What is not written, and what is written instead."""
+
+    name: str
+    pattern: re.Pattern[str]
+    better: str
+    caught: str
+    fine: str
+
+    @classmethod
+    def of(cls, row: dict[str, Any]) -> Construction:
+        """Return one of the list."""
+        flags = 0 if row.get('case') else re.IGNORECASE
+        pattern = re.compile(row['pattern'], flags)
+        return cls(row['name'], pattern, row['better'], row['caught'], row['fine'])
+
+
+CONSTRUCTIONS = [Construction.of(row) for row in LIST['constructions']]
+
+
+def banned_in(texts: Iterable[str]) -> Iterator[str]:
+    """Yield a complaint for each construction in sentences that is banned."""
+    for text in texts:
+        for sentence in prose.sentences(text):
+            for one in CONSTRUCTIONS:
+                if one.pattern.search(sentence):
+                    yield f'{one.name}: "{sentence}"; better: {one.better}'
+
+
+def long_in(texts: Iterable[str]) -> Iterator[str]:
+    """Yield a complaint for each sentence that is too long."""
+    for text in texts:
+        for sentence in prose.sentences(text):
+            if (words := len(sentence.split())) > MOST_WORDS:
+                yield f'{words} words, {MOST_WORDS} at most: "{sentence}"'
+
+
+@cache
+def complaints() -> dict[str, dict[str, list[str]]]:
+    """Return all complaints, by kind of text and file."""
+    found: dict[str, dict[str, list[str]]] = {
+        'words of pages': {},
+        'sentences of pages': {},
+        'words of messages': {},
+        'words of docstrings': {},
+        'words of help': {},
+        'sentences of help': {},
+    }
+    for page, text in prose.pages().items():
+        sentences = list(prose.sentences_of_page(text))
+        found['words of pages'][page] = list(banned_in(sentences))
+        found['sentences of pages'][page] = list(long_in(sentences))
+    found['words of messages']['en.json'] = list(banned_in(prose.words_of_the_page()))
+    for path, module in prose.modules().items():
+        name = prose.package_file(path)
+        for kind, texts in (
+            ('words of messages', prose.messages(module)),
+            ('words of docstrings', prose.first_lines(module)),
+        ):
+            found[kind].setdefault(name, []).extend(f'{path}: {it}' for it in banned_in(texts))
+    for verb, texts in prose.help_texts().items():
+        found['words of help'][verb] = list(banned_in(texts))
+        found['sentences of help'][verb] = list(long_in(texts))
+    return found
+
+
+def counted() -> dict[str, dict[str, int]]:
+    """Return how many complaints there are, where there are any."""
+    return {
+        kind: {name: len(lines) for name, lines in sorted(files.items()) if lines}
+        for kind, files in complaints().items()
+    }
+
+
+@cache
+def ratchet() -> dict[str, dict[str, int]]:
+    """Return how many complaints there may be, by kind of text and file."""
+    allowed: dict[str, dict[str, int]] = json.loads(RATCHET.read_text(encoding='utf-8'))
+    if os.environ.get('LANGUAGE') == 'write':
+        allowed = {
+            kind: {name: min(count, allowed[kind].get(name, 0)) for name, count in files.items()}
+            for kind, files in counted().items()
+        }
+        RATCHET.write_text(json.dumps(allowed, indent=1) + '\n', encoding='utf-8')
+    return allowed
+
+
+@pytest.mark.parametrize('kind', sorted(complaints()))
+def test_the_language_gets_no_worse(kind: str) -> None:
+    allowed = ratchet().get(kind, {})
+    worse = {
+        name: lines
+        for name, lines in complaints()[kind].items()
+        if len(lines) > allowed.get(name, 0)
+    }
+    assert worse == {}, '\n'.join(
+        f'{name} ({allowed.get(name, 0)} allowed):\n  ' + '\n  '.join(lines)
+        for name, lines in worse.items()
+    )
+
+
+@pytest.mark.parametrize('one', CONSTRUCTIONS, ids=lambda one: one.name)
+def test_a_construction_is_caught_and_a_good_sentence_is_not(one: Construction) -> None:
+    assert [it.partition(':')[0] for it in banned_in([one.caught])] == [one.name]
+    assert list(banned_in([one.fine])) == []
+
+
+def test_a_long_sentence_is_caught() -> None:
+    words = ' '.join(['Words', *['follow'] * (MOST_WORDS - 1)])
+    assert list(long_in([f'{words}. {words}.'])) == []
+    assert len(list(long_in([f'{words} more.']))) == 1
+
+
+def test_sentences_of_a_page_are_those_that_people_read() -> None:
+    page = (
+        '# What a title says\n\nFirst one, with `code of it` and\n[a link](x.md). Second one.\n\n'
+        '- item\n- other (in brackets). Third.\n\n```sh\nnobody\n```\n\n| a | b |\n|---|---|\n'
+        '| c d | e |\n<!-- generated: x -->\nnobody\n<!-- end -->\n'
+    )
+    found = [sentence for sentence in prose.sentences_of_page(page) if '-' not in sentence]
+    assert found == [
+        'First one, with `…` and a link.',
+        'Second one.',
+        'item',
+        'other (in brackets).',
+        'Third.',
+        *('a', 'b', 'c d', 'e'),
+    ]
+
+
+def test_every_kind_of_text_is_read() -> None:
+    assert len(prose.pages()) > 20
+    assert Counter(bool(lines) for lines in prose.help_texts().values())[True] > 25
+    module = prose.modules()['bt_orchestrator/cli/verbs.py']
+    assert 'The verbs of the program, and what a command line of theirs means.' in set(
+        prose.first_lines(module)
+    )
+    assert 'set up a cell and its products' in set(prose.messages(module))
+    assert len(list(prose.words_of_the_page())) > 500
