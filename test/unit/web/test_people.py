@@ -276,7 +276,7 @@ class TestBehindAProxy:
         assert '10.0.0.3 is not the proxy of this page' in refused.message
 
     def test_nobody_looks_without_a_name(self, bench: PeopleBench) -> None:
-        assert 'named nobody in X-Remote-User' in bench.browser().get('/api/look').message
+        assert 'named no user in X-Remote-User' in bench.browser().get('/api/look').message
         browser = bench.browser(headers={'x-remote-user': 'joe'})
         assert 'joe is no user of this page; add one' in browser.get('/api/look').message
 
