@@ -84,9 +84,9 @@ def complaints() -> dict[str, dict[str, list[str]]]:
             ('words of docstrings', prose.first_lines(module)),
         ):
             found[kind].setdefault(name, []).extend(f'{path}: {it}' for it in banned_in(texts))
-    for verb, texts in prose.help_texts().items():
-        found['words of help'][verb] = list(banned_in(texts))
-        found['sentences of help'][verb] = list(long_in(texts))
+    for verb, paragraphs in prose.help_texts().items():
+        found['words of help'][verb] = list(banned_in(paragraphs))
+        found['sentences of help'][verb] = list(long_in(paragraphs))
     return found
 
 

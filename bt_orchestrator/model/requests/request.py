@@ -75,7 +75,7 @@ class Request:
     """The word in commands and in records, for instance abort_job."""
     about: About
     effect: str
-    """What it does, for the user who is about to send it."""
+    """Its effect, for the user who is about to send it."""
     roles: frozenset[Role]
     parameters: tuple[Parameter, ...] = ()
     why: Why = Why.FIRST
@@ -108,7 +108,7 @@ class Request:
 
     @property
     def method(self) -> Method | None:
-        """What the table of job control has for it; None: it is about no job, or moves one."""
+        """Its row of the table of job control; None: it is about no job, or moves one."""
         return _METHODS.get(self.word) if self.about is About.JOB else None
 
     @property
