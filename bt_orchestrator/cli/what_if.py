@@ -25,7 +25,7 @@ from bt_orchestrator.errors import counted
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.ports import Consequence
+from bt_orchestrator.ports import ChangedJob, Consequence, ExpectedJob
 from bt_orchestrator.report.tables import table
 
 DESCRIPTION = """\
@@ -138,21 +138,20 @@ def lines(found: Consequence, left_out: int = 0) -> Iterator[str]:
 
 
 def _rows(found: Consequence) -> Iterator[tuple[str, ...]]:
-    before, after = dict(found.before), dict(found.after)
-    for job in dict.fromkeys([*after, *before]):
-        then = _figure(after[job]) if job in after else 'not at all'
-        now = _figure(before[job]) if job in before else 'new'
-        yield job, now, then, _change(before.get(job), after.get(job))
+    for one in found.changes:
+        yield one.job, _end(one.before, 'new'), _end(one.after, 'not at all'), _change(one)
 
 
-def _figure(seconds: float | None) -> str:
-    return 'unknown' if seconds is None else f'{seconds:.1f} s'
+def _end(job: ExpectedJob | None, none: str) -> str:
+    if job is None:
+        return none
+    return 'unknown' if job.ends_s is None else f'{job.ends_s:.1f} s'
 
 
-def _change(before: float | None, after: float | None) -> str:
-    if before is None or after is None:
+def _change(job: ChangedJob) -> str:
+    if job.by_s is None:
         return '-'
-    return '=' if abs(after - before) < 0.05 else f'{after - before:+.1f} s'
+    return '=' if job.change == 'same' else f'{job.by_s:+.1f} s'
 
 
 def _plain(found: Consequence) -> dict[str, object]:

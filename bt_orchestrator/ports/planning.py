@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from bt_orchestrator.model.requests import Asked
@@ -29,6 +29,50 @@ class ExpectedJob(NamedTuple):
     """Seconds from the given moment; None: it does not end in the present situation."""
 
 
+SAME_S = 1.0
+"""Ends that differ by less are the same: both runs begin with the same moment."""
+
+
+class ChangedJob(NamedTuple):
+    """A job without and with some requests."""
+
+    job: str
+    before: ExpectedJob | None
+    """None: it is there only with the requests."""
+    after: ExpectedJob | None
+    """None: the requests take it away."""
+    due_s: float | None = None
+    """When it should end, in seconds from the given moment; None: its order does not say."""
+
+    @property
+    def change(self) -> str:
+        """Return what becomes of its end, in one word.
+
+        `new`, `gone`: the job is there only with the requests, or only without; `never`, `open`,
+        `known`: its end is known in neither case, only without or only with them; `same`,
+        `earlier`, `later`.
+        """
+        if self.before is None or self.after is None:
+            return 'gone' if self.after is None else 'new'
+        if self.by_s is None:
+            is_as_before = self.before.ends_s == self.after.ends_s
+            return 'never' if is_as_before else 'open' if self.after.ends_s is None else 'known'
+        if abs(self.by_s) < SAME_S:
+            return 'same'
+        return 'later' if self.by_s > 0 else 'earlier'
+
+    @property
+    def by_s(self) -> float | None:
+        """Return how much later it ends; None: one of both ends is not known."""
+        before, after = (one and one.ends_s for one in (self.before, self.after))
+        return None if before is None or after is None else after - before
+
+    def is_late(self, job: ExpectedJob | None) -> bool:
+        """Tell whether it ends after its due time, before or after."""
+        ends_s = job and job.ends_s
+        return ends_s is not None and self.due_s is not None and ends_s > self.due_s
+
+
 class Consequence(NamedTuple):
     """The effects of some requests."""
 
@@ -40,6 +84,15 @@ class Consequence(NamedTuple):
     """Why a job has no end after them, by its id."""
     notes: Sequence[str] = ()
     """What the node will look at in earnest, and could not be looked at, in sentences."""
+    due_s: Mapping[str, float] = {}
+    """When jobs should end, by their ids, in seconds from the given moment."""
+
+    @property
+    def changes(self) -> Iterator[ChangedJob]:
+        """Yield every job without and with the requests, in the order of then."""
+        before, after = ({one.job: one for one in jobs} for jobs in (self.before, self.after))
+        for job in {**after, **before}:
+            yield ChangedJob(job, before.get(job), after.get(job), self.due_s.get(job))
 
 
 class WrongField(NamedTuple):

@@ -80,12 +80,13 @@ class EngineWhatIf:
         """
         with closing(self._after(()).run) as now:
             notes = [*_unlooked(now.state, requests)]
-            names_now = list(now.state.jobs)
+            names_now, due_s = list(now.state.jobs), self._due_s(now.state)
             known_now_s = now.go_on(time.monotonic() + LONGEST_S)
         asked = self._after(requests)
         with closing(asked.run) as then:
             rests = {one.rest_of: name for name, one in then.state.jobs.items() if one.rest_of}
             names_then = list(then.state.jobs)
+            due_s |= self._due_s(then.state)
             known_then_s = then.go_on(time.monotonic() + LONGEST_S)
             why_then = {
                 name: '; '.join(filter(None, [then.unknown(name), asked.not_anew.get(name)]))
@@ -101,7 +102,7 @@ class EngineWhatIf:
             if one.ends_s is None
         }
         notes += _with_rests(rests, dict(before), dict(after))
-        return Consequence(before, after, asked.refusals, unknown, tuple(notes))
+        return Consequence(before, after, asked.refusals, unknown, tuple(notes), due_s)
 
     def check(self, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order would be queued: it is read, and then the engine is asked."""
@@ -183,6 +184,10 @@ class EngineWhatIf:
                 return node
             node.run.close()
             self._made.generate()
+
+    def _due_s(self, state: CellState) -> dict[str, float]:
+        dues = {name: one.job.terms.due for name, one in state.jobs.items()}
+        return {name: due - self._moment.now_s for name, due in dues.items() if due is not None}
 
     def _ends(self, names: Sequence[str], ends_s: Mapping[str, float]) -> tuple[ExpectedJob, ...]:
         return tuple(

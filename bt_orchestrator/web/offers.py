@@ -84,7 +84,7 @@ def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
         awaits_start=job.awaits_start,
         unreleased=job.unreleased,
         unavailable=job.unavailable,
-        has_back=_has_back(job, status),
+        has_back=bool(back_for(job, status)),
         is_held=job.held,
         is_by_recipe=job.by_recipe,
         left=min(job.to_begin, 1),  # whether any is left: the number changes too often
@@ -131,12 +131,11 @@ def _job_offers(
     return [*release, *(_offer(request, job) for request in wanted)]
 
 
-def _has_back(job: JobStatus, status: CellStatus) -> bool:
-    """Tell whether a job was made without a component that is in service again."""
+def back_for(job: JobStatus, status: CellStatus) -> list[str]:
+    """Return the components that a job was made without, and that are in service again."""
     without = job.anew.without if job.anew is not None else ()
-    return any(
-        one.out_of_service_since is None for one in status.components if one.name in without
-    )
+    there = (one.name for one in status.components if one.out_of_service_since is None)
+    return [name for name in there if name in without]
 
 
 def add_offer() -> Offer:

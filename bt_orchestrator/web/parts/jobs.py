@@ -8,7 +8,7 @@ from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus, JobStatus
-from bt_orchestrator.web.offers import job_offers
+from bt_orchestrator.web.offers import back_for, job_offers
 from bt_orchestrator.web.parts.tasks import TaskParts
 
 NOT_KNOWN = Ordered({}, None)
@@ -39,6 +39,7 @@ def job_part(
         'tasks': listed,
         'params': to_plain(ordered.params),
         'choice': to_plain(ordered.choice, whole=True),
+        'changed_by': [*job.unavailable, *back_for(job, status)],
         'offers': job_offers(job, status),
     }
 

@@ -11,7 +11,7 @@ from bt_orchestrator.errors import NotKept, Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import Asked, ask, of_name
-from bt_orchestrator.ports import CheckedOrder, ExpectedJob, Moment, Planning
+from bt_orchestrator.ports import ChangedJob, CheckedOrder, ExpectedJob, Moment, Planning
 from bt_orchestrator.script.orders.plain_order import order_from
 
 MOST_WAITING = 8
@@ -58,6 +58,7 @@ class Questions:
             return {
                 'before': _ends(found.before, moment),
                 'after': _ends(found.after, moment),
+                'jobs': [_changed(one, moment.now_s) for one in found.changes],
                 'refusals': list(found.refusals),
                 'unknown': dict(found.unknown),
                 'notes': list(found.notes),
@@ -134,10 +135,26 @@ def _orders(plain: object) -> object:
 
 
 def _ends(jobs: Sequence[ExpectedJob], moment: Moment) -> list[Body]:
-    return [
-        {'job': one.job, 'ends': None if one.ends_s is None else moment.now_s + one.ends_s}
-        for one in jobs
-    ]
+    return [{'job': one.job, 'ends': _end(one, moment.now_s)} for one in jobs]
+
+
+def _changed(job: ChangedJob, now_s: float) -> Body:
+    """Return what becomes of a job; `before` and `after` stand where it is there."""
+    here = {'before': job.before, 'after': job.after}
+    ends = {name: _end(one, now_s) for name, one in here.items() if one is not None}
+    return {
+        'job': job.job,
+        'change': job.change,
+        **ends,
+        'by_s': job.by_s,
+        'due': None if job.due_s is None else now_s + job.due_s,
+        'is_late': job.is_late(job.after),
+        'was_late': job.is_late(job.before),
+    }
+
+
+def _end(job: ExpectedJob, now_s: float) -> float | None:
+    return None if job.ends_s is None else now_s + job.ends_s
 
 
 def _plain(found: CheckedOrder) -> Body:

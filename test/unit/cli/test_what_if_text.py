@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from bt_orchestrator.cli.what_if import lines
 from bt_orchestrator.ports import Consequence, ExpectedJob
 
@@ -20,3 +22,27 @@ def test_what_only_the_node_knows_is_said_below_the_table() -> None:
 
 def test_a_prediction_with_all_jobs_is_the_table_alone() -> None:
     assert len(list(lines(KNOWN))) == 2
+
+
+@pytest.mark.parametrize(
+    ('before_s', 'after_s', 'word', 'shown'),
+    [
+        (5.0, 9.0, 'later', '+4.0 s'),
+        (9.0, 5.0, 'earlier', '-4.0 s'),
+        (5.0, 5.9, 'same', '='),
+        (None, None, 'never', '-'),
+        (5.0, None, 'open', '-'),
+        (None, 5.0, 'known', '-'),
+    ],
+)
+def test_a_change_has_one_word_everywhere(
+    before_s: float | None, after_s: float | None, word: str, shown: str
+) -> None:
+    found = KNOWN._replace(before=[ExpectedJob('A', before_s)], after=[ExpectedJob('A', after_s)])
+    assert [one.change for one in found.changes] == [word]
+    assert list(lines(found))[1].endswith(f' {shown}')
+
+
+def test_jobs_of_one_side_alone_are_new_or_gone() -> None:
+    found = Consequence([ExpectedJob('A', 5.0)], [ExpectedJob('B', None)], ())
+    assert {one.job: one.change for one in found.changes} == {'A': 'gone', 'B': 'new'}

@@ -7,6 +7,7 @@ import math
 import pickle
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from datetime import datetime, timezone
 from pathlib import Path
 
 import pytest
@@ -123,6 +124,18 @@ def test_a_job_that_comes_first_ends_earlier_and_the_others_later() -> None:
             for job in simulation.state.ended.values():
                 ends.setdefault(job.job.id, simulation.clock.now() - now_s)
         assert ends == pytest.approx(before)
+
+
+def test_a_job_is_late_by_the_due_time_that_it_would_have() -> None:
+    with running(4.0) as simulation:
+        now_s = simulation.clock.now()
+        due = datetime.fromtimestamp(now_s + 5.0, timezone.utc).isoformat()
+        found = asked_of(simulation, ask('job.update', ann(), job='C', due=due))
+    assert not found.refusals
+    assert found.due_s == pytest.approx({'C': 5.0})
+    changed = {one.job: one for one in found.changes}['C']
+    assert changed.change == 'same'
+    assert changed.is_late(changed.after)
 
 
 def test_refusals_are_told_and_the_others_are_carried_out() -> None:

@@ -14,7 +14,10 @@ from fakes.virtual_run import VirtualRun
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice
+from bt_orchestrator.model.status import CellDescription
 from bt_orchestrator.web.offers import job_offers
+from bt_orchestrator.web.parts.jobs import NOT_KNOWN, job_part
+from bt_orchestrator.web.parts.tasks import TaskParts
 
 
 def words(run: VirtualRun) -> set[str]:
@@ -195,6 +198,12 @@ def test_a_job_that_was_made_without_a_component_can_be_requeued_when_that_is_ba
         job = replace(status.jobs[0], anew=anew)
         return [one['name'] for one in job_offers(job, replace(status, components=components))]
 
+    def changed_by(anew: MadeAnew, *away: str) -> object:
+        job = replace(status.jobs[0], anew=anew, unavailable=away)
+        tasks = TaskParts(CellDescription('', 0, ''), ())
+        return job_part(job, status, None, tasks, NOT_KNOWN)['changed_by']
+
+    assert changed_by(MadeAnew(without=('a2',)), 'b2') == ['b2', 'a2']
     assert 'job.requeue' in names(MadeAnew(without=('a2',)))
     assert 'job.requeue' in names(MadeAnew(without=('a2', 'b2')), 'b2')
     assert 'job.requeue' not in names(MadeAnew(without=('a2',)), 'a2'), 'it would be the same'

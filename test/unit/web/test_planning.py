@@ -55,7 +55,7 @@ class Planned:
         self._refuse(moment)
         self.asked.append(requests)
         before = [ExpectedJob('A', 10.0), ExpectedJob('B', None)]
-        return Consequence(before, before[:1], ['job.next: no'])
+        return Consequence(before, before[:1], ['job.next: no'], due_s={'A': 8.0})
 
     def check(self, moment: Moment, order: Mapping[str, object]) -> CheckedOrder:
         self._refuse(moment)
@@ -135,6 +135,12 @@ def test_ends_are_told_as_times(bench: Bench) -> None:
     found = answer.json
     assert found['before'] == [{'job': 'A', 'ends': 1010.0}, {'job': 'B', 'ends': None}]
     assert found['after'] == [{'job': 'A', 'ends': 1010.0}]
+    late = {'due': 1008.0, 'is_late': True, 'was_late': True}
+    timely = {'due': None, 'is_late': False, 'was_late': False}
+    assert found['jobs'] == [
+        {'job': 'A', 'change': 'same', 'before': 1010.0, 'after': 1010.0, 'by_s': 0.0, **late},
+        {'job': 'B', 'change': 'gone', 'before': None, 'by_s': None, **timely},
+    ]
     assert found['refusals'] == ['job.next: no']
     assert found['left_out'] == 0
     ((asked,),) = bench.planned.asked

@@ -3,14 +3,11 @@
 import { Refused, post } from '../core/api.js';
 import { children, h } from '../core/dom.js';
 import { withButtons } from '../core/requests.js';
-import { part } from '../core/store.js';
 import { about, duration, t } from '../core/text.js';
 import { shape } from '../core/shape.js';
 
 const WITHIN_MS = 75000;
 const WAIT_MS = 400;
-/** Ends that differ by less are the same: both runs begin with the same moment. */
-const SAME_S = 1;
 const UNCHANGED = ['same', 'never'];
 /** Jobs that end as before are folded away where there are more of them. */
 const FEW = 8;
@@ -50,7 +47,7 @@ export function whatIf(command) {
     const commands = [{ name: command.name, arguments: { ...command.arguments, ...values } }];
     try {
       const found = await post('/api/what-if', { commands }, WITHIN_MS, asking.signal);
-      if (mine === turn) show(found, dueOf(values));
+      if (mine === turn) show(found);
     } catch (refused) {
       if (!(refused instanceof Refused)) throw refused;
       if (mine === turn)
@@ -67,12 +64,12 @@ export function whatIf(command) {
     );
   }
 
-  function show(found, due) {
+  function show(found) {
     // What is behind the jobs that are computed is not there for the computation.
     if (found.left_out && found.refusals.length)
       return say('unknown', t('whatif.too_long', { count: found.left_out }));
     element.dataset.whatIf = found.refusals.length ? 'refused' : 'known';
-    const rows = rowsOf(found, due);
+    const rows = found.jobs;
     const changed = rows.filter((row) => !UNCHANGED.includes(row.change));
     const same = rows.filter((row) => UNCHANGED.includes(row.change));
     children(
@@ -114,61 +111,13 @@ function reasons({ unknown }) {
   );
 }
 
-/** The due times that the command itself brings, by job. */
-function dueOf(values) {
-  return Object.fromEntries(
-    (values.orders ?? []).map((order) => [
-      order.order,
-      order.due ? Date.parse(order.due) / 1000 : null,
-    ]),
-  );
-}
-
-function rowsOf(found, due) {
-  const before = endsOf(found.before);
-  const after = endsOf(found.after);
-  const names = [...new Set([...after.keys(), ...before.keys()])];
-  return names.map((job) => {
-    const row = {
-      job,
-      before: before.get(job),
-      after: after.get(job),
-      due: due[job] ?? part(`job/${job}`)?.due ?? null,
-    };
-    return {
-      ...row,
-      change: changeOf(row),
-      isLate: isLate(row.after, row.due),
-      wasLate: isLate(row.before, row.due),
-    };
-  });
-}
-
-function endsOf(jobs) {
-  return new Map(jobs.map(({ job, ends }) => [job, ends]));
-}
-
-/** undefined: the job is not there; null: nobody knows when it ends. */
-function changeOf({ before, after }) {
-  if (before === undefined) return 'new';
-  if (after === undefined) return 'gone';
-  if (before === null || after === null)
-    return before === after ? 'never' : after === null ? 'open' : 'known';
-  if (Math.abs(after - before) < SAME_S) return 'same';
-  return after > before ? 'later' : 'earlier';
-}
-
-function isLate(ends, due) {
-  return Boolean(due && ends && ends > due);
-}
-
 function summary(rows) {
   if (rows.length && rows.every((row) => row.change === 'never')) return t('whatif.none_known');
   const count = (change) => rows.filter((row) => row.change === change).length;
   const words = ['later', 'earlier', 'gone', 'open', 'never']
     .filter(count)
     .map((change) => t(`whatif.count_${change}`, { count: count(change) }));
-  const missed = rows.filter((row) => row.isLate && !row.wasLate);
+  const missed = rows.filter((row) => row.is_late && !row.was_late);
   if (missed.length)
     words.push(
       t('whatif.count_missed', {
@@ -194,7 +143,7 @@ function line(row) {
   const { job, change } = row;
   return h(
     'tr',
-    { 'data-job': job, 'data-change': change, 'data-by': byOf(row), 'data-late': row.isLate },
+    { 'data-job': job, 'data-change': change, 'data-by': row.by_s?.toFixed(1), 'data-late': row.is_late },
     h('th', { scope: 'row' }, job),
     h('td', {}, endWords(row.before)),
     h('td', {}, endWords(row.after)),
@@ -203,26 +152,21 @@ function line(row) {
   );
 }
 
-/** By how many seconds it ends later; null: that has no meaning. */
-function byOf({ before, after }) {
-  return before && after ? (after - before).toFixed(1) : null;
-}
-
 function endWords(ends) {
   if (ends === undefined) return '–';
   return ends === null ? t('whatif.unknown_end') : about(ends);
 }
 
-function changeWords({ change, before, after }) {
+function changeWords({ change, by_s: by }) {
   if (change !== 'later' && change !== 'earlier') return t(`whatif.is_${change}`);
   const sign = change === 'later' ? '+' : '−';
-  return `${sign}${duration(Math.abs(after - before))} ${t(`whatif.is_${change}`)}`;
+  return `${sign}${duration(Math.abs(by))} ${t(`whatif.is_${change}`)}`;
 }
 
 function dueWords(row) {
   if (!row.due) return '';
-  if (!row.isLate)
-    return row.wasLate ? t('whatif.due_met', { time: about(row.due) }) : about(row.due);
+  if (!row.is_late)
+    return row.was_late ? t('whatif.due_met', { time: about(row.due) }) : about(row.due);
   const by = t('whatif.due_missed', { time: about(row.due), by: duration(row.after - row.due) });
   return [shape('triangle'), ` ${by}`];
 }

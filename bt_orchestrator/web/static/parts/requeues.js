@@ -1,7 +1,7 @@
 /** Jobs on the line that can be made anew: without a component that is away, or with one that is back. */
 
 import { h, keyed, show } from '../core/dom.js';
-import { part, partsOf } from '../core/store.js';
+import { partsOf } from '../core/store.js';
 import { t } from '../core/text.js';
 import { jobLink } from './links.js';
 import { offers } from './offers.js';
@@ -17,17 +17,12 @@ export function requeues() {
     update(component) {
       const jobs = partsOf('job/')
         .map(([, job]) => job)
-        .filter((job) => isAbout(job, component) && offersOf(job).length);
+        .filter((job) => job.changed_by.includes(component) && offersOf(job).length);
       fill(jobs);
       show(element, jobs.length > 0);
     },
     end: () => fill([]),
   };
-}
-
-function isAbout({ unavailable, anew }, name) {
-  const isAway = part(`component/${name}`)?.out_of_service_since !== null;
-  return (isAway ? unavailable : (anew?.without ?? [])).includes(name);
 }
 
 function offersOf(job) {
