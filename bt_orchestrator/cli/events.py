@@ -24,9 +24,10 @@ from bt_orchestrator.extending import PARQUET, of_others
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.ports import Records
+from bt_orchestrator.report.account.booked import steady_time
 from bt_orchestrator.report.exports import OUTPUTS
 from bt_orchestrator.report.reading import Reading, removed
+from bt_orchestrator.report.xes_export import XesExport
 from bt_orchestrator.stop_signals import StopSignals
 
 POLL_S = 0.2
@@ -173,28 +174,29 @@ def _say_removed(first: int, last: int) -> None:
 
 
 def _of_journal(args: argparse.Namespace, stop: StopSignals) -> int:
-    with closing(open_records(args.journal)) as records, _output(args, records) as write:
+    with closing(open_records(args.journal)) as records:
         reading = Reading(records, say_damage)
-        for text in itertools.islice(_records(reading, args, stop), args.count):
-            if stop.requested and not args.follow:
-                raise KeyboardInterrupt  # the rest may be long, and nobody waits for it
-            write(text)
+        with _output(args, reading) as write:
+            for text in itertools.islice(_records(reading, args, stop), args.count):
+                if stop.requested and not args.follow:
+                    raise KeyboardInterrupt  # the rest may be long, and nobody waits for it
+                write(text)
         return 1 if reading.lost else 0
 
 
 @contextmanager
-def _output(args: argparse.Namespace, records: Records) -> Iterator[Callable[[str], None]]:
+def _output(args: argparse.Namespace, reading: Reading) -> Iterator[Callable[[str], None]]:
     """Give what takes one record after another.
 
     :raises WrongUse: it cannot be written
     """
     if args.format == PARQUET.name:
-        with tables_in(args.output, records.extent().history) as write:
+        with tables_in(args.output, reading) as write:
             yield write
         return
     made = OUTPUTS.get(args.format or 'jsonl') or of_others('exports')[args.format].load()
     with opened(args.output) as file:
-        output = made(file)
+        output = XesExport(file, steady_time(reading)) if made is XesExport else made(file)
 
         def write_at_once(text: str) -> None:
             output.write(text)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from bt_orchestrator.model.events import BeltIndexed, CellStateChanged, Event
+from bt_orchestrator.model.events import BeltIndexed, CellStateChanged, ClockStepped, Event
 from bt_orchestrator.model.packml import PackmlState
 
 MOVES = 10
@@ -26,6 +26,9 @@ class Speedometer:
                 self._marks.append(event.time)
         elif isinstance(event, BeltIndexed):
             self._marks.append(event.time)
+        elif isinstance(event, ClockStepped):
+            for at, mark in enumerate(self._marks):
+                self._marks[at] = mark + event.seconds
 
     def a_minute(self, state: PackmlState, now: float) -> float | None:
         """Return the moves a minute, each of which brings every item one section further.

@@ -53,6 +53,7 @@ FIELDS = (
 
 
 class _End(NamedTuple):
+    seq: int
     time: float
     by: Remark | None
     """What a person did, that ended it."""
@@ -100,11 +101,8 @@ class Holds:
             else:
                 self._end(key, status)
         for key, alarm in found.items():
-            before = self._standing.get(key)
-            if before is None or (before.alarm.hold, before.alarm.since) != (
-                alarm.hold,
-                alarm.since,
-            ):
+            before, end = self._standing.get(key), self._ends.get(key)
+            if before is None or (end is not None and end.seq <= status.seq):
                 self._ends.pop(key, None)  # of another one
                 since = status.stamp if alarm.since is None else alarm.since
                 self.put(Standing(alarm, since, since))
@@ -123,16 +121,16 @@ class Holds:
             why = f': {event.reason}' if event.reason else ''
             self._last = Remark(who, f'{event.answer}{why}', event.time)
         elif isinstance(event, HoldReleased):
-            self._hear_end(hold_key(event.hold), event.time)
+            self._hear_end(hold_key(event.hold), event)
         elif (
             isinstance(event, StopReasonChanged)
             and event.stop_reason != StopReason.EMERGENCY.value
         ):
-            self._hear_end(EMERGENCY_KEY, event.time)
+            self._hear_end(EMERGENCY_KEY, event)
 
-    def _hear_end(self, key: str, time: float) -> None:
-        is_by_last = self._last is not None and self._last.time == time
-        self._ends[key] = _End(time, self._last if is_by_last else None)
+    def _hear_end(self, key: str, event: Event) -> None:
+        is_by_last = self._last is not None and self._last.time == event.time
+        self._ends[key] = _End(event.seq, event.time, self._last if is_by_last else None)
         if key in self._leaving:
             self._end(key, self._bridge.status)
 
@@ -193,7 +191,7 @@ class Holds:
     def _end(self, key: str, status: CellStatus) -> None:
         standing = self._standing.pop(key)
         self._leaving.discard(key)
-        time, by = self._ends.pop(key, _End(status.stamp, None))
+        _, time, by = self._ends.pop(key, _End(status.seq, status.stamp, None))
         self._tell(standing.over(time, by))
 
     def _tell(self, standing: Standing) -> None:
@@ -202,9 +200,8 @@ class Holds:
 
 
 def _as_now(before: Standing, alarm: Alarm, stamp: float) -> Standing:
-    return Standing(
-        alarm, before.since, stamp, before.is_active, before.is_acknowledged, before.remark
-    )
+    since = before.since if alarm.since is None else alarm.since  # the clock may have been set
+    return Standing(alarm, since, stamp, before.is_active, before.is_acknowledged, before.remark)
 
 
 async def _make_sources(space: Space, bridge: Bridge) -> None:

@@ -3,6 +3,9 @@
 One trace an item, for an item is what goes through the process; job and script are attributes of
 the trace. An activity is a task; its attempts are told apart by `concept:instance`, the goal UUID.
 Initialization and moves of the belt belong to no item and are not in the log.
+
+Times go on as the clock did at the first record, also where it was set: programs take durations
+from them. An event after that has the time that the clock showed beside it, as `clock`.
 """
 
 from __future__ import annotations
@@ -16,6 +19,8 @@ from xml.sax.saxutils import quoteattr
 from bt_orchestrator.model.codec import json_of, known_event
 from bt_orchestrator.model.events import TaskEvent
 from bt_orchestrator.model.task_spans import TaskSpans
+from bt_orchestrator.report.account.planned import US
+from bt_orchestrator.report.account.steady_time import STEPS, SteadyTime
 from bt_orchestrator.report.csv_export import iso_time
 
 _HEAD = """\
@@ -61,8 +66,15 @@ _KEPT = ('section', 'round', 'attempt', 'action', 'reason', 'message')
 class XesExport:
     """Collects the traces and writes them at the end: events of many items come interleaved."""
 
-    def __init__(self, file: IO[str]) -> None:
+    def __init__(self, file: IO[str], steady: SteadyTime | None = None) -> None:
+        """Begin.
+
+        :param steady: what is known of the steps of the clock; None: what the records say
+        """
         self._file = file
+        self._steady = steady or SteadyTime()
+        self._ahead_us: int | None = None
+        """How far the clock was ahead at the first record."""
         self._traces: dict[str, list[str]] = {}
         self._attributes: dict[str, dict[str, Any]] = {}
         self._jobs: dict[str, dict[str, Any]] = {}
@@ -73,6 +85,7 @@ class XesExport:
         """Take in one record."""
         record = json.loads(text)
         name = record['event']
+        self._take_time(record)
         if name in ('job.queued', 'job.updated'):
             self._jobs[record['job']] = {k: record[k] for k in _OF_JOB if k in record}
         if 'item' not in record or 'job' not in record:
@@ -120,9 +133,24 @@ class XesExport:
         attributes |= {name: record[name] for name in _KEPT if name in record}
         if record.get('results'):
             attributes['results'] = json_of(record['results'])
-        date = f'      <date key="time:timestamp" value="{iso_time(record["time"])}"/>\n'
+        dates = {'time:timestamp': self._time(record)}
+        if dates['time:timestamp'] != iso_time(record['time']):
+            dates['clock'] = iso_time(record['time'])
         lines = ''.join(_attribute(key, value, 6) for key, value in attributes.items())
-        return f'    <event>\n{lines}{date}    </event>\n'
+        lines += ''.join(f'      <date key="{k}" value="{v}"/>\n' for k, v in dates.items())
+        return f'    <event>\n{lines}    </event>\n'
+
+    def _take_time(self, record: Mapping[str, Any]) -> None:
+        if record['seq'] > self._steady.known:
+            event = known_event(record) if record['event'] in STEPS else None
+            if event is not None:
+                self._steady.follow(event)
+        if self._ahead_us is None:
+            self._ahead_us = self._steady.ahead_of(record['seq'])
+
+    def _time(self, record: Mapping[str, Any]) -> str:
+        ahead_us = self._steady.ahead_of(record['seq']) - (self._ahead_us or 0)
+        return iso_time(record['time'] - ahead_us / US if ahead_us else record['time'])
 
     def _component(self, record: Mapping[str, Any]) -> str | None:
         """Return the component that works at a task: the start of an attempt names it."""

@@ -30,6 +30,8 @@ class Standstill:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._seen: Stands | None = None
+        self._clock_set_s = 0.0
+        """By how much the clock had been set then."""
         self.told: Stands | None = None
         """What the last look told; None: something moves, or did a moment ago."""
 
@@ -38,16 +40,21 @@ class Standstill:
 
         :param waits: returns who waits for what; called only where no goal runs
         """
-        engine, before = self._engine, self._seen
+        engine, before, told = self._engine, self._seen, self.told
+        set_s, self._clock_set_s = self._clock_set_s, engine.state.clock_set_s
         found = None
         if not engine.state.running and (engine.broken or not engine.tree.is_due):
             found = _cause(engine.state, engine.broken, waits)
         if found is not None:
-            is_same = before is not None and _same(before, found)
-            since = before.since if before is not None and is_same else engine.state.time
-            found = changed(found, since=min(since, now_s))  # somebody may set the clock back
+            if before is not None and _same(before, found):
+                since = before.since + self._clock_set_s - set_s
+            else:
+                since, told = engine.state.time, None
+            found = changed(found, since=since)
         self._seen = found
-        self.told = found if found and now_s - found.since >= TOLD_AFTER_S else None
+        # Once told it stays told: the clock may have been set, and that not be on record yet.
+        is_told = found and (told is not None or now_s - found.since >= TOLD_AFTER_S)
+        self.told = found if is_told else None
         return self.told
 
 

@@ -22,6 +22,8 @@ class Progress:
         """Yield the lines that an event deserves, usually none or one."""
         if self._start is None:
             self._start = event.time
+        elif isinstance(event, e.ClockStepped):
+            self._start += event.seconds
         for line in self._lines(event):
             yield f'{event.time - self._start:7.2f} s  {line}'
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import datetime
 from typing import NamedTuple
 
@@ -14,13 +14,19 @@ from bt_orchestrator.drawing.gantt_page import gantt_svg
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.report.account.account import of_job
+from bt_orchestrator.report.account.booked import steady_time
+from bt_orchestrator.report.account.planned import US, us_of
+from bt_orchestrator.report.account.steady_time import SteadyTime, Step
 from bt_orchestrator.report.reading import Reading
 
 MOST_TASKS = 20_000
 """A chart of more attempts is a file of some 10 MB, which browsers show slowly."""
 
-LOOK_BACK_S = 3600.0
+LOOK_BACK_US = 3600 * US
 """What ran when the chart begins is found if it began within this time before."""
+
+_FAR_US = 1 << 60
 
 _FOLLOWED = ('task.', 'hold.', 'job.queued')
 
@@ -30,8 +36,15 @@ class NothingThere(OrchestratorError):
 
 
 class _Window(NamedTuple):
-    begin_s: float
-    end_s: float
+    begin_us: int
+    end_us: int
+    steady: SteadyTime
+    """Goes on as the clock did when the chart begins; all times of the chart are of it."""
+
+    @property
+    def steps(self) -> Sequence[Step]:
+        """Steps of the clock within it."""
+        return self.steady.within(self.begin_us + 1, self.end_us)
 
 
 def chart_svg(reading: Reading, args: argparse.Namespace) -> str:
@@ -46,7 +59,7 @@ def chart_svg(reading: Reading, args: argparse.Namespace) -> str:
         fold.follow(event)
         count += event.event == 'task.started'
         refuse_too_many(count)
-    gantt = fold.past(window.begin_s, window.end_s)
+    gantt = fold.past(window.begin_us / US, window.end_us / US)
     if not gantt.rows:
         raise NothingThere(
             f'no component worked {_when(window)}, by the journal {args.journal}; choose another '
@@ -68,8 +81,12 @@ def refuse_too_many(attempts: int) -> None:
 
 
 def _events(reading: Reading, window: _Window) -> Iterator[Event]:
-    wanted = Wanted(since=window.begin_s - LOOK_BACK_S, until=window.end_s, events=_FOLLOWED)
-    yield from reading.events(wanted)
+    steady = window.steady
+    since, until = steady.clock_span(window.begin_us - LOOK_BACK_US, window.end_us)
+    wanted = Wanted(since=since / US, until=(until + 0.5) / US, events=_FOLLOWED)
+    for event in map(steady.of, reading.events(wanted)):
+        if us_of(event.time) <= window.end_us:
+            yield event
 
 
 def _window(reading: Reading, args: argparse.Namespace) -> _Window:
@@ -82,9 +99,36 @@ def _window(reading: Reading, args: argparse.Namespace) -> _Window:
         raise NothingThere(
             f'the journal {args.journal} has no events; name that of a node that ran'
         )
-    if args.job is None:
-        begin = first.time if args.since is None else args.since
-        return _Window(begin, last.time if args.until is None else min(args.until, last.time))
+    steady = steady_time(reading)
+    if args.job is not None:
+        _refuse_nothing(reading, args)
+        period = of_job(reading, args.job, str(args.journal))
+        begin, end = period.begin_us, period.end_us
+    else:
+        begin, end = _shown(steady, args, steady.us(first), steady.us(last))
+    ahead = steady.ahead_at(begin)
+    return _Window(begin + ahead, end + ahead, steady.as_shown_at(begin))
+
+
+def _shown(steady: SteadyTime, args: argparse.Namespace, first: int, last: int) -> Sequence[int]:
+    """Return from when to when the clock showed the times of --from and --to.
+
+    :raises NothingThere: it showed none of them
+    """
+    since = first - _FAR_US if args.since is None else us_of(args.since)
+    until = last + _FAR_US if args.until is None else us_of(args.until)
+    spans = steady.when_shown([(since, until + 1)])
+    if not spans:
+        raise NothingThere(f'the clock skipped all of that time, by the journal {args.journal}')
+    begin = first if args.since is None else spans[0][0]
+    return begin, min(spans[-1][1] - 1, last)
+
+
+def _refuse_nothing(reading: Reading, args: argparse.Namespace) -> None:
+    """Refuse a job that has no events from its start on.
+
+    :raises NothingThere: it is one
+    """
     job = reading.jobs(args.job).jobs.get(args.job)
     if job is None:
         raise NothingThere(no_job(args))
@@ -95,14 +139,23 @@ def _window(reading: Reading, args: argparse.Namespace) -> _Window:
             else 'its events are not kept any more; a backup of the journal may have them'
         )
         raise NothingThere(f'there is nothing to draw of job {args.job}: {why}')
-    return _Window(job.started, last.time if job.ended is None else job.ended)
 
 
 def _titled(gantt: Gantt, window: _Window) -> Gantt:
     jobs = ', '.join(gantt.jobs)
-    return gantt.named(f'{jobs + ": " if jobs else ""}what happened {_when(window)}')
+    steps = '; '.join(map(_set_words, window.steps))
+    goes_on = f'; {steps}: times go on as if it had not been set' if steps else ''
+    return gantt.named(f'{jobs + ": " if jobs else ""}what happened {_when(window)}{goes_on}')
+
+
+def _set_words(step: Step) -> str:
+    way = 'back' if step.by_us < 0 else 'forward'
+    return f'the clock was set {way} by {abs(step.by_us) / US:.0f} s at {_iso(step.at_us)}'
 
 
 def _when(window: _Window) -> str:
-    begin, end = (datetime.fromtimestamp(at).isoformat(' ', 'seconds') for at in window)
-    return f'from {begin} to {end}'
+    return f'from {_iso(window.begin_us)} to {_iso(window.end_us)}'
+
+
+def _iso(us: int) -> str:
+    return datetime.fromtimestamp(us / US).isoformat(' ', 'seconds')

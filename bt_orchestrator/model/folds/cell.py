@@ -90,13 +90,25 @@ def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
 
 
 def clock_stepped(event: e.ClockStepped, state: CellState) -> None:
-    """Shift start times, so that elapsed times stay the same."""
-    state.packml_since += event.seconds
+    """Give what lasts the begin that the new clock would have shown: ages stay the same."""
+    by_s = event.seconds
+    state.packml_since += by_s
+    state.clock_set_s += by_s
     state.clock = None
     note_uptime(event, state)
     for key, task in list(state.running.items()):
-        started = changed(task, started=task.started + event.seconds)
+        started = changed(task, started=task.started + by_s)
         state.tasks[key] = state.running[key] = started
+    for name, hold in state.holds.items():
+        state.holds[name] = changed(hold, since=hold.since + by_s)
+    for component, out in state.out_of_service.items():
+        state.out_of_service[component] = changed(out, since=out.since + by_s)
+    state.stopped_by = _later(state.stopped_by, by_s)
+    state.stop_after_by = _later(state.stop_after_by, by_s)
+
+
+def _later(wish: Wish | None, by_s: float) -> Wish | None:
+    return changed(wish, time=wish.time + by_s) if wish is not None and wish.time else wish
 
 
 def note_uptime(event: Timed, state: CellState) -> Uptime | None:

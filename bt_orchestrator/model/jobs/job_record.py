@@ -125,6 +125,16 @@ class JobRecord:
     failures: list[FailureRecord] = field(default_factory=list)
     complete: bool = True
     """False: its events were removed, and with them its items and failures."""
+    clock_set_s: float = 0.0
+    """By how much the clock was set between its start and its end, forward; negative: back."""
+
+    @property
+    def seconds(self) -> float | None:
+        """How long it took; None: it did not start or end, or no event tells it any more."""
+        if self.started is None or self.ended is None:
+            return None
+        seconds = self.ended - self.started - self.clock_set_s
+        return seconds if self.complete or seconds >= 0.0 else None
 
 
 def all_counts(counts: Counts) -> dict[str, int]:

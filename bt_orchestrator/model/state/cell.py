@@ -55,6 +55,8 @@ class CellState:
     """Seconds spent in each state before the present stay."""
     time: float = 0.0
     """Of the last event, seconds."""
+    clock_set_s: float = 0.0
+    """By how much the clock was set since the journal began, in seconds forward."""
     stop_reason: StopReason | None = None
     stop_message: str = ''
     """The stop reason in words."""

@@ -135,6 +135,17 @@ class SteadyTime:
         )
         return [one for one in found if one[0] < one[1]]
 
+    def as_shown_at(self, moment: int) -> SteadyTime:
+        """Return the same steps in the time that goes on as the clock did at a moment."""
+        ahead = self.ahead_at(moment)
+        steps = [
+            step._replace(at_us=step.at_us + ahead, ahead_us=step.ahead_us - ahead)
+            for step in self.steps
+        ]
+        found = SteadyTime(self.since, steps, self._ahead_us - ahead)
+        found.known = _FAR_US
+        return found
+
     def up_to(self, seq: int) -> SteadyTime:
         """Return what is known of the steps up to an event, after which there are no more."""
         steps = (step for step in self.steps if step.seq <= seq)

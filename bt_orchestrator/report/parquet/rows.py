@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.task_spans import TaskSpan, TaskSpans
-from bt_orchestrator.report.account.planned import us_of
+from bt_orchestrator.report.account.planned import US, us_of
+from bt_orchestrator.report.account.steady_time import SteadyTime
 from bt_orchestrator.report.csv_export import COLUMNS, LEFT_OUT
 from bt_orchestrator.report.parquet.table_file import INT, SECONDS, TEXT, TIME, fits
 
@@ -67,21 +69,27 @@ def event_row(record: Mapping[str, Any]) -> dict[str, Any]:
 class TaskRows:
     """Takes in one event after another, and pairs the starts of attempts with their ends."""
 
-    def __init__(self) -> None:
+    def __init__(self, steady: SteadyTime, starts: Iterable[int]) -> None:
+        """Begin.
+
+        :param steady: knows when the clock was set
+        :param starts: events with which a node was started, also such as are not taken in here
+        """
         self._spans = TaskSpans()
-        self._untimed: set[e.TaskKey] = set()
-        """Attempts in flight when the node was started again or the clock was changed."""
+        self._steady = steady
+        self._starts = list(starts)
 
     def follow(self, event: e.Event) -> Iterator[dict[str, Any]]:
         """Take in the next event; yields the attempts that are over by it."""
-        if isinstance(event, (e.OrchestratorStarted, e.ClockStepped)):
-            self._untimed.update(begun.key for begun in self._spans.open())
+        self._steady.follow(event)
+        if isinstance(event, e.OrchestratorStarted):
+            if event.seq > max(self._starts[-1:], default=0):
+                self._starts.append(event.seq)
         elif isinstance(event, e.TaskStarted):
             lost = self._spans.start_of(event)
             if lost is not None:
-                self._untimed.discard(event.key)
                 yield self._begun(lost)
-        span = self._spans.follow(event)
+        span = self._spans.follow(event) if isinstance(event, e.TaskEvent) else None
         if span is not None:
             yield self._ended(span)
 
@@ -108,9 +116,9 @@ class TaskRows:
         begun, ended = span
         row = self._begun(begun)
         row |= {'ended': us_of(ended.time), 'end_seq': ended.seq}
-        if begun.key not in self._untimed:
-            row['seconds'] = (row['ended'] - row['started']) / 1e6
-        self._untimed.discard(begun.key)
+        next_start = bisect_right(self._starts, begun.seq)
+        if not any(start < ended.seq for start in self._starts[next_start : next_start + 1]):
+            row['seconds'] = (self._steady.us(ended) - self._steady.us(begun)) / US
         if isinstance(ended, e.TaskFailed):
             return row | {'outcome': 'failed', 'reason': ended.reason, 'message': ended.message}
         return row | {'outcome': 'succeeded', 'results': json_of(ended.results)}

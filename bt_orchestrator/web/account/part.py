@@ -65,12 +65,13 @@ def _next(turn: Turn | None) -> dict[str, Any] | None:
 def _stopped(live: Live) -> dict[str, Any] | None:
     if live.stopped is None:
         return None
-    cause = live.stopped.cause
+    cause, period = live.stopped.cause, live.account.period
+    now_us = period.end_us  # ages are told by the clock of now, which may have been set
     return {
         'loss': cause.loss.value,
         'detail': cause.detail,
         'component': cause.component,
-        'since': _s(live.account.period.shown_us(live.stopped.since_us)),
+        'since': _s(period.shown_us(now_us) - now_us + live.stopped.since_us),
     }
 
 

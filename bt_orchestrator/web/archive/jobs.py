@@ -27,6 +27,7 @@ MOST_ITEMS = 2000
 """Most items of one answer; the last ones are shown."""
 
 _QUEUED = (e.JobQueued.event,)
+_OF_A_JOB = (e.JobStarted, e.JobCompleted, e.JobAborted)
 
 EVENTS, SUMMARIES = 'e', 's'
 """First letters of cursors: among the events, or among the summaries of jobs without events."""
@@ -59,7 +60,7 @@ def job_with_items(look: Look, job: str) -> dict[str, Any] | None:
         return None
     items = list(record.items.values())
     return {
-        'job': summary(record, is_whole=record.complete),
+        'job': {**summary(record, is_whole=record.complete), 'seconds': record.seconds},
         'items': list(map(_item, items[-MOST_ITEMS:])),
         'left_out': max(0, len(items) - MOST_ITEMS),
         'failures': [
@@ -78,11 +79,11 @@ def job_record(look: Look, job: str) -> JobRecord | None:
     fold, seqs = JobFold(), dict[str, tuple[int, int]]()
     for event in events_of_job(look, job, FOLLOWED):
         fold.follow(event)
-        item = getattr(event, 'item', None)
-        if item is not None:
-            begun, _ = seqs.setdefault(item, (event.seq, event.seq))
-            if isinstance(event, (e.ItemRemoved, e.ItemMissing)):
-                seqs[item] = begun, event.seq
+        subject = job if isinstance(event, _OF_A_JOB) else getattr(event, 'item', None)
+        if subject is not None:
+            begun, _ = seqs.setdefault(subject, (event.seq, event.seq))
+            if isinstance(event, (e.ItemRemoved, e.ItemMissing, *_OF_A_JOB)):
+                seqs[subject] = begun, event.seq
     record = fold.jobs.get(job)
     if record is None:
         return next(_summaries_of(look, {job}), None)
@@ -91,9 +92,10 @@ def job_record(look: Look, job: str) -> JobRecord | None:
 
 
 def _note_steps(look: Look, record: JobRecord, seqs: Mapping[str, tuple[int, int]]) -> None:
-    """Note at each item by how much the clock was set while it was there.
+    """Note at the job and at each item by how much the clock was set while it was there.
 
-    :param seqs: numbers of the first event of each item, and of that with which it left
+    :param seqs: numbers of the first event of each item, and of that with which it left; of the
+        job, from its start to its end
     """
     if not seqs:
         return
@@ -101,9 +103,12 @@ def _note_steps(look: Look, record: JobRecord, seqs: Mapping[str, tuple[int, int
     last = max(last for _, last in seqs.values())
     wanted = Wanted(after_seq=first, before_seq=last, events=(e.ClockStepped.event,))
     steps = [one for one in events(look, wanted) if isinstance(one, e.ClockStepped)]
-    for item in record.items.values() if steps else ():
-        begun, ended = seqs.get(item.item, (0, 0))
-        item.clock_set_s = sum(one.seconds for one in steps if begun < one.seq < ended)
+    if not steps:
+        return
+    subjects: dict[str, JobRecord | ItemRecord] = {record.job: record, **record.items}
+    for name, one in subjects.items():
+        begun, ended = seqs.get(name, (0, 0))
+        one.clock_set_s = sum(step.seconds for step in steps if begun < step.seq < ended)
 
 
 def summary(record: JobRecord, *, is_whole: bool) -> dict[str, Any]:
@@ -137,6 +142,7 @@ def _item(item: ItemRecord) -> dict[str, Any]:
         'good': item.good,
         'started': item.started,
         'ended': item.ended,
+        'seconds': item.seconds,
         'nonconforming': list(item.nonconforming),
         'rounds': dict(item.rounds),
         'serial': item.serial,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from bt_orchestrator.mes.speed import Speedometer
-from bt_orchestrator.model.events import BeltIndexed, CellStateChanged
+from bt_orchestrator.model.events import BeltIndexed, CellStateChanged, ClockStepped
 from bt_orchestrator.model.packml import PackmlState
 
 EXECUTE = PackmlState.EXECUTE
@@ -60,3 +60,12 @@ def test_a_belt_at_rest_has_no_speed_and_a_standstill_does_not_count() -> None:
 
 def test_a_clock_that_was_set_back_makes_no_speed() -> None:
     assert executing(100.0, 50.0).a_minute(EXECUTE, 51.0) is None
+
+
+@pytest.mark.parametrize('step_s', [3600.0, -3600.0, -50.0])
+def test_a_clock_that_is_set_changes_no_speed(step_s: float) -> None:
+    speed = executing(0.0, 10.0, 20.0)
+    speed.hear(ClockStepped(seconds=step_s, time=25.0 + step_s))
+    assert speed.a_minute(EXECUTE, 26.0 + step_s) == pytest.approx(6.0)
+    speed.hear(BeltIndexed(beat=3, time=30.0 + step_s))
+    assert speed.a_minute(EXECUTE, 31.0 + step_s) == pytest.approx(6.0)

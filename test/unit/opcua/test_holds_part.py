@@ -16,6 +16,7 @@ from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.opcua.conditions import Place
 from bt_orchestrator.opcua.holds import Holds
 from bt_orchestrator.opcua.notices import Told
+from bt_orchestrator.opcua.values import moment
 
 
 class Scene:
@@ -158,4 +159,27 @@ def test_with_another_journal_all_conditions_end_and_numbers_begin_anew() -> Non
     assert [active for active, _, _ in scene.take()] == [False]
     scene.show(hold())
     assert scene.told[0].id != first
+    assert scene.take() == [(True, False, '')]
+
+
+def test_a_clock_that_is_set_changes_the_begin_of_a_hold_and_forgets_no_remark() -> None:
+    scene = Scene()
+    scene.show(hold(since=NOW_S))
+    scene.part.hear(decided('acknowledge'))
+    scene.take()
+    scene.show(hold(since=NOW_S - 3600.0))
+    (told,) = scene.told
+    assert told.fields['ActiveState/TransitionTime'].Value == moment(NOW_S - 3600.0)
+    assert scene.take() == [(True, True, 'because')]
+
+
+def test_an_abort_after_a_clear_that_no_status_told_is_another_emergency() -> None:
+    scene = Scene()
+    emergency = status(stop_reason=StopReason.EMERGENCY)
+    scene.part.show(emergency)
+    scene.take()
+    scene.part.hear(StopReasonChanged(stop_reason='', time=NOW_S, seq=emergency.seq + 1))
+    scene.part.show(emergency)
+    assert scene.take() == []
+    scene.part.show(replace(emergency, seq=emergency.seq + 2))
     assert scene.take() == [(True, False, '')]

@@ -124,14 +124,16 @@ def test_an_attempt_without_an_end_is_open(tmp_path: Path) -> None:
     ]
 
 
-@pytest.mark.parametrize(
-    'between',
-    [
-        e.OrchestratorStarted(cell='c', digest='d'),
-        e.ClockStepped(seconds=-5.0),
-    ],
-)
-def test_what_was_not_measured_has_no_duration(tmp_path: Path, between: e.Event) -> None:
+def test_an_attempt_over_a_step_of_the_clock_took_the_time_that_passed(tmp_path: Path) -> None:
+    step = e.ClockStepped(seconds=-5.0)  # the clock shows the times 10, 20 and 30
+    _, tasks = tables(tmp_path, STARTED, step, SUCCEEDED)
+    assert [(row['started'], row['ended'], row['seconds']) for row in tasks] == [
+        (moment(10.0), moment(30.0), 25.0)
+    ]
+
+
+def test_what_was_not_measured_has_no_duration(tmp_path: Path) -> None:
+    between = e.OrchestratorStarted(cell='c', digest='d')
     _, tasks = tables(tmp_path, STARTED, between, SUCCEEDED, STARTED, SUCCEEDED)
     assert [(row['outcome'], row['seconds']) for row in tasks] == [
         ('succeeded', None),

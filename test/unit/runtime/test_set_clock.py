@@ -5,14 +5,17 @@ from __future__ import annotations
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.clocks import SetClock
-from fakes.commands import Pause
+from fakes.commands import Pause, SetService, Stop
 from fakes.line import Line, with_section
 from fakes.operator import ann
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.commands import Command
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.store.memory import MemoryStore
 
@@ -259,3 +262,77 @@ def test_2_4_a_step_while_the_node_ran_is_told_once(step_s: float) -> None:
     run.restart()
     run.orchestrator.settle()
     assert len(run.steps()) == 1
+
+
+# --- ages: what the status tells of what still lasts ------------------------------------------
+
+
+class Ages:
+    """A line whose first task failed, with a component out of service and a stop: all last."""
+
+    def __init__(self) -> None:
+        self.run = SetLine('#1=abort').go(until=WORK_AT + 10)
+        self.ask(SetService('b1', in_service=False, by=ann('it leaks')))
+        self.ask(Stop(ann('enough')))
+        self.overview = Overview(self.run.orchestrator)
+        self.look()
+        self.run.clock.sleep(20.0)
+
+    def ask(self, command: Command) -> None:
+        assert self.run.orchestrator.ask(command).accepted
+
+    def look(self) -> CellStatus:
+        return self.overview.status(self.run.clock.now())
+
+    def told(self) -> dict[str, float]:
+        status = self.look()
+        (hold,) = status.holds
+        assert status.stands is not None
+        assert status.wish is not None
+        out = {one.name: one.out_of_service_since for one in status.components}['b1']
+        assert out is not None
+        begun = {
+            'state': status.state_since,
+            'hold': hold.since,
+            'stands': status.stands.since,
+            'out of service': out,
+            'stop': status.wish.time,
+        }
+        return {what: status.stamp - since for what, since in begun.items()}
+
+
+@either_way
+def test_2_4_all_ages_of_a_status_are_the_time_that_passed(step_s: float) -> None:
+    ages = Ages()
+    before = ages.told()
+    assert all(age >= 20.0 for age in before.values())
+    ages.run.clock.ahead_s = step_s
+    ages.run.orchestrator.settle()
+    assert ages.told() == pytest.approx(before)
+    ages.run.clock.sleep(5.0)
+    assert ages.told() == pytest.approx({what: age + 5.0 for what, age in before.items()})
+
+
+@either_way
+def test_2_4_ages_stay_right_over_a_restart(step_s: float) -> None:
+    ages = Ages()
+    before = ages.told()
+    ages.run.clock.ahead_s = step_s
+    ages.run.restart()
+    ages.run.orchestrator.settle()
+    ages.overview = Overview(ages.run.orchestrator)
+    ages.look()
+    ages.run.clock.sleep(5.0)
+    after = ages.told()
+    for what in ('hold', 'out of service', 'stop'):
+        assert after[what] == pytest.approx(before[what] + 5.0, abs=0.01)
+
+
+@either_way
+def test_7_4_a_standstill_stays_told_before_the_step_is_on_record(step_s: float) -> None:
+    ages = Ages()
+    assert ages.look().stands is not None
+    ages.run.clock.ahead_s = step_s
+    assert ages.look().stands is not None
+    ages.run.orchestrator.settle()
+    assert ages.told()['stands'] == pytest.approx(20.0)

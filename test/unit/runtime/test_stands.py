@@ -236,14 +236,6 @@ def settled_now(run: VirtualRun) -> CellStatus:
     return Overview(run.sim.orchestrator).status(run.now + 30.0)
 
 
-def test_7_4_a_clock_that_is_set_back_delays_it_by_a_second() -> None:
-    run = of_a2().go()
-    overview = Overview(run.sim.orchestrator)
-    overview.status(run.now + 5.0)
-    assert overview.status(run.now - 3600.0).stands is None
-    assert overview.status(run.now - 3599.0).stands is not None
-
-
 def test_7_4_a_cell_that_works_again_stands_no_more() -> None:
     run = of_a2().go()
     overview = Overview(run.sim.orchestrator)

@@ -232,3 +232,13 @@ def test_machines_get_what_is_different(clock: Time) -> None:
     }
     assert records[3]['values'] == {'/cell/belt': 'moving'}
     assert records[4] == {'kind': 'away', 'node': NODE.node, 'silent_s': 3.1}
+
+
+def test_lines_of_events_go_on_from_a_clock_that_is_set() -> None:
+    said: list[str] = []
+    lines = EventLines(NODE, said.append)
+    states = [e.CellStateChanged(state=one, previous='Idle') for one in ('Starting', 'Execute')]
+    lines.on_event(states[0].stamped(1, 7200.0))
+    lines.on_event(e.ClockStepped(seconds=-3600.0).stamped(2, 3604.0))
+    lines.on_event(states[1].stamped(3, 3605.0))
+    assert [line.split(' s ')[0].strip() for line in said] == ['0.00', '5.00']

@@ -11,10 +11,12 @@ from typing import Any, cast
 
 import pytest
 from fakes.line import Line, with_section
+from fakes.stepped import stepped
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.doors.facts import Happened
 from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.runtime.overview import description_of
 from bt_orchestrator.store.sqlite.records import SqliteRecords
@@ -224,3 +226,18 @@ def test_a_journal_of_another_node_is_told(journal: Path) -> None:
     assert asyncio.run(why(own)) == ''
     assert asyncio.run(why('')) == '', 'the node is silent'
     assert 'the node has other: give the page the journal' in asyncio.run(why('other'))
+
+
+def test_a_job_and_its_items_took_the_time_that_passed(run: VirtualRun, tmp_path: Path) -> None:
+    def seconds(events: list[Event]) -> dict[str, float]:
+        path = tmp_path / f'{hash(tuple(one.time for one in events))}.sqlite3'
+        with closing(SqliteStore(path)) as store:
+            store.append(events)
+            found = of_journal(path)(lambda look: job_with_items(look, 'J'))
+        return {one['id']: one['seconds'] for one in (found['job'], *found['items'])}
+
+    events = list(run.store.read())
+    as_it_was = seconds(events)
+    assert len(as_it_was) == 4
+    for by_s in (-3600.0, 3600.0):
+        assert seconds(stepped(events, [(20, by_s)])) == pytest.approx(as_it_was)

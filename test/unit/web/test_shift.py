@@ -158,6 +158,15 @@ def test_a_clock_that_was_set_is_said(bench: ShiftBench) -> None:
     assert bench.look()['clock_set'] == [step]
 
 
+def test_a_stop_is_told_by_the_clock_of_now(bench: ShiftBench) -> None:
+    day = Day()
+    day.events = [one for one in the_day().events if one.time <= at('12:00')]
+    day.note('12:01:10', ClockStepped(seconds=-50.0))
+    bench.journal = day.records
+    stopped = bench.look()['stopped']
+    assert (stopped['loss'], stopped['since']) == ('emergency', at('11:59:10'))
+
+
 def test_what_it_lacks_is_said(bench: ShiftBench) -> None:
     def unusable() -> Records:
         raise JournalUnusable('no such file')

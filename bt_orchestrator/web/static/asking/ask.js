@@ -16,6 +16,7 @@ import { dialogButtons, openDialog } from './dialog.js';
 import { askToLogIn } from './login.js';
 import { note } from './notes.js';
 import { outcomeWords } from './outcome.js';
+import { clock } from '../core/store.js';
 
 /**
  * Ask for what is missing and send a request.
@@ -62,7 +63,7 @@ async function askForAnother(offer, title) {
 async function sendAtOnce(offer, title, tell = note('unknown', '')) {
   const say = (kind, words) => tell(kind, `${title} — ${words}`);
   say('unknown', t('ask.sending'));
-  const sentAt = Date.now() / 1000;
+  const sentAt = clock();
   const outcome = await send(offer, { reason: '' }, newTicket(), () =>
     say('unknown', t('ask.unknown_danger')),
   );

@@ -89,7 +89,7 @@ function said(kind, { message, findings }) {
 
 /** Ask the journal until it says what became of a command, or until it surely has not taken it. */
 async function outcomeOf(ticket, refused) {
-  const until = Date.now() + GIVE_UP_MS;
+  const until = performance.now() + GIVE_UP_MS;
   for (;;) {
     const found = await get(`/api/tickets/${ticket}`).catch(() => null);
     if (found?.found) {
@@ -97,7 +97,7 @@ async function outcomeOf(ticket, refused) {
       return { kind, message: found.message ?? '', findings: [], isFromJournal: true };
     }
     const hasLooked = found !== null && !found.node_silent;
-    if (hasLooked && Date.now() >= until)
+    if (hasLooked && performance.now() >= until)
       return { ...said('absent', refused), isFromJournal: true };
     await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
   }

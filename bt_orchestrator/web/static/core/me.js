@@ -57,11 +57,11 @@ export async function unlock(password) {
 
 /** Tell the page while somebody is there, so that the session is not locked meanwhile. */
 export function stayAwake() {
-  let told = 0;
+  let told = -AWAKE_MS;
   const tell = () => {
     const isSession = me.role && !me.is_locked && me.how === 'page login';
-    if (!isSession || Date.now() - told < AWAKE_MS) return;
-    told = Date.now();
+    if (!isSession || performance.now() - told < AWAKE_MS) return;
+    told = performance.now();
     post('/api/active', {}).catch(() => null);
   };
   for (const sign of ['pointerdown', 'keydown'])

@@ -1,7 +1,7 @@
 /** The account of the shift that runs: OEE with its factors, what was made, and what was lost. */
 
 import { attribute, h, keyed, show, text } from '../core/dom.js';
-import { part } from '../core/store.js';
+import { part, shownMoment } from '../core/store.js';
 import { about, duration, number, ratio, seconds, t } from '../core/text.js';
 
 const REPORT = '/api/shift/report.html';
@@ -171,7 +171,7 @@ function breakWords({ begin, end, usual_s: usual }) {
 /** Say what the time is lost to now; not what is over before anybody has read it. */
 function sayStopped(element, shift) {
   const stopped = shift?.stopped;
-  const since = stopped ? Date.now() / 1000 - stopped.since : 0;
+  const since = stopped ? shownMoment() - stopped.since : 0;
   const isSaid = since >= SHORT_S;
   show(element, isSaid);
   if (!isSaid) return;

@@ -114,7 +114,7 @@ class Job {
       ['queued', at(job.queued)],
       ['started', at(job.started)],
       ['ended', at(job.ended)],
-      ['took', job.started && job.ended ? duration(job.ended - job.started) : ''],
+      ['took', job.seconds === null ? '' : duration(job.seconds)],
       ['packed', job.counts.packed],
       ['bad', bad(job.counts)],
     ];
@@ -136,7 +136,7 @@ function itemTable() {
     { head: t('job.started'), cell: (item) => at(item.started) },
     {
       head: t('job.took'),
-      cell: (item) => (item.ended ? duration(item.ended - item.started) : ''),
+      cell: (item) => (item.seconds === null ? '' : duration(item.seconds)),
       isNumber: true,
     },
     { head: t('job.nonconforming'), cell: (item) => item.nonconforming.join(', ') },
