@@ -35,6 +35,7 @@ class Fields:
     def __init__(self, node: MapNode, table: Table, report: Report) -> None:
         self.node = node
         self.report = report
+        self.keys = table.keys
         self._table = table
         self._unsure: set[str] = set(node.doubtful)
         self._entries: dict[str, Entry] = {}

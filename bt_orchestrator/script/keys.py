@@ -82,6 +82,8 @@ class Key:
     """Pattern of a text, as far as an editor can know what the reader takes."""
     name_form: str = ''
     """Pattern of the names in a MAPPING."""
+    sets: str = ''
+    """Field of the task that it sets, if nothing more than its kind has to be known."""
     rule: str = ''
     """Rule or chapter of docs/semantics.md that says what it does."""
 

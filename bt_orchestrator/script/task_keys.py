@@ -5,7 +5,15 @@ from __future__ import annotations
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.script import RunsFor
 from bt_orchestrator.script.conditions.condition_keys import CONDITION
-from bt_orchestrator.script.keys import LONGEST_SECONDS, Key, Kind, Table, action, whole, words
+from bt_orchestrator.script.keys import (
+    LARGEST_WHOLE,
+    LONGEST_SECONDS,
+    Key,
+    Kind,
+    Table,
+    action,
+    words,
+)
 from bt_orchestrator.script.names import ID_FORM
 
 _FIRST_TASK_KEYS = (
@@ -42,7 +50,17 @@ _LAST_TASK_KEYS = (
         default=False,
         rule='2.7',
     ),
-    whole('retries', 'further attempts after a failed one', '2', 0, default=0, rule='2.6'),
+    Key(
+        'retries',
+        Kind.WHOLE,
+        'further attempts after a failed one',
+        '2',
+        default=0,
+        minimum=0,
+        maximum=LARGEST_WHOLE,
+        rule='2.6',
+        sets='retries',
+    ),
     Key(
         'retry_delay',
         Kind.SECONDS,
@@ -52,6 +70,7 @@ _LAST_TASK_KEYS = (
         minimum=0,
         maximum=LONGEST_SECONDS,
         rule='2.6',
+        sets='retry_delay_s',
     ),
     Key(
         'timeout',
@@ -61,6 +80,7 @@ _LAST_TASK_KEYS = (
         minimum=0,
         maximum=LONGEST_SECONDS,
         rule='2.4',
+        sets='timeout_s',
     ),
     Key(
         'repeatable',
@@ -69,6 +89,7 @@ _LAST_TASK_KEYS = (
         'true',
         default=False,
         rule='9.2',
+        sets='repeatable',
     ),
 )
 
@@ -89,6 +110,7 @@ TASK = Table(
             'false',
             default=True,
             rule='3.3',
+            sets='requires_conveyor',
         ),
         Key(
             'qty_change',
@@ -99,6 +121,7 @@ TASK = Table(
             minimum=-1,
             maximum=1,
             rule='3.2',
+            sets='qty_change',
         ),
         _on_failure(words(OnFailure)),
         *_LAST_TASK_KEYS,
@@ -141,6 +164,7 @@ TASK = Table(
             default=RunsFor.GOOD.value,
             choices=words(RunsFor),
             rule='6.4',
+            sets='runs_for',
         ),
     ),
     misplaced={'once': ('only initialization tasks can run once', 'remove `once`')},
@@ -162,6 +186,7 @@ INITIALIZATION_TASK = Table(
             'true',
             default=False,
             rule='5.1',
+            sets='once',
         ),
     ),
     misplaced={

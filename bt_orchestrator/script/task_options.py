@@ -8,20 +8,16 @@ from typing import Any
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.script import RunsFor
 from bt_orchestrator.script.fields import Fields
+from bt_orchestrator.script.keys import Kind
 
-_Reader = Callable[[Fields, str], Any]
-
-_READERS: Mapping[str, tuple[str, _Reader]] = {
-    'requires_conveyor': ('requires_conveyor', Fields.switch),
-    'qty_change': ('qty_change', Fields.whole),
-    'retries': ('retries', Fields.whole),
-    'retry_delay': ('retry_delay_s', Fields.seconds),
-    'timeout': ('timeout_s', lambda fields, key: fields.timeout(key, None)),
-    'repeatable': ('repeatable', Fields.switch),
-    'once': ('once', Fields.switch),
-    'runs_for': ('runs_for', lambda fields, key: RunsFor(fields.choice(key))),
+_READS: Mapping[Kind, Callable[[Fields, str], Any]] = {
+    Kind.SWITCH: Fields.switch,
+    Kind.WHOLE: Fields.whole,
+    Kind.SECONDS: Fields.seconds,
+    Kind.TIMEOUT: lambda fields, key: fields.timeout(key, None),
+    Kind.CHOICE: lambda fields, key: RunsFor(fields.choice(key)),
 }
-"""Field of Task that each key sets, and what reads it; but for failures and conditions."""
+"""The reader of each kind of key that sets a field of the task."""
 
 
 def written_options(fields: Fields) -> dict[str, Any]:
@@ -30,11 +26,10 @@ def written_options(fields: Fields) -> dict[str, Any]:
     Conditions and verdicts need to know the other tasks, and are read later.
     """
     options = {}
-    for key, (name, read) in _READERS.items():
-        if fields.has(key):
-            value = read(fields, key)
-            if fields.is_sure(key):
-                options[name] = value
+    for key in filter(lambda one: one.sets and fields.has(one.name), fields.keys):
+        value = _READS[key.kind](fields, key.name)
+        if fields.is_sure(key.name):
+            options[key.sets] = value
     return options | _on_failure(fields)
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from enum import Enum
 from typing import Any
 
 from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.model.condition import Condition
-from bt_orchestrator.model.script import RunsFor, Task
+from bt_orchestrator.model.script import Task
+from bt_orchestrator.script.keys import Key
+from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
 
 Row = dict[str, Any]
 
@@ -17,44 +20,43 @@ def task_row(task: Task, cell: Cell | None, default_id: str) -> Row:
 
     :param default_id: the id that it has where it stands, if none is written
     """
-    return dict(_task_keys(task, cell, default_id))
+    own = _own_keys(task, cell, default_id)
+    values = (
+        (key.name, own[key.name] if key.name in own else _set(key, task)) for key in _KEYS
+    )
+    return {name: value for name, value in values if value is not None}
 
 
-def _task_keys(task: Task, cell: Cell | None, default_id: str) -> Iterator[tuple[str, Any]]:
-    if task.id != default_id:
-        yield 'id', task.id
-    yield 'task', task.name
-    yield 'action', task.action
-    if task.args:
-        yield 'args', task.args
-    if not task.requires_conveyor:
-        yield 'requires_conveyor', False
-    if task.qty_change:
-        yield 'qty_change', task.qty_change
-    if task.on_failure is not OnFailure.HOLD:
-        yield 'on_failure', task.on_failure.value
-    if task.retries:
-        yield 'retries', task.retries
-    if task.retry_delay_s:
-        yield 'retry_delay', task.retry_delay_s
-    if cell is None or task.timeout_s != cell.components[task.component].timeout_s:
-        yield 'timeout', 'none' if task.timeout_s is None else task.timeout_s
-    if task.repeatable:
-        yield 'repeatable', True
-    yield from _conditions(task)
-    if task.identifies:
-        yield 'identifies', '.'.join(task.identifies)
-    if task.runs_for is not RunsFor.GOOD:
-        yield 'runs_for', task.runs_for.value
-    if task.once:
-        yield 'once', True
+_KEYS = (*TASK.keys, INITIALIZATION_TASK.by_name['once'])
 
 
-def _conditions(task: Task) -> Iterator[tuple[str, Any]]:
-    if task.condition is not None:
-        yield 'unless' if task.condition.negated else 'when', condition_row(task.condition)
-    if task.fails_unless is not None:
-        yield 'fails_unless', condition_row(task.fails_unless)
+def _set(key: Key, task: Task) -> Any:
+    """Return what a key sets; None: what holds when it is absent."""
+    value = getattr(task, key.sets) if key.sets else key.default
+    plain = value.value if isinstance(value, Enum) else value
+    return None if plain == key.default else plain
+
+
+def _own_keys(task: Task, cell: Cell | None, default_id: str) -> Mapping[str, Any]:
+    """Return the keys that say more than one field; None: not written."""
+    condition, limit = task.condition, task.timeout_s
+    is_usual = cell is not None and limit == cell.components[task.component].timeout_s
+    when = (
+        {}
+        if condition is None
+        else {'unless' if condition.negated else 'when': condition_row(condition)}
+    )
+    return {
+        'id': task.id if task.id != default_id else None,
+        'task': task.name,
+        'action': task.action,
+        'args': task.args or None,
+        'on_failure': task.on_failure.value if task.on_failure is not OnFailure.HOLD else None,
+        'timeout': None if is_usual else 'none' if limit is None else limit,
+        **when,
+        'fails_unless': task.fails_unless and condition_row(task.fails_unless),
+        'identifies': '.'.join(task.identifies) or None,
+    }
 
 
 def condition_row(condition: Condition) -> Any:

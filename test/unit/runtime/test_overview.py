@@ -10,6 +10,7 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.status_marks import line_state
+from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.state import End, PassedTask
 from bt_orchestrator.model.status import CellStatus, FinishedCycle, ItemStatus
 from bt_orchestrator.model.wait import WaitKind
@@ -219,3 +220,15 @@ def test_a_cell_is_described_as_its_file_says() -> None:
     assert (arm.action, arm.sections) == ('/arm/do', (2, 3))
     a1 = next(one for one in found.components if one.name == 'a1')
     assert (a1.durations_s['TASK_B'], a1.default_duration_s) == (4.0, 1.0)
+
+
+def test_a_contest_is_told_as_facts() -> None:
+    run = Line(3).begin(THREE)
+    run.sim.gateway.bring_in('a2', Contest(('/one', '/two')))
+    run.sim.orchestrator.settle()
+    status = Overview(run.sim.orchestrator).status(run.now)
+    told = {one.name: one.contested_words for one in status.components}
+    assert told['a2'] is not None
+    assert told['a2'].kind == 'several_servers'
+    assert told['a2'].values['servers'] == '/one, /two'
+    assert told['b2'] is None
