@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 Records = Sequence[Mapping[str, Any]]
 
 BEGINS = ('Execute', 'Suspending', 'Suspended', 'Unsuspending')
-UNPLANNED = ('not_recorded', 'no_order')
+UNPLANNED = ('not_recorded', 'no_order', 'orders_wait')
 PRODUCES = ('production', 'rework')
 JOB_ENDS = ('job.completed', 'job.aborted', 'job.removed')
 
@@ -100,7 +100,7 @@ def is_good(out: Mapping[str, Any], records: Records) -> bool:
 def what_is_it(past: Records, next_event: str) -> str:
     """Say what the time after some records is booked as."""
     if not any(has_work(past, job) for job in jobs(past)):
-        return 'no_order'
+        return 'orders_wait' if jobs(past) else 'no_order'
     if next_event == 'orchestrator.started' or has_stopped(past):
         return 'no_node'
     reason = last(past, 'cell.stop_reason_changed', 'stop_reason')

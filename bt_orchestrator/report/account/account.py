@@ -16,9 +16,11 @@ from bt_orchestrator.report.account.booked import booked, first_booked, last_boo
 from bt_orchestrator.report.account.clock_words import break_words, old_step_words, step_words
 from bt_orchestrator.report.account.figures import LACKS, Figures, Paces, figures
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, FromBooks
+from bt_orchestrator.report.account.losses import Loss
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import Planned, us_of
 from bt_orchestrator.report.account.steady_time import SteadyTime, Step
+from bt_orchestrator.report.account.words import duration, is_seen
 from bt_orchestrator.report.reading import Reading
 
 _OF_A_JOB = (e.JobStarted.event, e.JobCompleted.event, e.JobAborted.event)
@@ -113,6 +115,11 @@ class Account:
             )
         if shown.lack is not None:
             said.append(LACKS[shown.lack])
+        said += [
+            f'orders waited for {duration(one.us)}: {one.detail}'
+            for one in shown.times.stops
+            if one.loss is Loss.ORDERS_WAIT and is_seen(one.us)
+        ]
         if shown.unpaced:
             named = ', '.join(shown.unpaced)
             why = 'does not fit' if self.has_cell else 'is needed: --cell CELL'

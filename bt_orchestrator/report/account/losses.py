@@ -24,6 +24,7 @@ class Loss(Enum):
 
     NOT_RECORDED = 'not_recorded'
     NO_ORDER = 'no_order'
+    ORDERS_WAIT = 'orders_wait'
     NO_NODE = 'no_node'
     OWN_FAULT = 'own_fault'
     OPERATOR = 'operator'
@@ -51,8 +52,12 @@ WORDS: Mapping[Loss, Words] = {
         'not recorded',
         'the journal does not know it: before its first event, or after events that were removed',
     ),
-    Loss.NO_ORDER: Words(
-        Step.NOT_BUSY, 'no order', 'no job was on the line, and none in the queue could start'
+    Loss.NO_ORDER: Words(Step.NOT_BUSY, 'no order', 'no job was on the line or in the queue'),
+    Loss.ORDERS_WAIT: Words(
+        Step.NOT_BUSY,
+        'orders wait',
+        'no job was on the line, and no job in the queue could start: held, before its `start`, '
+        'without a release, or in need of a component out of service',
     ),
     Loss.NO_NODE: Words(
         Step.AVAILABILITY,

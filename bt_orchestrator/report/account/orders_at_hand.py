@@ -20,6 +20,17 @@ class _Order:
     lacks: set[str] = field(default_factory=set)
 
     @property
+    def waits_for(self) -> tuple[str, ...]:
+        """What keeps it from starting, in words."""
+        why = {
+            'held in the queue': self.held,
+            'before its start': self.awaits_start,
+            'script not released': self.unreleased,
+            f'{", ".join(sorted(self.lacks))} out of service': self.lacks,
+        }
+        return tuple(words for words, is_so in why.items() if is_so and not self.started)
+
+    @property
     def is_at_hand(self) -> bool:
         waits = self.held or self.awaits_start or self.unreleased or self.lacks
         return self.started or not waits
@@ -35,6 +46,11 @@ class OrdersAtHand:
     def any(self) -> bool:
         """Tell whether there is work (as `CellState.has_work`)."""
         return any(one.is_at_hand for one in self._orders.values())
+
+    @property
+    def waits_for(self) -> str:
+        """What keeps the orders from starting, if there are any; empty: there is none."""
+        return '; '.join(sorted({why for one in self._orders.values() for why in one.waits_for}))
 
     @property
     def all_paused(self) -> bool:

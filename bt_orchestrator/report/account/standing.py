@@ -60,7 +60,7 @@ class Standing:
         if self._state is None:
             return Cause(Loss.NOT_RECORDED)
         if not self._orders.any:
-            return Cause(Loss.NO_ORDER)
+            return self._without_work()
         if self._node_ended:
             return Cause(Loss.NO_NODE)
         if self._stop_reason is not None:
@@ -71,7 +71,11 @@ class Standing:
 
     def without_node(self) -> Cause:
         """Return what the time was lost to before a node that was not heard to end started."""
-        return Cause(Loss.NO_NODE if self._orders.any else Loss.NO_ORDER)
+        return Cause(Loss.NO_NODE) if self._orders.any else self._without_work()
+
+    def _without_work(self) -> Cause:
+        waits = self._orders.waits_for
+        return Cause(Loss.ORDERS_WAIT, waits) if waits else Cause(Loss.NO_ORDER)
 
     def _stopped(self, reason: StopReason) -> Cause:
         loss = OF_STOP_REASON[reason]

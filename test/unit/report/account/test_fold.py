@@ -22,6 +22,7 @@ TASK = e.TaskStarted(
     job='J', section=2, item='J/1', task='t', name='T', action='/a', component='a', attempt=1,
     goal='g',
 )  # fmt: skip
+LEFT = e.JobRemoved(job='Z')
 HOLD = e.HoldRaised(hold='1', reason='aborted', component='a', name='T')
 
 
@@ -60,8 +61,11 @@ def test_after_removed_events_nothing_is_known_until_the_state_is_told() -> None
     [
         ((), {'no_node': 10, 'production': 20}),
         ((e.OrchestratorStopping(),), {'no_node': 10, 'production': 20}),
-        ((e.JobCompleted(job='J'),), {'no_order': 20, 'production': 10}),
-        ((e.JobCompleted(job='J'), e.OrchestratorStopping()), {'no_order': 20, 'production': 10}),
+        ((e.JobCompleted(job='J'),), {'orders_wait': 20, 'production': 10}),
+        (
+            (e.JobCompleted(job='J'), LEFT, e.OrchestratorStopping()),
+            {'no_order': 20, 'production': 10},
+        ),
     ],
 )
 def test_a_node_that_does_not_run_is_a_loss_where_there_is_work(
@@ -98,7 +102,15 @@ def test_orders_that_may_not_start_are_no_work() -> None:
     day.note('06:35', e.JobRemoved(job='W'))
     day.note('06:40', e.JobReleased(job='J'))
     day.note('06:50', e.JobHeld(job='J'))
-    assert minutes(times(day, '07:00')) == {'no_order': 40, 'operator': 20}
+    found = times(day, '07:00')
+    assert minutes(found) == {'orders_wait': 40, 'operator': 20}
+    assert {one.detail: one.us // US // 60 for one in found.stops} == {
+        'a, b out of service; before its start; held in the queue': 10,
+        'b out of service; before its start; held in the queue': 10,
+        'a out of service; before its start; held in the queue': 5,
+        'a out of service; held in the queue': 15,
+        'the cell was Stopped': 20,
+    }
 
 
 def test_jobs_that_an_operator_paused_are_no_wait() -> None:

@@ -48,7 +48,7 @@ ENDED = e.OrchestratorStopping()
 CASES: dict[str, tuple[Sequence[e.Event], Sequence[e.Event], Loss]] = {
     'no order': ((), (), Loss.NO_ORDER),
     'queued, not started': ((LOADED, queued()), (), Loss.OPERATOR),
-    'every order is held': ((LOADED, queued(held=True)), (), Loss.NO_ORDER),
+    'every order is held': ((LOADED, queued(held=True)), (), Loss.ORDERS_WAIT),
     'held': ((LOADED, queued(), *WORKS, held_raised(), stopped('own_fault')), (), Loss.OWN_FAULT),
     'stopped': ((LOADED, queued(), *WORKS, stopped('operator', 'ann')), (), Loss.OPERATOR),
     'the node has ended': ((LOADED, queued(), *WORKS, ENDED), (NODE,), Loss.NO_NODE),
@@ -73,7 +73,7 @@ def test_a_quiet_period_is_reported_with_its_cause(case: str, goes_on: bool) -> 
     found = quiet(before, after)
     shown = found.figures
     assert shown.times.lost_us == {loss: HOUR_US}
-    is_busy = loss is not Loss.NO_ORDER
+    is_busy = loss not in (Loss.NO_ORDER, Loss.ORDERS_WAIT)
     assert shown.availability == shown.oee == (Fraction(0) if is_busy else None)
     assert (shown.performance, shown.quality) == (None, None)
     lack = 'production' if is_busy else 'busy'
@@ -90,6 +90,14 @@ def test_a_quiet_period_is_reported_with_its_cause(case: str, goes_on: bool) -> 
     assert any(row[:2] == ['note', lack] for row in csv.reader(io.StringIO(file.getvalue())))
     ends = 'the journal has no event since 2026-05-18'
     assert any(one.startswith(ends) for one in found.notes()) is not bool(after)
+
+
+def test_a_report_says_what_the_orders_waited_for() -> None:
+    before, _, _ = CASES['every order is held']
+    said = 'orders waited for 1:00:00: held in the queue'
+    assert said in quiet(before, ()).notes()
+    before, _, _ = CASES['no order']
+    assert not any('orders waited' in one for one in quiet(before, ()).notes())
 
 
 def test_a_hold_that_stood_all_the_time_is_named() -> None:
