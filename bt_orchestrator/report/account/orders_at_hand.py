@@ -21,7 +21,7 @@ class _Order:
 
     @property
     def waits_for(self) -> tuple[str, ...]:
-        """What keeps it from starting, in words."""
+        """The obstacles to its start, in words."""
         why = {
             'held in the queue': self.held,
             'before its start': self.awaits_start,
@@ -49,7 +49,7 @@ class OrdersAtHand:
 
     @property
     def waits_for(self) -> str:
-        """What keeps the orders from starting, if there are any; empty: there is none."""
+        """The obstacles to the start of all orders; empty: there is no order."""
         return '; '.join(sorted({why for one in self._orders.values() for why in one.waits_for}))
 
     @property

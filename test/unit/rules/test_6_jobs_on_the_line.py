@@ -68,16 +68,20 @@ def test_6_6_a_stopped_job_prepares_what_its_items_need() -> None:
 
 
 def test_6_6_a_stopped_job_skips_the_rest_when_its_last_item_has_left() -> None:
-    """No list needs section 4's device; its task waits for `slow`."""
-    text = 'initialization: [{id: slow, @b3}, {id: idle, @b4}]\n'
+    """No list needs section 4's device; its second task waits for the first, which is slow."""
+    text = 'initialization: [{id: slow, @b4}, {id: idle, @b4.TASK_B}]\n'
     text += 'initialization_dependencies: [{upstream: slow, downstream: idle}]\n'
     line = Line(4, seconds={'b4': 20.0})
     run = line.begin(text + THREE, 3)
     run.go(until=1.5)
     run.control('stop', 'J')
-    run.go()
+    run.go(until=9.5)
     assert run.all('task.skipped') == []
-    assert run.starts('idle') == [1.0]
+    run.go()
+    (skipped,) = run.all('task.skipped')
+    assert (skipped['task'], skipped['reason']) == ('idle', 'job stopped')
+    assert run.times('task.skipped') == run.times('item.removed')[-1:] == [10.0]
+    assert run.times('job.completed') == [20.0]
     assert run.ended
 
 
