@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.script import RunsFor
 from bt_orchestrator.script.conditions.condition_keys import CONDITION
-from bt_orchestrator.script.keys import (
-    LARGEST_WHOLE,
-    LONGEST_SECONDS,
-    Key,
-    Kind,
-    Table,
-    action,
-    words,
-)
+from bt_orchestrator.script.keys import LONGEST_SECONDS, Key, Kind, Table, action, whole, words
 from bt_orchestrator.script.names import ID_FORM
 
 _FIRST_TASK_KEYS = (
@@ -50,15 +44,8 @@ _LAST_TASK_KEYS = (
         default=False,
         rule='2.7',
     ),
-    Key(
-        'retries',
-        Kind.WHOLE,
-        'further attempts after a failed one',
-        '2',
-        default=0,
-        minimum=0,
-        maximum=LARGEST_WHOLE,
-        rule='2.6',
+    replace(
+        whole('retries', 'further attempts after a failed one', '2', 0, default=0, rule='2.6'),
         sets='retries',
     ),
     Key(

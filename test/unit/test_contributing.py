@@ -28,7 +28,7 @@ EXAMPLES = {
     'a request': Example('REMOVE_ITEM', 'remove[_-]item'),
     'a fact': Example('contested_words', 'contested_words'),
     'a script key': Example('retry_delay_s', 'retry_delay'),
-    'an export': Example('XesExport', 'xes'),
+    'an export': Example('CsvExport', 'csv'),
 }
 
 

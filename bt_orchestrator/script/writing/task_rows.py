@@ -21,9 +21,7 @@ def task_row(task: Task, cell: Cell | None, default_id: str) -> Row:
     :param default_id: the id that it has where it stands, if none is written
     """
     own = _own_keys(task, cell, default_id)
-    values = (
-        (key.name, own[key.name] if key.name in own else _set(key, task)) for key in _KEYS
-    )
+    values = ((key.name, own[key.name] if key.name in own else _set(key, task)) for key in _KEYS)
     return {name: value for name, value in values if value is not None}
 
 
