@@ -49,10 +49,11 @@ PAGES = (
     'docs/status.md',
     'docs/events.md',
     'docs/script_reference.md',
-    'docs/opcua.md',
+    'docs/opcua_reference.md',
     'docs/mes.md',
     'docs/operating.md',
-    'docs/page.md',
+    'docs/requests.md',
+    'docs/page_api.md',
     'docs/queue.md',
     'docs/security.md',
 )

@@ -28,7 +28,12 @@ def pages() -> dict[str, str]:
 
 def written_by_hand(text: str) -> str:
     """Return a page without its code and its generated parts."""
-    return _GENERATED.sub('\n\n', _CODE.sub('\n\n', text))
+    return without_generated(_CODE.sub('\n\n', text))
+
+
+def without_generated(text: str) -> str:
+    """Return a page without what is made from declarations."""
+    return _GENERATED.sub('\n\n', text)
 
 
 def sentences_of_page(text: str) -> Iterator[str]:

@@ -38,6 +38,8 @@ _NO_TEXT = (
 TAKE_ROS_ARGUMENTS = ('run', 'sim-cell', 'demo', 'page', 'opcua')
 """Verbs that are ROS 2 nodes: --ros-args is for them, up to -- or the end."""
 
+_MORE = f'{PROGRAM} VERB --help says more about a verb, and docs/glossary.md about the words'
+
 INTERRUPTED = 130
 PIPE_CLOSED = 141
 """Exit statuses of shells for SIGINT and SIGPIPE."""
@@ -163,7 +165,7 @@ def _parser_of_verbs(
     parser = CommandParser(
         prog=PROGRAM,
         description='Behaviour trees of ROS 2 action clients for a cell along a conveyor.',
-        epilog='\n'.join((*_groups(), f'{PROGRAM} VERB --help says more about a verb')),
+        epilog='\n'.join((*_groups(), _MORE)),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument('--version', action=_Version, help='print the version and exit')

@@ -113,7 +113,7 @@ class SimpleCommands:
             await space.method(f'{top}/{name}', call, arguments, (ACCEPTED, MESSAGE), does)
         await space.method(
             f'{top}/Request', self._request, REQUEST, (ACCEPTED, MESSAGE, FINDINGS),
-            'makes any request by its name; docs/operating.md lists them',
+            'makes any request by its name; docs/requests.md lists them',
         )  # fmt: skip
 
     async def _request(self, name: str, arguments: str, reason: str) -> list[ua.Variant]:

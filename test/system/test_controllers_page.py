@@ -35,7 +35,7 @@ def test_2_2_a_controller_of_thirty_lines_does_its_task(line: CellProcesses) -> 
     line.watch.submit(line.script(shown('yaml')[1], 'drilled'), quantity=2)
 
     job = line.watch.until_ended('WO-1')
-    assert (job.packed, job.good) == (2, 2)
+    assert (job.packed, job.nonconforming, job.rejected) == (2, 0, 0)
     done = line.watch.until('task.succeeded', item='WO-1/2', task='drill')
     assert done['results']['measurement'] == 10.2
     line.stop()
