@@ -17,7 +17,7 @@ from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.holds import Holds
 from bt_orchestrator.opcua.job_control.part import JobControl
 from bt_orchestrator.opcua.memory import building, give_back
-from bt_orchestrator.opcua.overrides import Security
+from bt_orchestrator.opcua.overrides.security import Security
 from bt_orchestrator.opcua.packml import PackML
 from bt_orchestrator.opcua.part import Part
 from bt_orchestrator.opcua.simple import Simple

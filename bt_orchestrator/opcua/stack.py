@@ -7,7 +7,8 @@ from importlib.metadata import version
 
 from asyncua import ua
 
-from bt_orchestrator.opcua.overrides import GuardedServer, Security
+from bt_orchestrator.opcua.overrides.security import Security
+from bt_orchestrator.opcua.overrides.server import GuardedServer
 
 PRODUCT = 'urn:bt_orchestrator'
 

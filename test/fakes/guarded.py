@@ -21,7 +21,8 @@ from opcua_reader import client_of
 
 from bt_orchestrator.opcua.callers import CALLER, Caller
 from bt_orchestrator.opcua.client_certificates import Untrusted, thumbprint
-from bt_orchestrator.opcua.overrides import GuardedServer, Security
+from bt_orchestrator.opcua.overrides.security import Security
+from bt_orchestrator.opcua.overrides.server import GuardedServer
 from bt_orchestrator.opcua.trust import Trust
 from bt_orchestrator.users.attempts import Attempts
 

@@ -17,7 +17,7 @@ from fakes.quick_users import PASSWORD, write_users
 
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.opcua.access import Access
-from bt_orchestrator.opcua.overrides import Security
+from bt_orchestrator.opcua.overrides.security import Security
 from bt_orchestrator.opcua.pki import Pki, own
 
 ROLES = {

@@ -25,12 +25,12 @@ from typing import Any
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, hints_of, text_of, to_plain
 from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.judging.used_ids import UsedIds
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.state.live_jobs import LiveJobs
 from bt_orchestrator.model.wish import STOP_AFTER
 
 SCALARS = (str, int, float, bool)

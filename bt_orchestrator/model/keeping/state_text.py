@@ -7,7 +7,6 @@ import json
 from collections import deque
 
 from bt_orchestrator.errors import JournalFailed
-from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.keeping.snapshot import (
     Reader,
     Writer,
@@ -16,6 +15,7 @@ from bt_orchestrator.model.keeping.snapshot import (
     text_of_state,
 )
 from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.state.live_jobs import LiveJobs
 
 SLICE = 250
 """Number of jobs of the queue written at once: some milliseconds."""

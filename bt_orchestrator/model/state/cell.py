@@ -9,7 +9,6 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.judging.used_ids import UsedIds
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.reference import Scope
@@ -17,6 +16,7 @@ from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.model.state.hold import Hold
 from bt_orchestrator.model.state.jobs import ItemState, JobState
 from bt_orchestrator.model.state.line import FlagState, OutOfService, Reading, SectionState
+from bt_orchestrator.model.state.live_jobs import LiveJobs
 from bt_orchestrator.model.state.tasks import Phase, TaskState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.uptime import ClockReading

@@ -2,8 +2,3 @@
 
 Each override has its reason beside it, and a test that fails without it (docs/decisions/0037).
 """
-
-from bt_orchestrator.opcua.overrides.security import Security
-from bt_orchestrator.opcua.overrides.server import GuardedServer
-
-__all__ = ['GuardedServer', 'Security']

@@ -5,16 +5,13 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import Counter
-from typing import TYPE_CHECKING
 
 from asyncua.server.binary_server_asyncio import BinaryServer, OPCUAProtocol
 
 from bt_orchestrator.opcua.overrides import limits
+from bt_orchestrator.opcua.overrides.inside import Inside
 from bt_orchestrator.opcua.overrides.processor import Processor
 from bt_orchestrator.spare_log import SpareLog
-
-if TYPE_CHECKING:
-    from bt_orchestrator.opcua.overrides.server import Inside
 
 _HEADER_BYTES = 8
 

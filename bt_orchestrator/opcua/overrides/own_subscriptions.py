@@ -11,12 +11,12 @@ from asyncua import ua
 from asyncua.common.utils import ServiceError
 from asyncua.server.internal_session import InternalSession
 from asyncua.server.internal_subscription import InternalSubscription
+from asyncua.server.uaprocessor import UaProcessor
 
 from bt_orchestrator.opcua.overrides import limits
 from bt_orchestrator.opcua.overrides.monitored import refused_filter, revise_queue
 
 if TYPE_CHECKING:
-    from bt_orchestrator.opcua.overrides.processor import Processor
     from bt_orchestrator.opcua.overrides.subscriptions import Subscriptions
 
 log = logging.getLogger(__name__)
@@ -168,7 +168,7 @@ class OwnSubscriptions(InternalSession):
         return found.NotificationMessage
 
     async def take_over(
-        self, params: ua.TransferSubscriptionsParameters, processor: Processor
+        self, params: ua.TransferSubscriptionsParameters, processor: UaProcessor
     ) -> list[ua.TransferResult]:
         """Take subscriptions of other sessions of the same user.
 
@@ -182,7 +182,7 @@ class OwnSubscriptions(InternalSession):
         ]
 
     async def _take_over(
-        self, number: int, processor: Processor, with_values: bool
+        self, number: int, processor: UaProcessor, with_values: bool
     ) -> ua.TransferResult:
         found = self.subscription_service.subscriptions.get(number)
         if found is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from asyncua import ua
 from asyncua.common.utils import Buffer, ServiceError
@@ -16,6 +16,7 @@ from cryptography.exceptions import InvalidSignature as InvalidSignatureInside
 from bt_orchestrator.opcua.callers import Caller, calling, client_of
 from bt_orchestrator.opcua.client_certificates import Untrusted, first_of
 from bt_orchestrator.opcua.overrides import limits, services
+from bt_orchestrator.opcua.overrides.inside import Inside
 from bt_orchestrator.opcua.overrides.passwords import BadToken, password_of
 from bt_orchestrator.opcua.overrides.session import Session
 from bt_orchestrator.opcua.people import Person
@@ -23,9 +24,6 @@ from bt_orchestrator.opcua.pki import application_uri, parsed
 from bt_orchestrator.spare_log import SpareLog
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.logins import LoginRefused, MustWait
-
-if TYPE_CHECKING:
-    from bt_orchestrator.opcua.overrides.server import Inside
 
 spare = SpareLog(logging.getLogger(__name__))
 
@@ -62,22 +60,13 @@ class Processor(UaProcessor):
         policy = self._connection.security_policy
         return policy.Mode == ua.MessageSecurityMode.SignAndEncrypt
 
-    @property
-    def is_gone(self) -> bool:
-        """Tell whether the connection is closed."""
-        return bool(self._transport.is_closing())
-
-    def close_connection(self) -> None:
-        """Close the connection, whatever is under way."""
-        self._transport.close()
-
     def forget(self, subscription: int) -> None:
         """Answer no more for a subscription, which another connection has now."""
         self._publish_results_subs.pop(subscription, None)
 
     async def close(self) -> None:
         """End the session, unless it goes on at another connection."""
-        if self.session is not None and self.session.processor not in (None, self):
+        if self.session is not None and self.session.transport not in (None, self._transport):
             self.session = None
         await super().close()
 
@@ -193,7 +182,7 @@ class Processor(UaProcessor):
         """Return who asks, if they still may."""
         if session.person is None:
             raise ServiceError(ua.StatusCodes.BadSessionNotActivated)
-        if session.processor is not self:
+        if session.transport is not self._transport:
             raise ServiceError(ua.StatusCodes.BadSecureChannelIdInvalid)
         why = session.why_not(self._security)
         role = self._security.people.role_of(session.person)
@@ -209,7 +198,8 @@ class Processor(UaProcessor):
         if self.session is not None:
             named = wanted.ClientDescription.ApplicationName.Text or wanted.SessionName
             self.session.client = client_of(named, self._address)
-            self.session.certificate, self.session.processor = self._certificate, self
+            self.session.certificate = self._certificate
+            self.session.transport = self._transport
         return result
 
     async def _check_creation(self, wanted: Any) -> None:
@@ -241,7 +231,7 @@ class Processor(UaProcessor):
         A client whose network comes and goes would else fill the places with its own sessions.
         """
         for session in self.iserver.sessions:
-            if session.processor is not None and session.processor.is_gone:
+            if session.transport is not None and session.transport.is_closing():
                 await session.end('its client is gone, and another one needs the place')
                 return True
         return False
@@ -268,7 +258,7 @@ class Processor(UaProcessor):
             raise ServiceError(ua.StatusCodes.BadApplicationSignatureInvalid) from error
         finally:
             found.let_in = None
-        found.processor = self
+        found.transport = self._transport
         return result
 
     async def _person(self, token: Any, session: Session) -> Person:

@@ -10,18 +10,12 @@ from pathlib import Path
 import asyncua
 from asyncua import ua
 from asyncua.common.connection import TransportLimits
-from asyncua.crypto.permission_rules import User, UserRole
-from asyncua.server.address_space import MethodService
-from asyncua.server.internal_server import InternalServer
 
 from bt_orchestrator.opcua.memory import building
-from bt_orchestrator.opcua.overrides import filters, limits
+from bt_orchestrator.opcua.overrides import limits
 from bt_orchestrator.opcua.overrides.connection import Listener
-from bt_orchestrator.opcua.overrides.methods import Methods
+from bt_orchestrator.opcua.overrides.inside import Inside
 from bt_orchestrator.opcua.overrides.security import Security
-from bt_orchestrator.opcua.overrides.session import Session
-from bt_orchestrator.opcua.overrides.subscriptions import Subscriptions
-from bt_orchestrator.opcua.overrides.views import Views
 
 log = logging.getLogger(__name__)
 
@@ -36,54 +30,6 @@ _NODES = {
     'MaxNodesPerTranslateBrowsePathsToNodeIds': limits.BROWSED,
     'MaxMonitoredItemsPerCall': limits.NODES,
 }
-
-
-class Inside(InternalServer):
-    """What all connections share."""
-
-    method_service: MethodService
-    view_service: Views
-
-    def __init__(self, security: Security) -> None:
-        super().__init__()
-        self.security = security
-        filters.install()
-        self.certificate = security.own.certificate
-        self.private_key = security.own.key
-        # Sessions are let in by `Processor`; asyncua would ask a manager, in the loop.
-        self.user_manager = None
-        self.supported_tokens = (ua.UserNameIdentityToken,)
-        self.method_service.stop()
-        self.method_service = Methods(self.aspace)
-        self.view_service = Views(self.aspace)
-        self.subscription_service = self.isession.subscription_service = Subscriptions(
-            self.aspace, iserver=self
-        )
-        self.max_connections = limits.CONNECTIONS
-        self.max_pending_activation_seconds = limits.PENDING_S
-        self.max_pending_messages_per_connection = limits.WAITING_MESSAGES
-        self.min_session_timeout_ms, self.max_session_timeout_ms = limits.SESSION_MS
-        self.max_subscriptions = limits.SUBSCRIPTIONS
-        self.max_monitored_item_queue_size = limits.EVENT_QUEUES[1]
-        self.max_unacked_messages_per_subscription = limits.KEPT_MESSAGES
-
-    def create_session(
-        self, name: str, user: User | None = None, external: bool = False
-    ) -> Session:
-        """Return a session of a client."""
-        return Session(
-            self,
-            self.aspace,
-            self.subscription_service,
-            name,
-            user=user or User(role=UserRole.Anonymous),
-            external=external,
-        )
-
-    @property
-    def sessions(self) -> list[Session]:
-        """Those of clients, also such as wait for their client to come back."""
-        return [one for one in self._external_sessions.values() if isinstance(one, Session)]
 
 
 class GuardedServer(asyncua.Server):
@@ -153,5 +99,5 @@ class GuardedServer(asyncua.Server):
                 why = session.why_not(self._security)
                 if why:
                     await session.end(why)
-                    if session.processor is not None:
-                        session.processor.close_connection()
+                    if session.transport is not None:
+                        session.transport.close()

@@ -24,7 +24,6 @@ from bt_orchestrator.opcua.overrides.own_subscriptions import (
 from bt_orchestrator.opcua.people import Person
 
 if TYPE_CHECKING:
-    from bt_orchestrator.opcua.overrides.processor import Processor
     from bt_orchestrator.opcua.overrides.security import Security
 
 log = logging.getLogger(__name__)
@@ -47,7 +46,7 @@ class Session(OwnSubscriptions):
         """None: nobody has logged in."""
         self.let_in: Person | None = None
         """Who is about to log in."""
-        self.processor: Processor | None = None
+        self.transport: asyncio.Transport | None = None
         """Of the connection that it goes on at."""
         self._trusted_at: object = None
 

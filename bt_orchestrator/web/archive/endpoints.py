@@ -11,8 +11,8 @@ from starlette.responses import Response
 from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.web.archive import downloads
 from bt_orchestrator.web.archive.archive import Archive, Look
+from bt_orchestrator.web.archive.downloads import endpoints as of_downloads
 from bt_orchestrator.web.archive.events import MOST as MOST_EVENTS
 from bt_orchestrator.web.archive.events import events_page
 from bt_orchestrator.web.archive.histories import Subject, history_of
@@ -50,7 +50,7 @@ def endpoints(archive: Archive, cell: Cell) -> tuple[Endpoint, ...]:
     """Return the endpoints."""
     routes = _Routes(archive, cell)
     return (
-        *downloads.endpoints(archive),
+        *of_downloads(archive),
         Endpoint(
             'GET',
             '/api/events',

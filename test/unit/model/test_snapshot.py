@@ -21,7 +21,6 @@ from hypothesis import given
 
 from bt_orchestrator.model.codec import hints_of
 from bt_orchestrator.model.fold import apply
-from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.keeping import snapshot as kept
 from bt_orchestrator.model.keeping.snapshot import (
     kept_fields,
@@ -38,6 +37,7 @@ from bt_orchestrator.model.state import (
     SectionState,
     same_args,
 )
+from bt_orchestrator.model.state.live_jobs import LiveJobs
 
 LINE = Line()
 SCRIPT = LINE.script(THREE)

@@ -18,7 +18,7 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.opcua.bridge import Bridge
-from bt_orchestrator.opcua.overrides import GuardedServer
+from bt_orchestrator.opcua.overrides.server import GuardedServer
 from bt_orchestrator.opcua.values import Values
 from bt_orchestrator.sim.virtual_link import VirtualLink
 from bt_orchestrator.store.memory import MemoryStore

@@ -20,12 +20,9 @@ from collections.abc import (
 )
 from contextlib import contextmanager
 from itertools import chain
-from typing import TYPE_CHECKING
 
 from bt_orchestrator.model.frozen import changed
-
-if TYPE_CHECKING:
-    from bt_orchestrator.model.state import JobState
+from bt_orchestrator.model.state.jobs import JobState
 
 
 class LiveJobs(dict[str, 'JobState']):

@@ -9,9 +9,9 @@ from fakes.profiles import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.state import JobState
+from bt_orchestrator.model.state.live_jobs import LiveJobs
 
 LINE = Line()
 FLAGS = 'lateral_dependencies:\n  - {flag: %s, upstream: place, downstream: work}\n'
