@@ -49,7 +49,7 @@ class ChildTooLate(ChildFailed):
 
 
 def framed(message: bytes) -> bytes:
-    """Return a question or an answer as it is sent through the pipe."""
+    """Return a question or an answer in the form for the pipe."""
     return _LENGTH.pack(len(message)) + message
 
 

@@ -10,7 +10,7 @@ Callback = Callable[[], None]
 NS_PER_S = 1_000_000_000
 
 _FEW = 64
-"""With no more cancelled deadlines than this, there is no clean-up."""
+"""With at most so many cancelled deadlines, there is no clean-up."""
 
 
 def instant_ns(time_s: float) -> int:

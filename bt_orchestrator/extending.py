@@ -24,11 +24,11 @@ class Extension(NamedTuple):
     """A part of the program that the core works without."""
 
     name: str
-    """That of its extra in setup.py."""
+    """The version of its extra in setup.py."""
     what: str
     rooms: tuple[str, ...]
     packages: Mapping[str, str]
-    """What pip installs, by the module that is imported."""
+    """The name for pip, by the module that is imported."""
     verb: str = ''
     port: int = 0
     """On which its server listens by default."""
@@ -37,7 +37,7 @@ class Extension(NamedTuple):
 
     @property
     def missing(self) -> str:
-        """What to install; empty: nothing is missing."""
+        """The package to install; empty: nothing is missing."""
         return self._rooms_missing or self._packages_missing
 
     @property

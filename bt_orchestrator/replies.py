@@ -30,7 +30,7 @@ class Reply(Generic[_T]):
 
     @property
     def value(self) -> _T:
-        """What was given."""
+        """The results of an answer."""
         assert self._values, 'the reply has not come yet'
         return self._values[0]
 

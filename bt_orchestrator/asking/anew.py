@@ -15,7 +15,7 @@ from bt_orchestrator.replies import begin
 log = logging.getLogger(__name__)
 
 WHO, ORIGIN = 'bt_orchestrator', 'the node, by itself'
-"""Who changes such a job, in its record."""
+"""The node, as the author of such a change of a job in its record."""
 
 
 _OF_INTEREST = (

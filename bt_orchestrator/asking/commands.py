@@ -58,7 +58,7 @@ def prepares(*requests: Request) -> Callable[[Prepare], Prepare]:
 
 
 def prepared(asked: Asked, state: CellState, types: ActionTypes) -> Asked:
-    """Return a request as it can be decided; one without permission stays as it is.
+    """Return a request that can be decided; one without permission stays unchanged.
 
     :raises CommandRefused: says what was expected
     """

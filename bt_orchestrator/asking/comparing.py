@@ -1,4 +1,4 @@
-"""What a script that was generated again changes, against the one that a job has."""
+"""The differences between a script that was generated again and the one of the job."""
 
 from __future__ import annotations
 

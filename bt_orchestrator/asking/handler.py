@@ -57,7 +57,7 @@ class OrderReading(Protocol):
 
 
 class RequestHandler:
-    """Answers requests. What is refused is on record as well."""
+    """Answers requests. Refusals are on record as well."""
 
     def __init__(self, engine: Orchestrator, types: ActionTypes, orders: OrderReading) -> None:
         self._engine = engine
@@ -68,7 +68,7 @@ class RequestHandler:
             UPDATE.name: self._update,
             REQUEUE.name: self._requeue,
         }
-        """What carries out the requests for which files are read."""
+        """Carries out the requests for which files are read."""
 
     async def carry_out(self, asked: Asked) -> Answer:
         """Carry out a request of the table."""

@@ -21,7 +21,7 @@ PREFIX = 'WO-'
 """Prefix of the ids that are assigned to orders without one."""
 
 _AS_ORDERED = RecipeChoice(())
-"""Names nothing of a recipe, so that all of it stays."""
+"""Names nothing of a recipe: all of it stays."""
 
 ALL = 'bt-orchestrator check --json, where the files are, lists all'
 
@@ -64,7 +64,7 @@ def wanted_orders(given: Sequence[AskedOrder | WorkOrder | Mapping[str, Any]]) -
 
 
 def changed_job(state: CellState, name: str, wish: AskedOrder) -> ChangedJob:
-    """Return what is to be made of a queued job as it is now.
+    """Return the order for a new version of a queued job, in its present state.
 
     :raises NotRead: it is not there
     """
@@ -77,7 +77,7 @@ def changed_job(state: CellState, name: str, wish: AskedOrder) -> ChangedJob:
 
 
 def job_anew(state: CellState, name: str) -> ChangedJob:
-    """Return a queued job as it is now, with its script to be generated anew.
+    """Return a queued job in its present state, with its script to be generated again.
 
     :raises NotRead: it is not there, or was not ordered by recipe
     """

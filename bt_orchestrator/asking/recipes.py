@@ -71,7 +71,7 @@ class RecipeOrders:
 def _with(
     made: MadeScripts, wanted: Wanted | Callable[[], Wanted]
 ) -> Wanted | Callable[[], Wanted]:
-    """Return orders with what was made for them; a job is changed as it is at its turn."""
+    """Return orders with the scripts made for them; a job is changed in its state at its turn."""
     if callable(wanted):
         as_it_is = wanted
         return lambda: replace(as_it_is(), made=made)

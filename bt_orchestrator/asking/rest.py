@@ -16,7 +16,7 @@ REST = '-rest'
 
 
 def rest_of(state: CellState, job: str, order: str) -> ChangedJob:
-    """Return what is to be made of a job as it is now.
+    """Return the order for the rest of a job, in its present state.
 
     :param order: id of the rest; empty: one that is free
     :raises NotRead: the job has no rest that can be made, or the id cannot be one

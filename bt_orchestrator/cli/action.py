@@ -1,4 +1,4 @@
-"""What a verb, or an action of a group of verbs, takes and does."""
+"""The arguments and the work of a verb, or of an action of a group of verbs."""
 
 from __future__ import annotations
 

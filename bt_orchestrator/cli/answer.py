@@ -21,7 +21,7 @@ Decide about something that is held; `status` lists the holds and what each of t
 """
 
 WORDS = {one.word: one for one in requests_about(About.HOLD)}
-"""Answers, and remarks, which leave the hold as it is."""
+"""Answers, and remarks, which leave the hold unchanged."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

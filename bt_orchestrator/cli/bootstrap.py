@@ -78,7 +78,7 @@ class Findings:
             return None
 
     def add(self, findings: Iterable[Finding]) -> None:
-        """Add mistakes; each is told once."""
+        """Add mistakes; each is reported once."""
         self._findings.update(dict.fromkeys(findings))
 
     def refuse(self) -> None:

@@ -1,4 +1,4 @@
-"""What a person types to call this program again, in the shell and folder it was called in."""
+"""The words that call this program again, in the shell and folder it was called in."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ def as_json(checks: list[Check]) -> str:
 
 
 def examine(args: argparse.Namespace) -> Iterator[Check]:
-    """Yield the checks, one as soon as it is known."""
+    """Yield the checks, each at once when it is done."""
     environment = os.environ
     yield machine.python(sys.version_info[:3])
     yield machine.py_trees()

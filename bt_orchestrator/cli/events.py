@@ -34,7 +34,7 @@ POLL_S = 0.2
 """Time between two looks into a journal that is followed."""
 
 QUIET_S = 1.0
-"""After so long without an event a person is told that this is no fault."""
+"""After so long without an event a person reads that this is no fault."""
 
 DESCRIPTION = """\
 Print every event of a running tree node from now on, one JSON object a line, until Ctrl-C. With

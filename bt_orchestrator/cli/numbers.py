@@ -9,7 +9,7 @@ import re
 from bt_orchestrator.script.ros_names import NAME_FORM
 
 LARGEST, LARGEST_32 = 2**63 - 1, 2**32 - 1
-"""What a journal can carry, and a quantity or a place in a request."""
+"""The range of a number in a journal, and of a quantity or a place in a request."""
 
 LONGEST_S = 1e9
 """Thirty years: as good as no limit, and any clock can still add it."""

@@ -55,7 +55,7 @@ def status_at(at: int | float, journal: Path, cell: Path) -> PastStatus:
 
 
 def past_lines(past: PastStatus) -> Iterator[str]:
-    """Yield a past status as text, so that nobody takes it for that of now."""
+    """Yield a past status as text, marked as of the past."""
     status = past.status
     when = datetime.fromtimestamp(status.stamp).isoformat(' ', 'milliseconds')
     last = ', the last of the journal' if past.is_last else ''

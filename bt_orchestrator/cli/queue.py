@@ -48,7 +48,7 @@ def _list(args: argparse.Namespace) -> int:
 
 
 class _Queue(Protocol):
-    """What of `ports.CellLink` tells the queue."""
+    """The part of `ports.CellLink` that shows the queue."""
 
     def queue(self, after: str = '', most: int = 0) -> QueuePage: ...
 

@@ -1,4 +1,4 @@
-"""What a server writes while it runs: one line for each login, command and error."""
+"""The output of a server while it runs: one line for each login, command and error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two virtual runs side by side: the orders as they are, and with another cell file or script."""
+"""Two virtual runs side by side: the orders unchanged, and with another cell file or script."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def what_if_jobs(
 
 
 def change_lines(before: Run, after: Run) -> Iterator[str]:
-    """Yield the comparison as text; what did not end is told in full."""
+    """Yield the comparison as text; runs that did not end are shown in full."""
     for name, done in (('before', before), ('after', after)):
         if done.outcome is not Outcome.FINISHED:
             yield f'{name}:'

@@ -69,7 +69,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         'completion': ('completion', 'print what makes bash, zsh or fish complete command lines'),
     },
 }
-"""What a person wants to do: module and one line of help of each verb.
+"""The aims of a person: module and one line of help of each verb.
 
 A module has `add_arguments` and `run`, or `ACTIONS` with those of each. A verb without a line of
 help is a request of the table.
@@ -94,14 +94,14 @@ _HELP = ('-h', '--help')
 
 
 class Command(NamedTuple):
-    """What a command line asks for, and its other words."""
+    """The command of a command line, and its other words."""
 
     words: tuple[str, ...]
     """The verb, and its action if it has any."""
     action: Action
     rest: Sequence[str]
     typed: tuple[str, ...]
-    """What was typed for `words`, if it is an old form; else the same."""
+    """The typed words, if `words` replaces an old form; else the same."""
 
     @property
     def name(self) -> str:

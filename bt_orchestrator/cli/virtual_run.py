@@ -35,10 +35,10 @@ from bt_orchestrator.sim.standstill import standstill
 from bt_orchestrator.store.trace import TraceFile
 
 ROWS = ('sections', 'components')
-"""What a row of a chart may be."""
+"""The kinds of rows of a chart."""
 
 WHO = 'simulate --on-hold'
-"""Who answered, in the records of the run."""
+"""The operator in the records of the run."""
 
 
 @dataclass(frozen=True)
@@ -54,23 +54,23 @@ class RunOptions:
     gantt: Path | None = None
     results: Sequence[str] = ()
     rows: str = ROWS[0]
-    """What a row of the chart is; one of ROWS."""
+    """The kind of a row of the chart; one of ROWS."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a virtual run came to."""
+    """The outcome of a virtual run."""
 
     outcome: Outcome
     time_s: float
     forecast: Forecast
     waits: tuple[PartWait, ...]
-    """Who waits for whom at the end, if it is stuck."""
+    """The circle of waits at the end, if it is stuck."""
     holds: tuple[Hold, ...]
     complaints: tuple[str, ...]
     """Why holds were not answered although there was an answer to give."""
     paces: tuple[ScriptPace, ...]
-    """What the line is good for with each script, without a run; in the order of the jobs."""
+    """The pace of the line with each script, without a run; in the order of the jobs."""
 
 
 def run_jobs(

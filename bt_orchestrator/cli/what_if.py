@@ -76,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 class _Collecting:
-    """A door behind which nobody is: it notes what is asked."""
+    """A door without a cell behind it: it notes the requests."""
 
     def __init__(self) -> None:
         self.asked: list[Asked] = []

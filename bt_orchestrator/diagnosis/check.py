@@ -25,7 +25,7 @@ class Check:
     verdict: Verdict
     found: str
     remedy: str = ''
-    """What to do; only of what is not ok."""
+    """The remedy; only where the check is not ok."""
 
 
 def ok(name: str, found: str) -> Check:

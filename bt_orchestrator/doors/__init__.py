@@ -1,4 +1,4 @@
-"""What a program with a loop of its own needs to stand at the door of a cell.
+"""Tools for a program with a loop of its own that stands at the door of a cell.
 
 Two threads with a door each: one follows, one asks. Commands are done once, by their tickets. The
 page and the OPC UA server are made of it.

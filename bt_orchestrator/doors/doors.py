@@ -1,4 +1,4 @@
-"""What a program asks of the node."""
+"""The questions of a program to the node."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ SILENT_S = 3.0
 
 
 class Doors:
-    """What a program asks of the node. Each raises NodeUnreachable if the node does not answer.
+    """The questions of a program to the node.
+
+    Each raises NodeUnreachable if the node does not answer.
 
     A question that only reads is refused at once while the node is silent; a command is sent all
     the same.

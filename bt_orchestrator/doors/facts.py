@@ -1,4 +1,4 @@
-"""What is heard of a cell, in order."""
+"""The news of a cell, in order."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bt_orchestrator.model.status import CellStatus
 
 @dataclass(frozen=True)
 class Began:
-    """A history, and the event after which its events will be told."""
+    """A history, and the event after which its events follow."""
 
     history: str
     last: int

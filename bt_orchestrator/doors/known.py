@@ -1,4 +1,4 @@
-"""What is known beside the status: scripts by digest, orders of jobs, the cell."""
+"""Knowledge beside the status: scripts by digest, orders of jobs, the cell."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from bt_orchestrator.ports import Moment
 
 
 class Ordered(NamedTuple):
-    """What an order said that no status tells."""
+    """The parts of an order that no status has."""
 
     params: Mapping[str, object]
     choice: RecipeChoice | None
-    """What it named in place of a script; None: it named a script."""
+    """The recipe that it named in place of a script; None: it named a script."""
 
 
 MOST_SCRIPTS = 100
@@ -32,7 +32,7 @@ MOST_ORDERS = 20_000
 
 @dataclass(frozen=True)
 class Told:
-    """What a moment of the cell tells."""
+    """The facts of a moment of the cell."""
 
     cell: Cell
     scripts: Mapping[str, Script]

@@ -17,7 +17,7 @@ Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 
 class CannotListen(OrchestratorError):
-    """The address is in use, or none of this computer's."""
+    """The address is in use, or not an address of this computer."""
 
 
 def bound(
@@ -74,7 +74,7 @@ def is_everywhere(host: str) -> bool:
 
 
 def address_in(text: str) -> Address | None:
-    """Read an IP address; None: it is none."""
+    """Read an IP address; None: the text is no address."""
     try:
         address = ipaddress.ip_address(text.strip('[]').partition('%')[0])
     except ValueError:

@@ -35,7 +35,7 @@ class ServerThread(abc.ABC):
     @property
     @abc.abstractmethod
     def address(self) -> str:
-        """What a client is given."""
+        """The answer to a client."""
 
     @contextlib.contextmanager
     def running(self) -> Iterator[None]:

@@ -1,4 +1,4 @@
-"""What became of commands, by their tickets: no command is done twice, and no answer is lost."""
+"""The outcomes of commands, by their tickets: no command is done twice, and no answer is lost."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Recorded = OperatorDecided | OperatorRefused
 
 
 class Doors(Protocol):
-    """What this needs of the doors to the node; all raise NodeUnreachable."""
+    """The operations at the doors to the node; all raise NodeUnreachable."""
 
     @property
     def is_silent(self) -> bool:
@@ -64,7 +64,7 @@ class TicketTaken(OrchestratorError):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a command."""
+    """The outcome of a command."""
 
     accepted: bool
     message: str
@@ -319,6 +319,6 @@ def _decided(event: OperatorDecided) -> str:
 
 
 def _heard(task: asyncio.Task[Outcome]) -> None:
-    """Take note of an error that nobody waits for any more."""
+    """Take note of an error without a reader."""
     if not task.cancelled():
         task.exception()

@@ -31,7 +31,7 @@ class Stroke:
 
 @dataclass(frozen=True)
 class LineLabel:
-    """What is written at a line, and where its middle is."""
+    """A text at a line, and the place of its middle."""
 
     label: Label
     at: Point

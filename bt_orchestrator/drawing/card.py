@@ -52,7 +52,7 @@ RUNS_FOR: Mapping[RunsFor, str] = {
 
 @dataclass(frozen=True)
 class Sheet:
-    """What is drawn: one script in its cell, and how it stands there."""
+    """The subject of a drawing: one script in its cell, and its state there."""
 
     script: Script
     cell: Cell

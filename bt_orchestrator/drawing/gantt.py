@@ -20,7 +20,7 @@ class TaskBar:
     name: str
     component: str
     again: str
-    """Which round and attempt, in words; empty: the first."""
+    """Round and attempt, in words; empty: the first."""
     start_s: float
     end_s: float
     outcome: str
@@ -62,7 +62,7 @@ class Row:
     holds: list[HoldBar] = field(default_factory=list)
     waits: Sequence[WaitSpan] = ()
     forecast: Sequence[TaskBar] = ()
-    """What it was to do, above what it did."""
+    """Its planned work, above its real work."""
 
     def lanes(self) -> list[list[TaskBar]]:
         """Return the tasks in lanes: what runs at the same time stands one below the other."""

@@ -27,7 +27,7 @@ SIZES = {
 """Sizes of texts, in pixels, by the class of the text."""
 
 JOB_COLOURS = ('#9ecae1', '#fdd0a2', '#a1d99b', '#bcbddc', '#f4b6c2', '#d9c39a')
-"""Fills of tasks, by job in turn; light, so that black text can be read on them."""
+"""Fills of tasks, by job in turn; light, for black text on them."""
 
 JOB_LINES = ('#2b6c99', '#b35806', '#2e7d4f', '#54468a', '#a8325a', '#7a5b1f')
 
@@ -47,7 +47,7 @@ WAITS: dict[WaitKind, tuple[str, str]] = {
     WaitKind.RETRY_DELAY: ('a retry', 'M1 7 L4.5 2 L8 7'),
     WaitKind.CELL_STATE: ('the cell', 'M2 2 h5 v5 h-5 z'),
 }
-"""What each kind of wait is for, and its pattern in a square of 9."""
+"""The cause of each kind of wait, and its pattern in a square of 9."""
 
 _RULES = f"""
 .band {{ fill: {SECTION_FILL} }}

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from bt_orchestrator.drawing.style import INK
 
 CARD_COLUMNS = 34
-"""Letters in a line of a card: longer ones are broken, so that columns stay narrow."""
+"""Letters in a line of a card: longer ones are broken, to keep columns narrow."""
 
 _INDENT = '  '
 _SIGNS = '_/.-'

@@ -41,7 +41,7 @@ class TaskMark:
     words: str = ''
     """More than its word: which attempt, which hold."""
     reason: str = ''
-    """What it waits for, or why it failed."""
+    """The cause of its wait or failure."""
 
 
 @dataclass(frozen=True)

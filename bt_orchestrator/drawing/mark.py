@@ -33,7 +33,7 @@ MEANINGS = {
     Mark.REJECTED: 'failed, and its item is rejected',
     Mark.ABORTED: 'failed, and its job is aborted',
 }
-"""What the legend says of each mark."""
+"""The sentence of the legend for each mark."""
 
 
 def card_state(mark: TaskMark, wording: Wording) -> Sequence[Text]:

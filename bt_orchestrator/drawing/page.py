@@ -183,7 +183,7 @@ def _in_rows(columns: Sequence[Column]) -> Iterator[Sequence[Column]]:
 
 
 def _apart(lines: Sequence[tuple[Place, str, Box]], distance: float) -> Mapping[str, Box]:
-    """Return where lines meet the cards of a section, so that none lies on another.
+    """Return the places where lines meet the cards of a section, all different.
 
     :param lines: section, name of the line, card
     """

@@ -50,7 +50,7 @@ class Loop:
     last: Box
     """The card of the last verdict."""
     after: Label
-    """What follows the last round."""
+    """The steps after the last round."""
     after_box: Box
 
     def moved(self, right: float, down: float) -> Loop:

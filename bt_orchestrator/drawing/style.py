@@ -1,4 +1,4 @@
-"""Fonts and colours of all pictures; nothing is told by a colour alone."""
+"""Fonts and colours of all pictures; no fact is shown by a colour alone."""
 
 from __future__ import annotations
 

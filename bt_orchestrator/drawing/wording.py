@@ -53,7 +53,7 @@ class Wording:
         return hold_name(hold)
 
     def passed(self, reason: str) -> str:
-        """Say why a task was skipped or failed, of which the cycle goes on."""
+        """Say why a task was skipped, or failed while the cycle goes on."""
         return reason
 
     def answer(self, word: str) -> str:

@@ -1,4 +1,4 @@
-"""What waits for people, as facts of OPC UA conditions.
+"""Everything that waits for people, as facts of OPC UA conditions.
 
 Conditions are what does not end by itself: holds, the time after `abort`, a journal that cannot be
 written, a contested component. A starved or blocked line goes on by itself, a cell that a person
@@ -40,9 +40,9 @@ class Alarm:
     since: float | None
     """Seconds since the epoch; None: not known."""
     hold: str = ''
-    """Number of the hold; empty: it is none."""
+    """Number of the hold; empty: no hold."""
     answers: tuple[str, ...] = ()
-    """Which answers the hold takes now."""
+    """The present answers to the hold."""
     controller_said: str = ''
     """Text of the controller's own result; empty: it gave none, or no task is held."""
     last_feedback: str = ''

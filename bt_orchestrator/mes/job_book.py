@@ -27,7 +27,7 @@ class News:
     interrupted: str = ''
     """Why the line stands still, in words; empty: it does not."""
     remark: str = ''
-    """What happened to the job, where its state stays."""
+    """The event of the job, where its state stays."""
 
 
 @dataclass
@@ -36,7 +36,7 @@ class _Entry:
 
     job: ListedJob
     is_paused: bool = False
-    """An operator paused it, as far as this can be told."""
+    """An operator paused it, as far as the facts show."""
     nonconforming: set[str] = field(default_factory=set)
     """Its items that are."""
 

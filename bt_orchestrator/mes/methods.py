@@ -18,14 +18,14 @@ REQUESTS: Mapping[Method, Request] = {
     **dict.fromkeys(STORING, *requests_about(About.QUEUE)),
     **{one.method: one for one in requests_about(About.JOB) if one.method in METHODS},
 }
-"""What every method asks of the cell. What ISA-95 does not have is no method of it."""
+"""The requirements of every method on the cell. Methods that ISA-95 does not have are left out."""
 
 STATES: tuple[JobWord | None, ...] = (None, *JobWord)
 """The states that a method can meet; None: there was never an order with this id."""
 
 
 class Answered(NamedTuple):
-    """What a method answers, and the state that follows."""
+    """The answer of a method, and the state that follows."""
 
     status: ReturnStatus
     after: JobWord | None

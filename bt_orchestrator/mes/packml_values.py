@@ -1,4 +1,4 @@
-"""What a cell tells in PackML's Status and Admin, as far as it is known."""
+"""The values of a cell in PackML's Status and Admin, as far as they are known."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Speedometer:
                 self._marks[at] = mark + event.seconds
 
     def a_minute(self, state: PackmlState, now: float) -> float | None:
-        """Return the moves a minute, each of which brings every item one section further.
+        """Return the moves a minute; each brings every item one section further.
 
         None: not known yet, because less than two moves were heard of. It falls while a move is
         overdue, and is 0 in every state in which the belt stands still.

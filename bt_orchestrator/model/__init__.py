@@ -1,4 +1,4 @@
-"""What exists and what happened: frozen facts, events, and the cell's state as their fold.
+"""The things that exist, and the events: frozen facts, and the cell's state as their fold.
 
 No input or output, no ROS, no py_trees, no YAML. Everything else depends on this room.
 """

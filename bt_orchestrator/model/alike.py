@@ -1,4 +1,4 @@
-"""Holds that ask the same, so that one list may carry their answers.
+"""Holds that ask the same: one list may carry their answers.
 
 After a restart every goal in flight can be such a question. Each answer of a list is a request and
 a record of its own. Answered singly are the belt, tasks that place or take out an item, and every

@@ -27,7 +27,7 @@ class KeptSlot(NamedTuple):
 
 
 class KeptState(NamedTuple):
-    """What has to be known to go on after an event."""
+    """The facts for going on after an event."""
 
     seq: int
     now_us: int
@@ -40,7 +40,7 @@ class KeptState(NamedTuple):
 
 
 class KeptScript(NamedTuple):
-    """A script of which something was made."""
+    """A script whose work is in the journal."""
 
     digest: str
     text: str
@@ -48,7 +48,7 @@ class KeptScript(NamedTuple):
 
 @dataclass(frozen=True)
 class Books:
-    """What was made from some events, to be kept all at once."""
+    """Books made from some events, to be kept all at once."""
 
     history: str
     """Of the events."""
@@ -61,7 +61,7 @@ class Books:
     scripts: Sequence[KeptScript] = ()
 
     def to_bytes(self) -> bytes:
-        """Return it as it is sent from process to process."""
+        """Return it in the form between processes."""
         return json.dumps(
             [self.history, self.reached, self.is_last, self.slots, self.states, self.scripts]
         ).encode()
@@ -87,11 +87,11 @@ class SlotPage:
     slots: Sequence[KeptSlot]
     damage: Sequence[Damage]
     rest_us: int | None
-    """From when on to ask for more; None: there are no more."""
+    """The place at which to ask for more; None: this is the end."""
 
 
 class WithoutBooks:
-    """Records of which no books are made: their part of `ports.Records`."""
+    """Records without books: their part of `ports.Records`."""
 
     def booked(
         self,

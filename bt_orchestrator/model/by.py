@@ -31,7 +31,7 @@ class Known(Enum):
 
 @dataclass(frozen=True)
 class By:
-    """Who gives a command, from where, and why."""
+    """The sender of a command: name, place, reason."""
 
     who: str
     origin: str

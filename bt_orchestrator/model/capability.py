@@ -1,4 +1,4 @@
-"""What the components of a cell can do: templates of tasks, from which scripts are generated."""
+"""The capabilities of the components of a cell: templates of tasks, for generated scripts."""
 
 from __future__ import annotations
 

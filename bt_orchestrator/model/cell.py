@@ -25,7 +25,7 @@ CONVEYOR = 'conveyor'
 
 
 class OnFailure(Enum):
-    """What happens when the last attempt of a task failed (semantics 2.7)."""
+    """The consequence of a task's last failed attempt (semantics 2.7)."""
 
     HOLD = 'hold'
     CONTINUE = 'continue'
@@ -43,7 +43,7 @@ class Release(Enum):
 
 
 class Start(Enum):
-    """What the `start` of a work order means (semantics 6.7)."""
+    """The meaning of the `start` of a work order (semantics 6.7)."""
 
     BINDING = 'binding'
     """The job does not start before it."""
@@ -87,7 +87,7 @@ class Component:
     faults: tuple[Fault, ...] = ()
     """Faults of the simulated controller."""
     capabilities: Mapping[str, Capability] = field(default_factory=dict)
-    """What recipes may ask of it, by name."""
+    """The capabilities that recipes may use, by name."""
     workspaces: tuple[str, ...] = ()
     """Spaces in which it works; empty: that of its section, shared with all others there."""
     prepare: Preparation | None = None
@@ -120,9 +120,9 @@ class Cell:
     components: Mapping[str, Component]
     """By name, the conveyor among them."""
     start: Start = Start.BINDING
-    """What the `start` of a work order means here."""
+    """The meaning of the `start` of a work order here."""
     release: Release = Release.ENGINEER
-    """Who releases generated scripts."""
+    """The person or rule that releases generated scripts."""
     most_items: int = MOST_ITEMS
     """Most items of one order. It changes no goal, so it is no part of the digest."""
 

@@ -30,7 +30,7 @@ _T = TypeVar('_T')
 _TEMPLATE = '$'
 _NOT_FINITE = '$float'
 _APART = ('made_from', 'most_items')
-"""What is no part of a digest: no goal depends on it."""
+"""Keys outside of the digest: no goal depends on them."""
 
 _DIGEST = '$digest'
 _TEXT = '$text'
@@ -357,7 +357,7 @@ def _of_task(kind: type) -> frozenset[str]:
 
 @lru_cache(maxsize=256)
 def _as_it_is(kind: type) -> frozenset[str]:
-    """Return the fields whose values JSON carries as they are: most fields of most events."""
+    """Return the fields whose values JSON carries unchanged: most fields of most events."""
     plain = {str, int, float, bool, type(None)}
     return frozenset(
         name
@@ -386,7 +386,7 @@ def _read_free(value: Any) -> Any:
 
 
 def not_finite(name: str) -> float:
-    """Return nan, inf or -inf by its name; nan is one object, so that a state equals its copy.
+    """Return nan, inf or -inf by its name; nan is one object, to keep a state equal to its copy.
 
     :raises ValueError: it is none of them
     """

@@ -62,7 +62,7 @@ class OrderAnswer:
     job: str = ''
     """Id of the queued job; empty: not queued."""
     message: str = ''
-    """What was done, or why it was refused."""
+    """The effect of a command, or the reason of its refusal."""
     findings: tuple[str, ...] = ()
     """Every mistake found, as file:line:column: what; hint."""
 
@@ -73,7 +73,7 @@ class Answer:
 
     accepted: bool
     message: str
-    """What was done, or why it was refused and what to do."""
+    """The effect of a command, or the reason of its refusal and the remedy."""
     each: tuple[str, ...] = ()
     """The message for each part, if a request with several parts was refused."""
     orders: tuple[OrderAnswer, ...] = ()

@@ -20,13 +20,13 @@ NOTHING = Template(())
 
 @dataclass(frozen=True)
 class Condition:
-    """One value compared, or several conditions of which all, or any, have to hold.
+    """One value compared, or several conditions that all, or at least one, have to hold.
 
     One comparison is given; both bounds together are what a script calls `between`.
     """
 
     value: Template = NOTHING
-    """What is compared; nothing in a condition of conditions."""
+    """The compared value; nothing in a condition of conditions."""
     equals: Any = True
     """Counts if no other comparison is given; true: the value is a boolean."""
     negated: bool = False
@@ -61,7 +61,7 @@ class Condition:
 
     @property
     def words(self) -> str:
-        """What has to hold, as a person would write it down."""
+        """The condition, in the words of a person."""
         if self.parts:
             joint = ' and ' if self.all else ' or '
             return joint.join(f'({p.words})' if p.parts else p.words for p in self.parts)

@@ -1,4 +1,4 @@
-"""What a controller says of a failed attempt in words of its own: the texts of its Result."""
+"""The words of a controller about a failed attempt: the texts of its Result."""
 
 from __future__ import annotations
 

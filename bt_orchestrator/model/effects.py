@@ -132,7 +132,7 @@ def _ended_at_sink(state: CellState, job: str, item: str, section: int) -> Itera
 
 
 def _of_index_move(state: CellState) -> Iterator[e.Event]:
-    """Move every item, the last first, so that no slot ever holds two.
+    """Move every item, the last first: no slot ever holds two.
 
     Only an empty position can be in the last slot (semantics 3.6).
     """

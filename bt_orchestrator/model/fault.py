@@ -1,4 +1,4 @@
-"""Faults that a simulated controller can be told to have."""
+"""The faults of simulated controllers."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class FaultKind(Enum):
     REJECT = 'reject'
     """The server refuses the goal."""
     ABORT = 'abort'
-    """The goal ends ABORTED after its nominal duration. What stands behind `abort:` are words of
-    the controller: `message` of the Result, else its first text."""
+    """The goal ends ABORTED after its nominal duration. The text behind `abort:` is the
+    controller's: `message` of the Result, else its first text."""
     CANCEL = 'cancel'
     """The goal ends CANCELED after its nominal duration, and the orchestrator did not ask for it:
     the task is held as `in_doubt`. Words as in `abort`."""

@@ -1,4 +1,4 @@
-"""Which sections an initialization task waits for, and which wait for it (semantics 5.2)."""
+"""The sections that an initialization task waits for, and that wait for it (semantics 5.2)."""
 
 from __future__ import annotations
 

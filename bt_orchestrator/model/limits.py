@@ -1,4 +1,4 @@
-"""Limits of external input, so that no client can fill the journal, a log or the memory.
+"""Limits of external input: no client can fill the journal, a log or the memory.
 
 A request that exceeds a limit is refused with a message; data of a controller is cut, with a mark
 that says how much is missing, because its goal has ended anyway.
@@ -205,7 +205,7 @@ def shortened(value: Any, most: int) -> Any:
 
 
 def without_longest(fields: Mapping[str, Any], most: int) -> dict[str, Any]:
-    """Return fields without the longest ones, so that all take at most about `most` bytes."""
+    """Return fields without the longest ones, at most about `most` bytes in all."""
     sizes = {name: rough_size(value) for name, value in fields.items()}
     total = sum(sizes.values())
     if total <= most:

@@ -260,7 +260,7 @@ def _without_item(state: CellState) -> Wait:
 
 
 class Advance(Enum):
-    """What the belt does at the end of a beat."""
+    """The work of the belt at the end of a beat."""
 
     INDEX = 'index'
     NEXT_BEAT = 'next beat'

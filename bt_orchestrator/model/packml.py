@@ -83,7 +83,7 @@ MEANINGS: Mapping[PackmlState, str] = {
     PackmlState.ABORTED: 'nothing moves; waits for `clear`',
     PackmlState.CLEARING: 'takes over what the operator said of the belt',
 }
-"""What each state means, for people."""
+"""The meaning of each state, for people."""
 
 
 class Cause(Enum):
@@ -145,7 +145,7 @@ TRANSITIONS: Mapping[PackmlState, Mapping[Cause, PackmlState]] = {
     state: {cause: after for before, cause, after in _ROWS if state in before}
     for state in PackmlState
 }
-"""Which state follows which, and why."""
+"""The state that follows each state, and the cause."""
 
 VERBS: Mapping[Cause, str] = {
     Cause.RESET: 'reset',

@@ -53,7 +53,7 @@ class Recipe:
     operations: tuple[Operation, ...]
     """In the order written; `after` may name one that is written later, but makes no circle."""
     params: Mapping[str, Parameter] = field(default_factory=dict)
-    """What an order may set."""
+    """A parameter that an order may set."""
     reworks: tuple[Rework, ...] = ()
     lots: Mapping[str, Template] = field(default_factory=dict)
     """As those of a script."""
@@ -66,7 +66,7 @@ class Recipe:
 
 @dataclass(frozen=True)
 class Overrides:
-    """What an engineer decided about one generated script; it survives generating anew."""
+    """Decisions of an engineer about one generated script; they survive generating anew."""
 
     bind: Mapping[str, str] = field(default_factory=dict)
     """Component that does an operation, by the operation's id."""

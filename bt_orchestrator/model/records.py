@@ -104,4 +104,4 @@ class Summaries:
     jobs: Sequence[JobRecord]
     damage: Sequence[Damage]
     rest: JobPlace | None
-    """Where to continue; None: there are no more."""
+    """The place to continue at; None: this is the end."""

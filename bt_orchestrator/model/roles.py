@@ -1,4 +1,4 @@
-"""Who may do what: four roles, and the requests of `model.requests` that each may make."""
+"""The rights of users: four roles, and the requests of `model.requests` that each may make."""
 
 from __future__ import annotations
 

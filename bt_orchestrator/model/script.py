@@ -224,7 +224,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class MadeFrom:
-    """What a script was generated from; written by hand, it has none."""
+    """The source of a generated script; written by hand, it has none."""
 
     recipe: str
     version: int
@@ -265,7 +265,7 @@ class Script:
     made_from: MadeFrom | None = None
     """Where it comes from; changes nothing of what it does, nor its digest."""
     lots: Mapping[str, Template] = field(default_factory=dict)
-    """What goes into each item, by name: texts that refer to the order (semantics 6.9)."""
+    """The lots that go into each item, by name: texts that refer to the order (semantics 6.9)."""
 
     @cached_property
     def source(self) -> int:

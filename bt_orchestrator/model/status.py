@@ -46,7 +46,7 @@ class TaskStatus:
     feedback: str = ''
     """Last feedback message as one JSON object."""
     round: int = 0
-    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    """The number of the further round of its repeat, from 1; 0: the first pass, or no repeat."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class SectionStatus:
     waits: tuple[Wait, ...] = ()
     """Why the section waits."""
     finished: FinishedCycle | None = None
-    """What it did in this beat before the cycle in progress."""
+    """Its work in this beat before the cycle in progress."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,8 @@ class ComponentStatus:
     ready: bool
     """A goal may be sent: its state topic allows it, there is no contest, and it is in service."""
     out_of_service: str = ''
-    """Who took it out of service, and why; empty: it is in service (semantics 7.5)."""
+    """The person who took it out of service, and the reason; empty: it is in service (semantics
+    7.5)."""
     out_of_service_since: float | None = None
     """None: it is in service."""
     contested: str = ''
@@ -245,7 +246,7 @@ class ListedJob:
     reason: str = ''
     """Why it was stopped or aborted."""
     choice: RecipeChoice | None = None
-    """What its order named in place of a script; None: it named a script."""
+    """The recipe that its order named in place of a script; None: it named a script."""
 
 
 @dataclass(frozen=True)
@@ -286,7 +287,8 @@ class CellStatus:
     stop_after: str = ''
     """item or job: the line runs empty and stops."""
     wish: Wish | None = None
-    """Who requested the stop; then the cell waits for an operator's start (semantics 7.2)."""
+    """The person who requested the stop; then the cell waits for an operator's start (semantics
+    7.2)."""
     waits_for: str = ''
     """Commands that let it work again, in words."""
     unauthenticated_role: Role | None = None
@@ -314,7 +316,7 @@ class CellStatus:
 
 @dataclass(frozen=True)
 class ComponentDescription:
-    """What a cell file says of one device controller."""
+    """The facts of the cell file about one device controller."""
 
     name: str
     action: str

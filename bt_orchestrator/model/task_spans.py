@@ -51,5 +51,5 @@ class TaskSpans:
         return self._open.get(event.key)
 
     def forget(self) -> None:
-        """Forget all starts: later ends pair with none of them."""
+        """Forget all starts: later ends pair with no start of before."""
         self._open.clear()

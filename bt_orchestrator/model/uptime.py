@@ -12,7 +12,7 @@ class Uptime(NamedTuple):
     """A moment on the clock that begins with the boot of a machine and is never set."""
 
     boot: str
-    """Which boot of which machine."""
+    """The boot of the machine."""
     seconds: float
 
 

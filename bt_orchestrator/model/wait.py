@@ -9,7 +9,7 @@ from bt_orchestrator.model.frozen import made_at_once
 
 
 class WaitKind(Enum):
-    """What is waited for."""
+    """The cause of a wait."""
 
     BELT = 'belt'
     """The belt has to move, or to come to rest."""
@@ -92,7 +92,7 @@ class PartWait:
 
     @property
     def reason(self) -> str:
-        """What it waits for, in words."""
+        """The cause of its wait, in words."""
         return self.wait.reason
 
     def __str__(self) -> str:

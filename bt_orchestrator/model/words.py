@@ -96,9 +96,9 @@ class Words:
     """The facts of one sentence."""
 
     kind: str
-    """Which sentence it is."""
+    """The kind of the sentence."""
     values: Mapping[str, str] = field(default_factory=dict)
-    """What it names."""
+    """The things that it names."""
 
     def text(self, sentences: Mapping[str, str] = SENTENCES, or_: str = 'or') -> str:
         """Return the sentence in a language.
@@ -132,7 +132,7 @@ def sentence(kind: str, **values: object) -> str:
 
 @lru_cache(maxsize=256)
 def facts_of(message: str) -> tuple[Words, ...]:
-    """Return the facts of a message that was made of sentences; empty: it has none of these."""
+    """Return the facts of a message that was made of sentences; empty: it has no such sentence."""
     parts, found = message.split(AND)[:_MOST_PARTS], list[Words]()
     while parts:
         runs = ((size, _read(AND.join(parts[:size]))) for size in range(_LONGEST, 0, -1))

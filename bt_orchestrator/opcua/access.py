@@ -17,7 +17,7 @@ class AccessRefused(OrchestratorError):
 
 @dataclass(frozen=True)
 class Access:
-    """Who reaches the server, and how."""
+    """The ways to the server."""
 
     users: Path
     """File of the users and their roles (`users/`)."""
@@ -30,7 +30,7 @@ class Access:
     """Unencrypted connections are accepted as well; passwords are encrypted all the same."""
 
     def check(self) -> None:
-        """Refuse options that would let in anybody, or nobody.
+        """Refuse options that would let in every client, or no client.
 
         :raises AccessRefused: says what was expected
         """

@@ -1,4 +1,4 @@
-"""Which asyncua this fits: its inside is overridden, so another one would be guarded by chance."""
+"""The versions of asyncua that this fits: its inside is overridden, others are not guarded."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ LOOK_S = 0.5
 
 @dataclass(frozen=True)
 class Sources:
-    """What else the server may read; each may be missing."""
+    """Other sources of the server; each may be missing."""
 
     trees: Sequence[Path] = ()
     """Folders in which scripts are looked up by name."""
@@ -58,7 +58,7 @@ class Bridge(CellClient):
         self.newest = 0
         """The last event that was heard of."""
         self.other_cell = asyncio.Event()
-        """What exists in the cell is not what the parts were built for."""
+        """The cell differs from the one that the parts were built for."""
         self._status: CellStatus | None = None
         self._description: CellDescription | None = None
         self._begins_at = 0
@@ -67,7 +67,7 @@ class Bridge(CellClient):
         """The node may have started anew, with another cell file."""
         self._caught_up = asyncio.Event()
         self._held_back: list[Fact] | None = None
-        """What was heard while parts are built; None: none are."""
+        """The news while parts are built; None: no parts are being built."""
         self._parts: Sequence[Part] = ()
         self._values: Values | None = None
 
@@ -90,7 +90,7 @@ class Bridge(CellClient):
 
     @property
     def description(self) -> CellDescription:
-        """What exists in the cell; known once it has caught up."""
+        """The description of the cell; known once it has caught up."""
         assert self._description is not None
         return self._description
 

@@ -1,4 +1,4 @@
-"""Who calls a method: asyncua hands methods no caller, so each service call of a session sets it.
+"""The caller of a method: asyncua hands it none, so each service call of a session sets it.
 
 A method that is a coroutine sees it; one that is an ordinary function runs in another thread and
 does not.
@@ -37,7 +37,7 @@ class Caller:
 
 
 CALLER: ContextVar[Caller] = ContextVar('caller')
-"""LookupError: nobody calls; the server itself is at work."""
+"""LookupError: there is no caller; the server itself is at work."""
 
 
 @contextmanager

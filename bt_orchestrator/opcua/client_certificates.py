@@ -1,4 +1,4 @@
-"""What makes the certificate of a client good, whoever trusts it, and who has signed it."""
+"""The conditions for a good certificate of a client, and its signer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What clients ask of conditions: refresh, acknowledge, comment.
+"""The requests of clients about conditions: refresh, acknowledge, comment.
 
 Our conditions have no nodes, so calls of their methods are answered here and not by asyncua, which
 knows methods of nodes only.
@@ -40,7 +40,7 @@ REFRESH_2 = ua.NodeId(ua.ObjectIds.ConditionType_ConditionRefresh2)
 
 
 class Conditions(Protocol):
-    """What is known of the conditions."""
+    """The knowledge of the conditions."""
 
     def standing(self, key: str) -> Standing | None:
         """Return a condition."""
@@ -52,7 +52,7 @@ class Conditions(Protocol):
         """Yield all conditions."""
 
     def is_of(self, standing: Standing, event: bytes) -> bool:
-        """Tell whether an EventId is that of a condition as it is now."""
+        """Tell whether an EventId is that of the present state of a condition."""
 
 
 class ConditionMethods:
@@ -118,7 +118,7 @@ class ConditionMethods:
     async def _remark(
         self, request: Request, standing: Standing, remark: Remark
     ) -> ua.CallMethodResult:
-        """Have the node record it, and all who follow it are told; it knows holds only."""
+        """Have the node record it, which informs all followers; it knows holds only."""
         if not standing.alarm.hold:
             log.info('%s: %s %s: %s', remark.who, request.word, standing.alarm.key, remark.words)
             self._conditions.put(standing.with_remark(request.word, remark))

@@ -26,7 +26,7 @@ FOLDER = 'Conditions/'
 
 @dataclass(frozen=True)
 class Remark:
-    """What somebody said of a condition."""
+    """A remark of a person about a condition."""
 
     who: str
     words: str
@@ -41,7 +41,7 @@ class Standing:
     since: float
     """When it began; of those whose beginning is not on record, when it was first seen."""
     changed: float
-    """When it became as it is."""
+    """The time of its last change."""
     is_active: bool = True
     is_acknowledged: bool = False
     remark: Remark | None = None
@@ -86,7 +86,7 @@ class Place:
         return ua.NodeId(f'{FOLDER}{key}', self.idx)
 
     def key(self, condition: ua.NodeId) -> str | None:
-        """Return what a ConditionId names; None: it is none of ours."""
+        """Return the thing that a ConditionId names; None: it is not an id of ours."""
         name = condition.Identifier
         if condition.NamespaceIndex != self.idx or not isinstance(name, str):
             return None

@@ -56,7 +56,7 @@ class _End(NamedTuple):
     seq: int
     time: float
     by: Remark | None
-    """What a person did, that ended it."""
+    """The act of a person that ended it."""
 
 
 class Holds:

@@ -1,4 +1,4 @@
-"""The nodesets of the standards: unmodified, so that NodeIds are the standards' own."""
+"""The nodesets of the standards, unmodified: NodeIds are the standards' own."""
 
 from __future__ import annotations
 

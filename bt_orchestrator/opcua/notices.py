@@ -26,7 +26,7 @@ SERVER = ua.NodeId(ua.ObjectIds.Server)
 
 @dataclass(frozen=True)
 class Told:
-    """What every event says."""
+    """The fields of every event."""
 
     type_id: ua.NodeId
     id: bytes
@@ -43,7 +43,7 @@ class Told:
 
 
 class _Sent(Event):
-    """What asyncua selects fields from."""
+    """The fields from which asyncua selects."""
 
     def __init__(self, told: Told) -> None:
         super().__init__(SERVER)
@@ -62,7 +62,7 @@ class _Sent(Event):
 
 
 class Notices:
-    """Sends events, in the order in which they are told. All calls come from the loop."""
+    """Sends events, in their order. All calls come from the loop."""
 
     def __init__(self, server: asyncua.Server, cell: ua.NodeId) -> None:
         self._service = server.iserver.subscription_service

@@ -1,4 +1,4 @@
-"""What an order can name, as far as there are files of it here: scripts and recipes."""
+"""The choices of an order, as far as there are files here: scripts and recipes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the nodes of PackML say of themselves; the page about the server has the same table."""
+"""The descriptions of PackML nodes; the page about the server has the same table."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ MODES = PRODUCE + 1
 """Sizes of the arrays of times: numbers of states and of unit modes count from 1."""
 
 WITHOUT = ('Status/MachSpeed', 'Status/MachSpeed/EURange', 'Status/CurMachSpeed/EURange')
-"""Mandatory variables that the cell has no value for: nobody sets its speed."""
+"""Mandatory variables that the cell has no value for: its speed cannot be set."""
 
 OWN: Mapping[str, ua.VariantType] = {
     'Status/StateCurrent': ua.VariantType.Int32,
@@ -210,7 +210,7 @@ class Shown:
             self._put(f'{path}/Number', number, at)
 
     def _put_belt(self, status: CellStatus) -> None:
-        """Show the belt and the event that it is of in one value, so that they belong together."""
+        """Show the belt and its event in one value: they belong together."""
         slots = ', '.join(f'{one.number}={_standing(one)}' for one in status.sections)
         shown = f'{status.seq}: {slots}' if status.state is PackmlState.ABORTED else ''
         self._put('Belt', shown, status.stamp)

@@ -1,4 +1,4 @@
-"""What each part of the server does: the flat one, job control, PackML, holds."""
+"""The work of each part of the server: the flat one, job control, PackML, holds."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class Pki:
 
     @property
     def rejected(self) -> Path:
-        """Certificates of clients that were refused because nobody trusts them yet."""
+        """Certificates of clients that were refused because they are not trusted yet."""
         return self.root / 'rejected' / 'certs'
 
     @property
@@ -76,7 +76,7 @@ class Pki:
 
 @dataclass(frozen=True)
 class Own:
-    """What the server proves itself with."""
+    """The proof of the server's identity."""
 
     certificate: x509.Certificate
     key: rsa.RSAPrivateKey

@@ -53,7 +53,7 @@ class OpcUaServer(ServerThread):
 
     @property
     def address(self) -> str:
-        """What a client is given."""
+        """The answer to a client."""
         return f'opc.tcp://{url_host(self._access.host)}:{self.port}'
 
     def stop(self) -> None:

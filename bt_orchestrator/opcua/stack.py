@@ -1,4 +1,4 @@
-"""The stack of OPC UA as it is set up here."""
+"""The stack of OPC UA with the settings of this server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What asyncua writes while it runs: in the log of the server, a line each, and not without end.
+"""The messages of asyncua while it runs: in the log of the server, a line each, in limited number.
 
 Most of it is caused by clients; by itself it would go to the standard error, with tracebacks.
 """

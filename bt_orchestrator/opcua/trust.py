@@ -1,4 +1,4 @@
-"""Which clients may connect: certificates in folders, which are read anew when they change."""
+"""The clients that may connect: certificates in folders, which are read anew when they change."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Listed:
 
     @property
     def subject(self) -> str:
-        """Whose it is, for people."""
+        """The name of its owner, for people."""
         return self.certificate.subject.rfc4514_string()
 
     @property
@@ -84,7 +84,7 @@ class Listed:
 
 @dataclass(frozen=True)
 class _Store:
-    """What the folders hold at a time."""
+    """The content of the folders at a time."""
 
     trusted: Sequence[x509.Certificate]
     issuers: Sequence[x509.Certificate]
@@ -107,7 +107,7 @@ class Trust:
 
     @property
     def version(self) -> object:
-        """What changes with the folders."""
+        """The things that change with the folders."""
         return tuple(map(_changed_at, (self._pki.trusted, self._pki.issuers, *self._crl)))
 
     def check(self, content: bytes) -> x509.Certificate:
@@ -156,7 +156,7 @@ class Trust:
         return found
 
     def remove(self, prefix: str) -> Listed:
-        """Trust a certificate no more; it can be trusted again.
+        """Stop trusting a certificate; it can be trusted again.
 
         :param prefix: of its thumbprint
         :raises NoSuchCertificate: there is none, or several
@@ -195,7 +195,7 @@ class Trust:
         return is_known
 
     def _reject(self, certificate: x509.Certificate) -> None:
-        """Keep a certificate, so that somebody can trust it; of very many only some."""
+        """Keep a certificate, for somebody to trust; of very many only some."""
         now = time.monotonic()
         if self._kept.left(now) < 1:
             return

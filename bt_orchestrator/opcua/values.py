@@ -1,4 +1,4 @@
-"""What the nodes show: written together, only what changed, with its time and its quality."""
+"""The values of the nodes: written together, only those that changed, with time and quality."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from asyncua import ua
 log = logging.getLogger(__name__)
 
 TOGETHER_S = 0.1
-"""What changes within this time is written once."""
+"""Changes within this time are written once."""
 
 
 _LAST_BUILT_IN = ua.VariantType.DiagnosticInfo.value
@@ -49,7 +49,7 @@ class Values:
 
     @property
     def is_doubted(self) -> bool:
-        """Tell whether clients are told that the values are old."""
+        """Tell whether clients see that the values are old."""
         return self._is_doubted
 
     def put(
@@ -112,7 +112,7 @@ class Values:
                 log.error('%s was not written: %s', id_.to_string(), status.name)
 
     def close(self) -> None:
-        """Write no more."""
+        """Stop writing."""
         if self._later is not None:
             self._later.cancel()
 

@@ -41,7 +41,7 @@ class Candidate:
 
     @property
     def qty_change(self) -> int:
-        """What it changes on the belt."""
+        """Its change on the belt."""
         return int(self.options.get('qty_change', 0))
 
     @property
@@ -52,7 +52,7 @@ class Candidate:
 
     @cached_property
     def spaces(self) -> frozenset[str]:
-        """What nothing else may use at the same time: its workspaces, and the component itself."""
+        """The things for it alone at a time: its workspaces, and the component itself."""
         found = {f'workspace {name}' for name in self.component.workspaces}
         return frozenset(found | {self.component.name})
 

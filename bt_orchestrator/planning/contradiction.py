@@ -1,4 +1,4 @@
-"""Demands that contradict each other, and of which each one is needed for that."""
+"""Demands that contradict each other; without any one of them there is no contradiction."""
 
 from __future__ import annotations
 

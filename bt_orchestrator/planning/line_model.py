@@ -27,7 +27,7 @@ class Solution:
     moved: int
     """Operations that are elsewhere than in the script that is kept."""
     us: int
-    """What the model says that it takes for each item; the script may take more."""
+    """The seconds for each item by the model; the script may take more."""
     bound_us: int
     """No plan of the model takes less time for each item."""
     spread_us: int

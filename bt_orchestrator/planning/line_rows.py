@@ -75,7 +75,7 @@ class LineRows:
                 self._none_before(first, second, section)
 
     def _none_before(self, first: int, second: int, section: int) -> None:
-        """What is done up to a section has all that comes before it up to there."""
+        """A piece that is done up to a section has all earlier pieces done up to there."""
         late = {self._chosen[key]: 1 for key in self._in(first, lambda c: c.section > section)}
         done = {self._chosen[key]: 1 for key in self._in(second, lambda c: c.section <= section)}
         if late:
@@ -108,7 +108,7 @@ class LineRows:
     # --- lists ------------------------------------------------------------------------------
 
     def _lead(self) -> None:
-        """What needs no belt leads if all that is before it in its section does."""
+        """A piece without the belt leads if all pieces before it in its section do."""
         model, before = self._model, self._plans.pieces.before
         for key in self._keys:
             choice = self._choice(key)
@@ -126,7 +126,7 @@ class LineRows:
                     model.at_most(terms, 1)
 
     def _trail(self) -> None:
-        """What needs no belt, and cannot reject, trails if all that is behind it does."""
+        """A piece without the belt that cannot reject trails if all pieces behind it do."""
         model, behind = self._model, self._plans.pieces.behind
         for key in reversed(self._keys):
             choice = self._choice(key)
@@ -210,7 +210,7 @@ class LineRows:
             self._at_least_time(work, moves=name == CONVEYOR)
 
     def _in_a_row(self, here: list[Key]) -> Iterator[list[Key]]:
-        """Yield choices of a section no two of which can run side by side."""
+        """Yield choices of a section that cannot run side by side, two by two."""
         alone = [key for key in here if self._choice(key).is_alone]
         others = [key for key in here if not self._choice(key).is_alone]
         spaces = sorted({name for key in others for name in self._choice(key).spaces})

@@ -61,7 +61,7 @@ def quoted(names: Iterable[str]) -> str:
 
 
 class Order:
-    """Which operations come before which, for one item."""
+    """The order of operations, for one item."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""What comes of planning: a script with its facts, or why there is none."""
+"""The outcome of planning: a script with its facts, or the reason why there is no script."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class Generated:
 
 @dataclass(frozen=True)
 class Price:
-    """What it costs to do one operation with another component."""
+    """The price of doing one operation with another component."""
 
     component: str
     more_s: float = 0.0

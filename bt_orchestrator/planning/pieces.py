@@ -1,4 +1,4 @@
-"""What is placed as a whole: an operation, or those of a `repeat`, which stay together."""
+"""The pieces that are placed as a whole: an operation, or all operations of a `repeat`."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Choice:
 
     @cached_property
     def spaces(self) -> frozenset[str]:
-        """What nothing else may use at the same time."""
+        """The things that no other may use at the same time."""
         return frozenset().union(*(one.spaces for one in self.members))
 
 
@@ -114,7 +114,7 @@ def _grouped(recipe: Recipe) -> list[tuple[str, ...]]:
 def _sorted(
     pieces: Sequence[tuple[str, ...]], order: Order
 ) -> tuple[list[tuple[str, ...]], tuple[str, ...]]:
-    """Return pieces so that none comes before one it waits for; or a circle of waits."""
+    """Return pieces in an order that fits their waits; or a circle of waits."""
     of = {name: piece for piece in pieces for name in piece}
     waits = {
         piece: {of[one] for name in piece for one in order.before[name]} - {piece}

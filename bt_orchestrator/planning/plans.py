@@ -33,7 +33,8 @@ class Plans:
         ]
         self.moved = [[moved(one) for one in ways] for ways in self.choices]
         self.shared = self._find_shared()
-        """What components of several sections may use; the closed form is a bound then."""
+        """The things that components of several sections may use; the closed form is a bound then.
+        """
 
     def _find_shared(self) -> list[str]:
         where: dict[str, set[int]] = {CONVEYOR: {0}}

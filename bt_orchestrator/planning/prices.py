@@ -1,4 +1,4 @@
-"""What it costs to do an operation with another component: it is fixed there, and solved again."""
+"""The price of doing an operation with another component: it is fixed there, and solved again."""
 
 from __future__ import annotations
 

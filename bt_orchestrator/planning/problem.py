@@ -20,7 +20,7 @@ from bt_orchestrator.planning.scripts import PlanWriter
 
 @dataclass(frozen=True)
 class Problem:
-    """What is to be made, with what."""
+    """The product to make, and the equipment for it."""
 
     cell: Cell
     recipe: Recipe

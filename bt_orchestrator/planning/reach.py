@@ -54,7 +54,7 @@ class Reach:
 
     @cached_property
     def links(self) -> list[Demand]:
-        """Which piece is not done behind which other one."""
+        """The pieces that are not done behind others."""
         pieces, line = self.pieces, self.line
         names = [one[0] for one in pieces.members]
         found = [

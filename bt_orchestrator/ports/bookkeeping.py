@@ -1,4 +1,4 @@
-"""Who makes the books of a journal."""
+"""The maker of the books of a journal."""
 
 from __future__ import annotations
 

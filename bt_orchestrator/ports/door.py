@@ -18,7 +18,7 @@ class EventPage(NamedTuple):
 
     history: str
     events: Sequence[Event]
-    """Oldest first; empty: there are no more yet."""
+    """Oldest first; empty: this is the end for now."""
     first_seq: int
     """The oldest that is available; earlier ones were removed, or are damaged."""
     last_seq: int
@@ -65,7 +65,7 @@ class Watch(Protocol):
     """Something that a door looks at for a listener, as long as it is open."""
 
     def close(self) -> None:
-        """Look no more; harmless when it is closed. The listener is not called again."""
+        """Stop looking; harmless when it is closed. The listener is not called again."""
 
 
 class CellLink(Protocol):

@@ -83,7 +83,8 @@ class Consequence(NamedTuple):
     unknown: Mapping[str, str] = {}
     """Why a job has no end after them, by its id."""
     notes: Sequence[str] = ()
-    """What the node will look at in earnest, and could not be looked at, in sentences."""
+    """Facts that the node will check in earnest, and that could not be checked here, in sentences.
+    """
     due_s: Mapping[str, float] = {}
     """When jobs should end, by their ids, in seconds from the given moment."""
 
@@ -105,7 +106,7 @@ class WrongField(NamedTuple):
 
 
 class CheckedOrder(NamedTuple):
-    """What would be said of a work order."""
+    """The answer that a work order would get."""
 
     accepted: bool
     message: str

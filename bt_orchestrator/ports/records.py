@@ -68,7 +68,7 @@ class Records(Protocol):
         """
 
     def book_script(self, digest: str) -> KeptScript | None:
-        """Return a script of which something was made; None: it is not there, or damaged.
+        """Return a script whose work is in the journal; None: it is missing, or damaged.
 
         :raises JournalUnusable: it cannot be read
         """

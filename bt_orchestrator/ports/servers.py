@@ -18,7 +18,7 @@ class Goal(Protocol):
 
     @property
     def request(self) -> GoalRequest:
-        """What was asked."""
+        """The question."""
 
     @property
     def accepted(self) -> bool:
@@ -45,7 +45,7 @@ Told = Goal | StateReading | SeenContest
 
 
 class Servers(Protocol):
-    """What is known of the action servers without a request to them."""
+    """The knowledge of the action servers without a request to them."""
 
     def available(self, component: str) -> bool:
         """Tell whether the component's action server was seen at the last check; for show."""
@@ -103,7 +103,7 @@ class ActionGateway(Servers, Protocol):
 
 
 class ActionTypes(Protocol):
-    """What the installed interface packages say about action and message types."""
+    """The facts of the installed interface packages about action and message types."""
 
     def action(self, name: str) -> ActionType:
         """Return the description of an action type such as pkg/action/Name.

@@ -1,4 +1,4 @@
-"""What the engine writes: to the disk, and to whoever follows it."""
+"""The outputs of the engine: to the disk, and to its followers."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ class Writing(Protocol[_Result_co]):
         """Tell whether it has ended, successfully or not; wait at most `within_s` for that."""
 
     def lasts(self, seconds: float) -> bool:
-        """Wait so long at most; tell whether it still goes on. Nobody is woken for this."""
+        """Wait so long at most; tell whether it still goes on. No thread is woken for this."""
 
     def result(self) -> _Result_co:
         """Return its result once it has ended, or raise its error."""
 
 
 class Writer(Protocol):
-    """Carries out disk writes one after another, in order, so that callers need not wait."""
+    """Carries out disk writes one after another, in order; callers need not wait."""
 
     def begin(self, write: Callable[[], _Result]) -> Writing[_Result]:
         """Begin a write.

@@ -1,4 +1,4 @@
-"""What there is only one of: components and zones for which tasks may have to wait."""
+"""The single things: components and zones for which tasks may have to wait."""
 
 from __future__ import annotations
 

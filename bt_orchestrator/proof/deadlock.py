@@ -41,7 +41,7 @@ class Deadlock:
 
     @property
     def hint(self) -> str:
-        """What to do about it."""
+        """The remedy."""
         counts = self.remedy or 'no larger capacity or initial count of one flag frees it'
         if not self.swapped:
             return counts
@@ -76,7 +76,7 @@ def deadlock(script: Script) -> Deadlock | None:
 
 
 def get_stuck_together(scripts: Iterable[Script]) -> bool:
-    """Tell whether jobs of these scripts can get stuck behind each other, but none of them alone.
+    """Tell whether jobs of these scripts can get stuck only behind each other.
 
     Scripts that share no flag cannot.
     """

@@ -35,7 +35,7 @@ class Relation(NamedTuple):
     items: int
     """Item offset of the second: 0 is the same item, 1 the next one."""
     tasks: tuple[str, ...] = ()
-    """What runs between the two, one after the other; the task of the first is among them."""
+    """The operations between the two, one after the other; the task of the first is among them."""
     dependency: Dependency | None = None
     """The lateral dependency that requires it; None: a section's list does."""
 

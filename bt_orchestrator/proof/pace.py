@@ -22,17 +22,17 @@ from bt_orchestrator.proof.slowest_circle import Arc, ratio, slowest_circle
 from bt_orchestrator.proof.standstill import gets_stuck
 
 Durations = Mapping[str, int]
-"""Microseconds of each task of the lists, and of the move of the belt, by id: whole numbers, so
-that sums of them are exact."""
+"""Microseconds of each task of the lists, and of the move of the belt, by id: whole numbers have
+exact sums."""
 
 
 NAMED = 10
-"""How many parts of a limit are told by name; of a longer one the first and the last."""
+"""The number of named parts of a limit; a longer one has its first and last parts named."""
 
 
 @dataclass(frozen=True)
 class Limit:
-    """What has to happen one after the other, and so limits the line."""
+    """The steps that follow each other, and so limit the line."""
 
     tasks: tuple[str, ...]
     """In their order; the move of the belt is `INDEX`."""
@@ -42,7 +42,7 @@ class Limit:
     flags: tuple[str, ...] = ()
     """Flags by which one section waits for another in it."""
     only_one: str = ''
-    """What there is only one of, a component or a zone; empty: a circle of waits."""
+    """The single thing, a component or a zone; empty: a circle of waits."""
 
     @property
     def per_item_s(self) -> float:
@@ -77,7 +77,7 @@ class Pace:
     least: Limit
     """Without the tasks that a condition may skip."""
     not_counted: tuple[str, ...] = ()
-    """What may make the line slower than that."""
+    """The causes that may make the line slower than that."""
 
     @property
     def per_item_s(self) -> float:

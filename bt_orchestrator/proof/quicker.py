@@ -1,4 +1,4 @@
-"""What would make a line faster until something else limits it: a quicker task, a roomier flag."""
+"""Changes that make a line faster until something else limits it: a task, a roomier flag."""
 
 from __future__ import annotations
 
@@ -12,16 +12,18 @@ from bt_orchestrator.proof.pace import Limit, PacedLine
 
 @dataclass(frozen=True)
 class Quicker:
-    """What comes of a quicker task."""
+    """The gain from a faster task."""
 
     task: str
     """The longest task of the limit."""
     takes_s: float
-    """What it takes now."""
+    """Its present time."""
     by_s: float
-    """What it would have to save; more saves nothing. 0: something else takes as long anyway."""
+    """The least saving that makes something else the limit; more saves nothing.
+
+    0: something else takes as long anyway."""
     then: Limit
-    """What limits the line then."""
+    """The limit of the line then."""
 
     def __str__(self) -> str:
         if not round(self.by_s, 1):
@@ -39,7 +41,7 @@ def _would_be(limit: Limit) -> str:
 
 
 def quicker(line: PacedLine, cell: Cell) -> Quicker | None:
-    """Return what making the longest task of the limit quicker would bring; None: there is none.
+    """Return the gain from making the longest task of the limit faster; None: there is none.
 
     A task that is in several circles may have to save more for another one than for the slowest.
     """
@@ -65,19 +67,19 @@ FLAGS_TRIED = 4
 
 @dataclass(frozen=True)
 class Roomier:
-    """What comes of a larger capacity of a flag, where it is no more than a number."""
+    """The gain from a larger capacity of a flag, where it is no more than a number."""
 
     flag: str
     capacity: int
     then: Limit
-    """What limits the line then."""
+    """The limit of the line then."""
 
     def __str__(self) -> str:
         return f'With capacity {self.capacity} of flag {self.flag} {_would_be(self.then)}'
 
 
 def roomier(line: PacedLine, cell: Cell) -> Roomier | None:
-    """Return the flag of the limit of which one count more of capacity brings most; None: none."""
+    """Return the flag of the limit that gains most from one count more of capacity; None: none."""
     if line.gets_stuck:
         return None
     us = line.durations(cell)

@@ -18,7 +18,7 @@ class Arc(NamedTuple):
     weight: int
     length: int
     tasks: tuple[str, ...] = ()
-    """What makes its weight."""
+    """The parts of its weight."""
     flag: str = ''
     """The flag it stands for; empty: none."""
 

@@ -1,4 +1,4 @@
-"""Reasons of waits without item ids, so that equal waits can be summed up."""
+"""Reasons of waits without item ids: equal waits can be summed up."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from bt_orchestrator.model.wait import Wait, WaitKind
 
 
 class Cause(NamedTuple):
-    """What is waited for."""
+    """The cause of a wait."""
 
     kind: WaitKind
     text: str

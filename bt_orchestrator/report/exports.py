@@ -25,7 +25,7 @@ class Output(Protocol):
 
 
 class JsonLines:
-    """Records as they are, one a line."""
+    """Records unchanged, one a line."""
 
     def __init__(self, file: IO[str]) -> None:
         self._file = file

@@ -50,7 +50,7 @@ class WaitLoad:
     kind: str
     """A value of `model.wait.WaitKind`; several, joined by +, where it waited for both."""
     cause: str
-    """What it waited for, in words."""
+    """The cause of its wait, in words."""
     waited_s: float
     share: float
     """Part of the total, 0 to 1."""

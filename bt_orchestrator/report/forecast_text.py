@@ -18,7 +18,8 @@ from bt_orchestrator.report.tables import table
 _LOSSES = ('rejected', 'missing', 'nonconforming')
 
 WAITS_SHOWN = 5
-"""How many waits are told of each section and component, the longest; the rest is summed up."""
+"""The number of waits in the output for each section and component, the longest; the rest is
+summed up."""
 
 
 def summary_lines(forecast: Forecast, paces: Sequence[ScriptPace] = ()) -> Iterator[str]:

@@ -34,7 +34,7 @@ def common(some: Iterable[Span], others: Iterable[Span]) -> Iterator[Span]:
 
 
 def gaps(whole: Span, spans: Iterable[Span]) -> Iterator[Span]:
-    """Yield the parts of a span in which none of the others runs."""
+    """Yield the parts of a span in which no other runs."""
     until = whole.start
     for start, end in sorted(spans):
         if until < min(start, whole.end):

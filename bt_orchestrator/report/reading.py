@@ -38,7 +38,7 @@ class Reading:
         """
         self.records = records
         self.steady: SteadyTime | None = None
-        """What is known of the steps of the clock; None: nobody has asked."""
+        """The known steps of the clock; None: not asked for yet."""
         self.lost = 0
         """Records that are damaged or missing, as far as was looked."""
         self._tell = tell

@@ -1,4 +1,4 @@
-"""What each part of a cell waits for, as links from part to part."""
+"""The waits of each part of a cell, as links from part to part."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Link:
     kind: str
     """A `WaitKind`, or `task`."""
     to: str = ''
-    """The part that it waits for; empty: none of the cell."""
+    """The part that it waits for; empty: it waits for no part of the cell."""
 
 
 Links = Mapping[str, Sequence[Link]]

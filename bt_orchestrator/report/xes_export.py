@@ -78,7 +78,7 @@ class XesExport:
         self._traces: dict[str, list[str]] = {}
         self._attributes: dict[str, dict[str, Any]] = {}
         self._jobs: dict[str, dict[str, Any]] = {}
-        """What is told of the job of an item."""
+        """The facts of the job of an item."""
         self._spans = TaskSpans()
 
     def write(self, text: str) -> None:

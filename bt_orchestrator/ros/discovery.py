@@ -1,4 +1,4 @@
-"""Which action servers there are on the ROS graph."""
+"""The action servers on the ROS graph."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _FEEDBACK_TYPE = '_FeedbackMessage'
 _STATE_TYPE = 'std_msgs/msg/String'
 
 _NO_DEVICE = 'bt_orchestrator_interfaces/action/RunJob'
-"""What a tree node that runs beside the controllers serves itself."""
+"""The services of a tree node that runs beside the controllers."""
 
 
 class NobodyServes(OrchestratorError):
@@ -40,7 +40,7 @@ def find_action_servers(timeout_s: float) -> Sequence[FoundServer]:
 
 
 class _Look:
-    """What is on the graph, and since when."""
+    """The content of the graph, and its time."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph

@@ -19,7 +19,7 @@ OLD_PROFILE = os.path.join(os.path.dirname(PROFILE), 'fast_dds_udp_2.xml')
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
 PROFILES = 'FASTDDS_DEFAULT_PROFILES_FILE'
 OLD_PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
-"""The only name that Fast DDS 2 reads, and of which later ones warn."""
+"""The only name that Fast DDS 2 reads, and that later versions warn of."""
 OLD_DISTROS = ('humble', 'iron', 'jazzy')
 
 FOUND_BY_ITSELF = ('DEFAULT_FASTDDS_PROFILES.xml', 'DEFAULT_FASTRTPS_PROFILES.xml')

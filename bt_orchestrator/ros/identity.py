@@ -1,4 +1,4 @@
-"""Who runs a cell under the name of a node, told by every process that does.
+"""The processes that run a cell under the name of a node: each publishes its identity.
 
 A service client hears the first answer only, and the ROS graph lists a process that was killed for
 20 s more. A latched message comes from its process, so whoever is heard is alive (decision 0023).
@@ -117,7 +117,7 @@ class Listener:
             return int(self._handle.get_publisher_count())
 
     def close(self) -> None:
-        """Listen no more."""
+        """Stop listening."""
         self._handle.destroy_when_not_in_use()
 
     def _take(self) -> Sequence[Any]:

@@ -1,4 +1,4 @@
-"""Memory of large messages goes back to the system as soon as they are gone.
+"""Memory of large messages goes back to the system at once when they are gone.
 
 Once a block was freed, glibc takes further ones of its size, up to 32 MB, from its heaps, and a
 heap shrinks no further than to the last small block in it. With results of 1 MB the process

@@ -80,11 +80,11 @@ FAREWELL_S = 10.0
 """Longest time that a stop waits for the ends of cancelled goals."""
 
 LAST_WORDS_S = 0.3
-"""How long the node stays after its last words, so that they are heard."""
+"""How long the node stays after its last words, for others to hear them."""
 
 
 class BadRosArguments(OrchestratorError):
-    """What follows --ros-args cannot be understood."""
+    """The words behind --ros-args cannot be understood."""
 
 
 class NoCell(OrchestratorError):
@@ -95,7 +95,7 @@ Soon = Callable[[Callable[[], None]], None]
 
 
 class Parts(NamedTuple):
-    """What the node is given from other rooms."""
+    """The things that other rooms give the node."""
 
     open_journal: Callable[[Path, str], Journal]
     """Opens the journal in a file, to be written with a value of `journal_synchronous`."""
@@ -302,7 +302,7 @@ class TreeNode:
             self._spin_once(0.1)
 
     def _without_end(self) -> Iterator[str]:
-        """Yield the tasks whose goals may go on; those in doubt count as running no more."""
+        """Yield the tasks whose goals may go on; those in doubt count as ended."""
         state, breakdown = self.orchestrator.state, self.orchestrator.breakdown
         if breakdown is not None:
             yield from breakdown.in_flight

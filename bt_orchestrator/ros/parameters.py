@@ -27,7 +27,7 @@ _TYPES = frozenset(kind.value for kind in Parameter.Type)
 
 
 def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
-    """Declare every parameter; what ROS was told otherwise wins over the defaults.
+    """Declare every parameter; values that ROS was given win over the defaults.
 
     :raises BadParameter: a parameter is none of its choices
     """
@@ -43,7 +43,7 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
 
 
 def _refuse_in_words(node: Node) -> None:
-    """Refuse what rclpy answers nobody, or without the name: other types, unknown parameters."""
+    """Refuse parameters that rclpy would refuse without a name: other types, unknown ones."""
     answers = {SetParameters: _set_each, SetParametersAtomically: _set_together}
     for service in node.services:
         answer = answers.get(service.srv_type)

@@ -1,4 +1,4 @@
-"""What is done once a second, all in one turn of the executor."""
+"""The work of each second, all in one turn of the executor."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ EVENTS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 
 
 SERVICES = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
-"""Requests and answers, of which ROS 2 keeps 10 by default.
+"""Requests and answers; ROS 2 keeps 10 by default.
 
 A service has one such queue for the requests of all its clients. Each answer goes to every client,
 which picks out its own; what does not fit replaces the oldest, and nobody is told. So 10 are too

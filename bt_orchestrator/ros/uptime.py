@@ -19,7 +19,7 @@ class MachineUptime:
     """
 
     def __init__(self, proc: Path = _PROC) -> None:
-        """Find out which boot of which machine this is."""
+        """Find out the boot of this machine."""
         self._clock: int | None = getattr(time, 'CLOCK_BOOTTIME', None)
         self._boot = None if _has_its_own_time(proc) else _boot_id(proc)
 

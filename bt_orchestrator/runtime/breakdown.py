@@ -1,4 +1,4 @@
-"""What still works when the journal cannot be written: cancelling goals, off the record."""
+"""The work that goes on when the journal cannot be written: cancelling goals, off the record."""
 
 from __future__ import annotations
 

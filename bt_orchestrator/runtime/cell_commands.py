@@ -1,4 +1,4 @@
-"""What the commands to the cell do, or why they are refused (semantics 7.2, 7.3)."""
+"""The effects of commands to the cell, or the reasons of refusals (semantics 7.2, 7.3)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from bt_orchestrator.runtime.lifecycle import transition
 from bt_orchestrator.runtime.operators import released_with
 
 RESUME = VERBS[Cause.UNHOLD]
-"""What ends a pause."""
+"""The ways in which a pause ends."""
 
 
 @decides(*(one for one in requests_about(About.CELL) if one.cause is not None))

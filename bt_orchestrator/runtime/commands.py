@@ -1,4 +1,4 @@
-"""What each command does: events, or a refusal with the reason."""
+"""The effect of each command: events, or a refusal with the reason."""
 
 from __future__ import annotations
 

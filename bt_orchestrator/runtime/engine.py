@@ -1,4 +1,4 @@
-"""What an overview can read: a running engine, or a past state."""
+"""The source of an overview: a running engine, or a past state."""
 
 from __future__ import annotations
 

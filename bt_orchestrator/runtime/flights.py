@@ -71,7 +71,7 @@ class Flights:
         return self._given_up | self._goals
 
     def close(self) -> None:
-        """Forget every time limit; goals in flight stay as they are."""
+        """Forget every time limit; goals in flight stay unchanged."""
         for timer in self._timers.values():
             timer.cancel()
         self._timers.clear()

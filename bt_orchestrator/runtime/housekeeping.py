@@ -40,7 +40,7 @@ ENDED_TOGETHER = ENDED_KEPT // 2
 """Ended jobs after which the next quiet moment is used to store them and remove old events."""
 
 ENDED_AT_LATEST = ENDED_KEPT - 10
-"""The same on a line that is never quiet: the state lists no more of them."""
+"""The same on a line that is never quiet: the state has this list no longer."""
 
 AT_REST = 20
 """Consecutive quiet turns after which everything is stored, whatever it costs."""
@@ -91,7 +91,7 @@ class Housekeeping:
         """Last event at the last failure; there is no new attempt before the next event."""
         self._quiet_turns = 0
         self._next_turn: Reply[None] | None = None
-        """What the work in progress waits for; None: there is no work in progress."""
+        """The cause for which the work in progress waits; None: there is no work in progress."""
 
     def turn(self, *, quiet: bool) -> None:
         """Do one small piece of the due work; the state is durable.

@@ -167,7 +167,7 @@ def _after_release(state: CellState, job: JobState) -> Iterator[str]:
 
 
 def _only(event: Callable[..., e.Event]) -> Callable[[CellState, JobState, str], Events]:
-    """Return what does something of which one event tells all."""
+    """Return a decider whose effect is one event."""
     return lambda _, job, __: iter([event(job=job.job.id)])
 
 

@@ -17,7 +17,7 @@ Notice = Callable[[Any], None]
 
 
 class _Noticing(dict[type[Event], tuple[Notice, ...]]):
-    """What is called with the events of each class, made at the first of them."""
+    """The functions that are called with the events of each class, made at the first of them."""
 
     def __init__(self, notices: Callable[[type[Event]], Iterable[Notice]]) -> None:
         super().__init__()

@@ -23,7 +23,7 @@ AUTOMATIC = 'an order arrived'
 
 
 class Outlook(NamedTuple):
-    """What the last tick showed, beyond the state."""
+    """The facts of the last tick, beyond the state."""
 
     still: bool
     """No goal runs, and none can start before something changes."""

@@ -40,7 +40,7 @@ def page(state: CellState, overview: Overview, after: str = '', most: int = 0) -
 
 
 def told_of(job: JobState, overview: Overview) -> ListedJob:
-    """Return what is told of a job that is asked for."""
+    """Return the answer to a question about a job."""
     order = job.job
     details = order.terms.details
     return ListedJob(overview.job(job), order.params, details, job.end_reason, order.recipe)

@@ -135,7 +135,7 @@ class Orchestrator:
 
     @property
     def disk_wait(self) -> str:
-        """What waits for the disk, in words; empty: nothing."""
+        """The wait for the disk, in words; empty: nothing waits."""
         return self._commits.in_words
 
     @property
@@ -189,7 +189,7 @@ class Orchestrator:
             self._settling = False
 
     def close(self) -> None:
-        """Give up the engine; goals in flight stay as they are."""
+        """Give up the engine; goals in flight stay unchanged."""
         self._ledger.close()
         self.flights.close()
         self.tree.close()

@@ -181,13 +181,13 @@ def _refuse_gap(state: CellState, event: e.Event) -> None:
 
 
 class Found(NamedTuple):
-    """What a new orchestrator finds in its journal."""
+    """The facts that a new orchestrator finds in its journal."""
 
     history: str
     is_copy: bool
-    """It was restored from a backup, and nobody has worked on it since."""
+    """It was restored from a backup, and no node has worked on it since."""
     missing: str
-    """Which events are missing, in words; empty: none."""
+    """The missing events, in words; empty: none."""
     seq: int
     """Its last event."""
     time: str

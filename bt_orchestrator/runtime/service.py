@@ -14,7 +14,7 @@ from bt_orchestrator.runtime.deciding import Decided, decides
 
 
 def without_component(state: CellState) -> Iterator[e.ComponentInService]:
-    """Yield the end of every record about a component that the cell file has no more."""
+    """Yield the end of every record about a component that the cell file no longer has."""
     for name in list(state.out_of_service):
         if name not in state.cell.components:
             yield e.ComponentInService(component=name)

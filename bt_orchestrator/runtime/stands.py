@@ -19,7 +19,8 @@ from bt_orchestrator.model.wish import way_to_work
 from bt_orchestrator.runtime.engine import Engine
 
 TOLD_AFTER_S = 1.0
-"""How long nothing moves before it is told: between two goals nothing moves for a moment."""
+"""How long nothing moves before a standstill is reported: between two goals nothing moves for a
+moment."""
 
 Waits = Callable[[], Sequence[PartWait]]
 
@@ -33,7 +34,7 @@ class Standstill:
         self._clock_set_s = 0.0
         """By how much the clock had been set then."""
         self.told: Stands | None = None
-        """What the last look told; None: something moves, or did a moment ago."""
+        """The result of the last look; None: something moves, or did a moment ago."""
 
     def look(self, now_s: float, waits: Waits) -> Stands | None:
         """Say why the cell stands.
@@ -139,7 +140,7 @@ _CAUSES = {
     WaitKind.RETRY_DELAY: StandCause.RETRY_DELAY,
     WaitKind.CELL_STATE: StandCause.COMMAND,
 }
-"""What a wait that ends outside of the line is as a root cause."""
+"""The root cause behind a wait that ends outside of the line."""
 
 _RANK = {kind: rank for rank, kind in enumerate(GRAVE)}
 

@@ -32,7 +32,7 @@ class Starts:
         """On the steady clock."""
 
     def land(self) -> None:
-        """Record which jobs wait no more, and be woken for the next one."""
+        """Record the jobs that may start now, and be woken for the next one."""
         jobs = self._ledger.state.jobs
         if jobs.first_awaiting is not None:
             self._ledger.record(self._due())

@@ -89,7 +89,7 @@ class Writing(Generic[_T]):
         return self._has_ended
 
     def lasts(self, seconds: float) -> bool:
-        """Wait so long at most; tell whether it still goes on. Nobody is woken for this."""
+        """Wait so long at most; tell whether it still goes on. No thread is woken for this."""
         if not self._has_ended:
             self._has_ended = self._under_way.acquire(timeout=seconds)
         return not self._has_ended

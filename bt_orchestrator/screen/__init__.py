@@ -1,1 +1,1 @@
-"""What a person sees of a running cell: words, the view of it, and the view on a terminal."""
+"""The view of a person on a running cell: words, the view of it, and the view on a terminal."""

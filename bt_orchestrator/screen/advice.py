@@ -1,4 +1,4 @@
-"""What a person can type: the answers to a hold, and what comes next where a cell stands."""
+"""The commands to type: the answers to a hold, and the next step where a cell stands."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Shell(NamedTuple):
     node: str = DEFAULT_NODE
     """Full name of the tree node."""
     program: str = PROGRAM
-    """What to type for this program there, with variables in front where they are needed."""
+    """The command for this program there, with variables in front where they are needed."""
 
     def command(self, words: str) -> str:
         """Return a command line.
@@ -59,7 +59,7 @@ class Choice(NamedTuple):
     effect: str = ''
     needs_reason: bool = True
     who: str = ''
-    """Who may do it, where the reader may not; empty: the reader may."""
+    """The roles that may do it, where the reader may not; empty: the reader may."""
     is_complete: bool = True
     """Nothing in the words has to be filled in."""
 

@@ -53,7 +53,7 @@ def of_lines(
     *,
     unlisted: int = 0,
 ) -> Block:
-    """Return a block of which the lines of little weight go first.
+    """Return a block whose lines of little weight go first.
 
     :param unlisted: how many things there are that have no line
     """

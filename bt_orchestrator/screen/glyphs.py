@@ -9,7 +9,7 @@ from bt_orchestrator.screen.view import Weight
 
 
 class Glyphs(NamedTuple):
-    """What is drawn where."""
+    """The signs and their places."""
 
     working: str
     waiting: str

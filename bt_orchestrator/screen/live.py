@@ -23,7 +23,7 @@ PACE_S = 0.5
 
 
 class LiveView:
-    """Draws what it is told on the terminal's second screen."""
+    """Draws its content on the terminal's second screen."""
 
     def __init__(self, screen: SecondScreen, shell: Shell) -> None:
         self._screen = screen

@@ -20,7 +20,7 @@ DISPLAYED = ('holds', 'next', 'troubles', 'jobs', 'body', 'blackboard', 'flags')
 """From top to bottom."""
 
 IMPORTANCE = ('holds', 'next', 'body', 'jobs', 'troubles', 'blackboard', 'flags')
-"""Who gets room first."""
+"""The order in which parts get room."""
 
 ROOMY = 20
 """From so many lines on there are titles."""
@@ -28,7 +28,7 @@ ROOMY = 20
 
 @dataclass(frozen=True)
 class Picture:
-    """What is known at one moment. Draws itself in exactly the room that rich gives it."""
+    """The knowledge at one moment. Draws itself in exactly the room that rich gives it."""
 
     view: CellView
     node: str

@@ -86,4 +86,4 @@ _LINES: Mapping[type[e.Event], Callable[..., str]] = {
     e.CellStateChanged: _cell_state,
     **dict.fromkeys((e.JobQueued, e.JobCompleted, e.JobAborted), _job),
 }
-"""What is said of an event that needs none before it."""
+"""The sentence of an event that needs none before it."""

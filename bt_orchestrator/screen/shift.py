@@ -38,7 +38,7 @@ class ShiftScreen:
 
 @dataclass(frozen=True)
 class ShiftPicture:
-    """What is known at one moment. Draws itself in the room that rich gives it."""
+    """The knowledge at one moment. Draws itself in the room that rich gives it."""
 
     live: Live | None
     """None: the journal has no event yet."""

@@ -26,7 +26,7 @@ class Weight(IntEnum):
 
 
 class Slot(NamedTuple):
-    """What the belt carries at a section."""
+    """The content of the belt at a section."""
 
     name: str
     """Of an item; in brackets if it is not there; empty: nothing."""
@@ -78,9 +78,9 @@ class CellView:
     failure: str
     """Why the node does nothing any more; empty: all is well."""
     stopped: str
-    """Who stopped the cell; empty: nobody."""
+    """The person who stopped the cell; empty: no person."""
     stands: str
-    """Why nothing moves; empty: something does, or it is told elsewhere."""
+    """Why nothing moves; empty: something does, or another line says so."""
     belt: str
     belt_waiting: tuple[str, ...]
     made_at: float
@@ -94,7 +94,7 @@ class CellView:
     """How many jobs of the queue have no row."""
     holds: tuple[HoldRow, ...]
     next_lines: tuple[str, ...]
-    """What can be typed where the cell stands and waits for somebody."""
+    """The commands to type where the cell stands and waits for a person."""
     troubles: tuple[str, ...]
     flags: tuple[str, ...]
 

@@ -1,4 +1,4 @@
-"""What shows news of a node: on a terminal, as plain lines, or as JSON."""
+"""A view of the news of a node: on a terminal, as plain lines, or as JSON."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SILENT_S = 3.0
 
 
 class Viewer(Protocol):
-    """Is told the news as they come; everything in one thread."""
+    """Gets the news as they come; everything in one thread."""
 
     def on_status(self, status: CellStatus) -> None:
         """Show how the cell stands."""

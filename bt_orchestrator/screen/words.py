@@ -198,7 +198,7 @@ def expected_finish(job: JobStatus, status: CellStatus) -> str:
 
 
 def _unknown_end(job: JobStatus, status: CellStatus) -> str:
-    """Say that nobody can know when a job on the line ends; the reason where no line tells it."""
+    """Say that the end of a job on the line cannot be known; the reason if no line has it."""
     is_told = status.holds or status.wish or job.position
     if is_told or not job.end_unknown:
         return ''

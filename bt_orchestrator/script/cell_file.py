@@ -26,7 +26,7 @@ from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.yaml_nodes import Entry
 
 CELL_FILE = 'cell.yaml'
-"""The cell file of a folder, where nobody names another."""
+"""The cell file of a folder, where the user names no other."""
 
 
 def read_cell(path: Path, types: ActionTypes) -> Cell:

@@ -171,7 +171,7 @@ class _Composer:
         return _Part(entries.node(_place(start)), size, _height(parts))
 
     def _grown(self, size: int, part: _Part, event: Any) -> int:
-        """Add a part's size; stops early, so that nothing grows beyond the limit."""
+        """Add a part's size; stops early, before anything grows beyond the limit."""
         return self._limited(_Part(part.node, size + part.size), event, 0).size
 
 

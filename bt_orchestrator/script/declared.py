@@ -1,4 +1,4 @@
-"""What a script declares for its orders: read without its cell, and without proving anything."""
+"""The declarations of a script for its orders: read without its cell, and without a proof."""
 
 from __future__ import annotations
 

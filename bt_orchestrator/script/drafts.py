@@ -89,7 +89,7 @@ class TaskDraft:
         return self.precedes(other) or not self.position.is_comparable(other.position)
 
     def hint_to_precede(self, other: TaskDraft) -> str:  # noqa: ARG002 - for recipes
-        """Say what to write so that it comes before another one; empty: no key does that."""
+        """Say what to write to bring it before another one; empty: no key does that."""
         return ''
 
     def is_beside(self, other: TaskDraft) -> bool:
@@ -162,7 +162,7 @@ class ScriptDraft:
     fields: Fields
     kind: str = 'script'
     a_step: str = 'a task'
-    """What messages call one of its tasks."""
+    """The name of one of its tasks in messages."""
     params: dict[str, Parameter] = field(default_factory=dict)
     unread_params: set[str] = field(default_factory=set)
     """Words in what might be parameters and could not be read."""
@@ -181,7 +181,7 @@ class ScriptDraft:
 
     @property
     def step(self) -> str:
-        """What messages call its tasks, without the article."""
+        """The name of its tasks in messages, without the article."""
         return self.a_step.partition(' ')[2]
 
     def note_unread(self, node: Node) -> None:

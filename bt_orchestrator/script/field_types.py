@@ -23,7 +23,7 @@ class Misfit(NamedTuple):
     """Why a value does not fit a type."""
 
     needed: str
-    """What would fit: a whole number from 0 to 255 (uint8)."""
+    """The values that would fit: a whole number from 0 to 255 (uint8)."""
     hint: str
 
 
@@ -58,7 +58,7 @@ PARAMETER_TYPES: Mapping[str, FieldType] = {
     'float': FieldType('float', 'float'),
     'bool': FieldType('bool', 'bool'),
 }
-"""What a script's parameters may be."""
+"""The types of a script's parameters."""
 
 
 _NOT_FINITE = ('nan', 'inf', 'infinity')

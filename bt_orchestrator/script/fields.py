@@ -52,7 +52,7 @@ class Fields:
         return not self._unsure.intersection(keys)
 
     def doubt(self, key: str) -> None:
-        """Note that a key's value turned out to be wrong, so that nothing is built on it."""
+        """Note that a key's value turned out to be wrong: nothing is built on it."""
         self._unsure.add(key)
 
     def refuse(self, key: str, what: str, hint: str) -> None:

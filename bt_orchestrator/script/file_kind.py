@@ -16,7 +16,7 @@ from bt_orchestrator.script.yaml_nodes import MapNode
 
 
 class FileKind(Enum):
-    """What a file describes."""
+    """The subject of a file."""
 
     CELL = 'cell'
     SCRIPT = 'script'

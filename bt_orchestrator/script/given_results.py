@@ -15,7 +15,7 @@ from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.yaml_nodes import MapNode, as_data, found, plain_value
 
 _TOLD = 5
-"""So many mistakes are told."""
+"""The number of mistakes that are named."""
 
 
 def given_results(text: str, action: ActionType) -> dict[str, Any]:

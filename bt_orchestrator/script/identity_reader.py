@@ -1,4 +1,4 @@
-"""What identifies an item, and what goes into it: `identifies` and `lots` (semantics 6.8, 6.9)."""
+"""The identity and the contents of an item: `identifies` and `lots` (semantics 6.8, 6.9)."""
 
 from __future__ import annotations
 

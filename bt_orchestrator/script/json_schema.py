@@ -34,13 +34,13 @@ SCHEMA_FILES: Mapping[str, Table] = {
     'overrides.schema.json': OVERRIDES,
     'shifts.schema.json': SHIFTS,
 }
-"""What `schemas/` holds."""
+"""The content of `schemas/`."""
 
 _SCALARS = ['string', 'number', 'boolean']
 
 _TEXTS = ['string', 'number']
 """A text may look like a number: ids are the text as written. The reader takes `true` as a text as
-well, but an editor that is told so offers true and false at every id."""
+well, but an editor with such a schema offers true and false at every id."""
 
 
 def json_schema(root: Table) -> Schema:

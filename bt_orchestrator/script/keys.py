@@ -23,7 +23,7 @@ LONGEST_SECONDS = 1e9
 
 
 class Kind(Enum):
-    """What a value may be."""
+    """The kinds of values."""
 
     TEXT = 'text'
     """The text as written, whatever YAML would make of it."""
@@ -64,14 +64,14 @@ class Key:
     """A value as a user would write it."""
     required: bool = False
     default: Any = None
-    """What holds when the key is absent; None: see the meaning."""
+    """The value when the key is absent; None: see the meaning."""
     minimum: float | None = None
     maximum: float | None = None
     choices: tuple[str, ...] = ()
     of: tuple[Table, ...] = ()
     """Tables of the members (LIST, MAPPING), or of the mapping itself (TABLE, CONDITION)."""
     members: Kind | None = None
-    """What members are that no table describes; None: whatever a message field may be."""
+    """The type of members without a table; None: any value of a message field."""
     fewest: int = 0
     """Members that a list or mapping has at least."""
     most: int | None = None
@@ -106,7 +106,7 @@ class Table:
     rivals: tuple[tuple[str, str], ...] = ()
     """Pairs of keys that say the same thing; one of each pair may be given."""
     one_of: tuple[str, ...] = ()
-    """Keys of which one at least is given; none: there is no such demand."""
+    """Keys that cannot all be absent; empty: there is no such demand."""
     forms: tuple[tuple[str, ...], ...] = ()
     """Sets of keys: exactly one of them is given, whole, and no other key; none: any set is."""
     short: str = ''

@@ -1,4 +1,4 @@
-"""What orders can name, as far as there are files of it here: scripts and recipes."""
+"""The choices of orders, as far as there are files here: scripts and recipes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bt_orchestrator.script.read_once import ReadOnce
 
 
 class OrderFiles:
-    """The folders of a node; a file that stays as it is is read once.
+    """The folders of a node; an unchanged file is read once.
 
     What cannot be read is left out, and an order of it tells why.
     """

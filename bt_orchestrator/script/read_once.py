@@ -13,7 +13,7 @@ T = TypeVar('T')
 
 
 class ReadOnce(Generic[T]):
-    """What some files say; a file with the same time of change and size is not read again."""
+    """The content of some files; a file of the same time of change and size is not read again."""
 
     def __init__(self, read: Callable[[Path], T]) -> None:
         """Prepare; nothing is read.

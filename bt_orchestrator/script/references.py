@@ -105,5 +105,5 @@ def fixed_reference(written: Path) -> tuple[Reference, FieldType]:
 
 
 def is_single(template: Template) -> bool:
-    """Tell whether a template is exactly one reference, so that it keeps the referenced type."""
+    """Tell whether a template is exactly one reference, which keeps the referenced type."""
     return len(template.parts) == 1

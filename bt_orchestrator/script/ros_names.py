@@ -13,7 +13,7 @@ from bt_orchestrator.script.report import Place, Report
 from bt_orchestrator.script.yaml_nodes import quoted
 
 LONGEST_TOPIC = 255 - 8
-"""What rmw leaves of a DDS name."""
+"""The part of a DDS name that rmw leaves."""
 
 LONGEST_ACTION = LONGEST_TOPIC - len('/_action/cancel_goal')
 """An action's services and topics put their own endings behind its name."""

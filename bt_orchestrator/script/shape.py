@@ -71,7 +71,7 @@ def _other_kind(root: Node | None, tables: tuple[Table, ...]) -> Table | None:
 
 
 def _how_to_order(root: Node | None, expected: Table, other: Table) -> str:
-    """Say which work order makes what a script or recipe describes; empty: it is none of them."""
+    """Say which work order makes the product of a script or recipe; empty: the file is neither."""
     key = {SCRIPT.name: 'script', RECIPE.name: 'recipe'}.get(other.name)
     entry = root.find(key) if key is not None and isinstance(root, MapNode) else None
     if expected is not ORDER or entry is None or not isinstance(entry.value, Scalar):

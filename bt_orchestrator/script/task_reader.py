@@ -108,7 +108,7 @@ class TaskReader:
 
 
 def read_id(fields: Fields) -> str | None:
-    """Return the id as written; a bad one too, so that what names it is no second mistake."""
+    """Return the id as written, also a bad one: a reference to it is no second mistake."""
     text = fields.text('id')
     if text is not None:
         check_id(text, 'task id', fields.place('id'), fields.report)

@@ -1,4 +1,4 @@
-"""Which field types a referenced value may be given to."""
+"""The field types that a referenced value may be given to."""
 
 from __future__ import annotations
 

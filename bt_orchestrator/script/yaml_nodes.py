@@ -1,4 +1,4 @@
-"""What a YAML text says, with places: three kinds of nodes, and the plain value of a scalar.
+"""The content of a YAML text, with places: three kinds of nodes, and the plain value of a scalar.
 
 Nothing is constructed while reading, so an id such as 4.10 keeps its text (formats: script), and
 no text can name a Python object.

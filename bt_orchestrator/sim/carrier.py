@@ -9,7 +9,7 @@ from bt_orchestrator.model.goal import GoalEnd, GoalRequest
 
 
 class Verdict(Enum):
-    """What happens to a goal request."""
+    """The outcome of a goal request."""
 
     ACCEPT = 'accept'
     REJECT = 'reject'
@@ -29,7 +29,7 @@ class CarriedGoal(Protocol):
 
     @property
     def request(self) -> GoalRequest:
-        """What was asked for; without arguments where the carrier does not read them."""
+        """The request; without arguments where the carrier does not read them."""
 
 
 GoalT_contra = TypeVar('GoalT_contra', bound=CarriedGoal, contravariant=True)

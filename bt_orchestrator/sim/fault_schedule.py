@@ -1,4 +1,4 @@
-"""Which fault strikes at which goal of one simulated controller."""
+"""The fault that strikes at each goal of one simulated controller."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class GoalFaults:
 
     faults: tuple[Fault, ...] = ()
     goal: int = 0
-    """Which goal of the component it is, from 1."""
+    """The number of the goal of the component, from 1."""
 
     def has(self, kind: FaultKind) -> bool:
         """Tell whether a fault of this kind strikes."""

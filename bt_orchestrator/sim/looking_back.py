@@ -36,7 +36,7 @@ from bt_orchestrator.sim.past import JournalPast
 from bt_orchestrator.sim.run_on import RunOn
 
 LOOK_BACK_US = 3600 * US
-"""What is at work when the job starts is found if it began within this time before."""
+"""A task at work when the job starts is found if it began within this time before."""
 
 DURATIONS_FROM = 20_000
 """Events before the start from which usual durations are learned."""

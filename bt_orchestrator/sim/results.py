@@ -1,4 +1,4 @@
-"""What simulated controllers answer when the cell file does not say it (formats: cell file)."""
+"""The results of simulated controllers without `results` in the cell file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _DEFAULTS: Mapping[Kind, Any] = {'bool': True, 'int': 0, 'float': 0.0, 'str': ''
 NUMBER = '{n}'
 
 NOT_READY = 'NOT_READY'
-"""What a simulated state topic of text says when the component is not ready."""
+"""The text of a simulated state topic when the component is not ready."""
 
 
 def simulated_result(component: Component, action_type: ActionType, task: str) -> dict[str, Any]:
@@ -74,7 +74,7 @@ def ready_value(state: StateTopic) -> Any:
 
 
 def not_ready_value(state: StateTopic) -> Any:
-    """Return a value of the same type as the ready ones that is none of them."""
+    """Return a value of the same type as the ready ones that differs from all of them."""
     ready = state.ready[0]
     if isinstance(ready, bool):
         return not ready

@@ -20,7 +20,7 @@ POSSIBLE = possible_answers()
 """The possible predefined answers."""
 
 MOST_RETRIES = 10
-"""Maximum retries of one task of one item; after that it would fail for ever."""
+"""Maximum retries of one task of one item; after that it would fail always."""
 
 
 class StandingAnswers:

@@ -60,7 +60,7 @@ class VirtualClient:
         self._in_flight: dict[VirtualGoal, None] = {}
         self._remembered: dict[str, tuple[VirtualGoal, float | None]] = {}
         self._listed: dict[str, str] = {}
-        """What the last status message says of the goal that ended; it outlives its result."""
+        """The status message about the goal that ended; it outlives its result."""
         self._lease: Timer | None = None
         self._value: Any = None
         self._lives = 0

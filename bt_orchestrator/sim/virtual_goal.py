@@ -32,7 +32,7 @@ class VirtualGoal:
         self.sent_s = 0.0
         """When the request left; the results are asked for again from then on."""
         self.timer: Timer | None = None
-        """What happens to it next, if nothing else does."""
+        """The next event of it, if nothing else comes."""
         self._cancel = cancel
 
     def __repr__(self) -> str:

@@ -149,7 +149,7 @@ class _TreeWatch:
         self.is_closed = False
 
     def close(self) -> None:
-        """Tell no more."""
+        """Stop reporting."""
         self.is_closed = True
 
     def look(self, tree: Branch) -> None:

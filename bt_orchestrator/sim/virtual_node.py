@@ -27,7 +27,7 @@ class Hearer(Protocol):
 
 
 class Running:
-    """What is there as long as the node runs."""
+    """The parts that exist as long as the node runs."""
 
     def __init__(
         self, engine: Orchestrator, store: EventStore, types: ActionTypes, trees: Sequence[Path]
@@ -71,7 +71,7 @@ class VirtualNode:
 
     @property
     def running(self) -> Running:
-        """What runs now.
+        """The present runs.
 
         :raises NodeUnreachable: it is off
         """

@@ -197,7 +197,7 @@ class EngineWhatIf:
 
 
 class _Node:
-    """What a node does for others, and by itself (semantics 7.5). Implements `ports.EventSink`."""
+    """The work of a node for others, and its own (semantics 7.5). Implements `ports.EventSink`."""
 
     def __init__(self, run: RunOn, handler: RequestHandler) -> None:
         self.run = run

@@ -1,4 +1,4 @@
-"""Paging of long lists, so that the tree's size is independent of a script's length.
+"""Paging of long lists: the tree's size is independent of a script's length.
 
 Creating the behaviours of a task takes about 0.3 ms of the only thread, and each tick, viewer and
 readiness check goes through all of them.
@@ -97,7 +97,7 @@ class Page(InOrder):
 
 
 def detach(behaviour: Behaviour) -> None:
-    """Close a behaviour's blackboard clients, which py_trees would keep for ever."""
+    """Close a behaviour's blackboard clients; py_trees would never release them."""
     for client in behaviour.blackboards:
         client.unregister()
     behaviour.blackboards.clear()

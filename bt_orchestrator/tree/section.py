@@ -79,7 +79,7 @@ class CycleOf(_OfSection):
 
 
 class ReleaseConveyor(_OfSection):
-    """Completes the section's turn, so that the belt may move (semantics 3.5, 3.8)."""
+    """Completes the section's turn: the belt may then move (semantics 3.5, 3.8)."""
 
     def __init__(self, recorder: Recorder, section: int) -> None:
         super().__init__('release conveyor', recorder, section)

@@ -1,4 +1,4 @@
-"""Which parts of the tree share flags, zones and components, by the scripts in use."""
+"""The parts of the tree that share flags, zones and components, by the scripts in use."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Concern(NamedTuple):
 
 
 class Sharing:
-    """What the scripts in use have where, as scripts come and go.
+    """The places of tasks, zones and flags of the scripts in use, as scripts come and go.
 
     A part has a bit, whose place is that of the part in a tick.
     """

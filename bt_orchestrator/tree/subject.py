@@ -1,4 +1,4 @@
-"""What behaviours share: the state they read, and their task."""
+"""The things that behaviours share: the state they read, and their task."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class Wrapper(Ticked, decorators.Decorator):
 
 
 class _Composite(Ticked, composites.Composite):
-    """What composites have in common."""
+    """The common parts of composites."""
 
     def stop(self, new_status: Status = Status.INVALID) -> None:
         """Set the status; INVALID: abandon the branch."""

@@ -1,4 +1,4 @@
-"""Which sections owe a turn in this beat (semantics 3.4), computed only after changes."""
+"""The sections that owe a turn in this beat (semantics 3.4), computed only after changes."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ class Waiter:
     """A behaviour that may have to wait; a mixin for py_trees behaviours."""
 
     wait: Wait | None = None
-    """What it waited for in its last tick; None: nothing."""
+    """The cause of its wait in its last tick; None: no wait."""
     feedback_message: str
 
     def note(self, wait: Wait | None) -> None:

@@ -1,1 +1,1 @@
-"""Who may log in at pages and OPC UA servers, with which role (docs/security.md)."""
+"""The users of pages and OPC UA servers, with their roles (docs/security.md)."""

@@ -58,13 +58,13 @@ def default_file(environment: Mapping[str, str]) -> Path:
 
 
 class UsersFile:
-    """Users on the disk. Whoever changes them waits for others who do; readers never wait."""
+    """Users on the disk. Programs that change them wait for each other; readers never wait."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def read(self) -> Users:
-        """Return all users; nobody where there is no file.
+        """Return all users; no user where there is no file.
 
         :raises UsersUnusable: it is damaged, or others may read or write it
         """

@@ -12,7 +12,7 @@ PROJECT = 'bt_orchestrator'
 
 
 class NoHome(OrchestratorError):
-    """Nobody says where the home folder of this user is, as in a container."""
+    """The home folder of this user is not known, as in a container."""
 
 
 def own_folder(environment: Mapping[str, str], variable: str, below: str) -> Path:

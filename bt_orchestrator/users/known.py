@@ -10,7 +10,7 @@ _Version = tuple[int, int, int] | None
 
 
 class KnownUsers:
-    """Users by name, so that a removed user, or another role, counts at once."""
+    """Users by name: a removed user, or another role, counts at once."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -19,7 +19,7 @@ class KnownUsers:
         self._users: Users = {}
 
     def get(self, name: str) -> User | None:
-        """Return a user; None: there is none of that name.
+        """Return a user; None: no user has that name.
 
         :raises UsersUnusable: the file cannot be believed or read
         """
@@ -37,7 +37,7 @@ class KnownUsers:
         return self._users
 
     def verify(self, name: str, password: str) -> User | None:
-        """Return a user; None: there is none of that name, or the password is another one.
+        """Return a user; None: no user has that name and password.
 
         It takes a fifth of a second of CPU, in any thread.
 

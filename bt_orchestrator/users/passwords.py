@@ -24,7 +24,7 @@ class BadPassword(ValueError):
 
 @dataclass(frozen=True)
 class Cost:
-    """What one guess costs: about 32 MB of memory, three times, and 0.2 s."""
+    """The price of one guess: about 32 MB of memory, three times, and 0.2 s."""
 
     n: int = 2**15
     r: int = 8
@@ -44,7 +44,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Hashed:
-    """What is kept of a password."""
+    """The kept form of a password."""
 
     salt: bytes
     digest: bytes
@@ -77,7 +77,7 @@ def hashed(password: str, cost: Cost | None = None) -> Hashed:
 
 
 NOBODYS = Hashed(bytes(_SALT), bytes(_LENGTH))
-"""Compared with where there is no such user, so that a refusal takes as long as another one."""
+"""Compared with where there is no such user: a refusal takes as long as another one."""
 
 
 def _digest(password: str, salt: bytes, cost: Cost) -> bytes:

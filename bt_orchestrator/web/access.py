@@ -24,7 +24,7 @@ class AccessRefused(OrchestratorError):
 
 @dataclass(frozen=True)
 class Access:
-    """Who reaches the page, and how people are known there."""
+    """The people who reach the page, and how the page knows them."""
 
     users: Path
     """File of the users and their roles (`users/`)."""
@@ -37,7 +37,8 @@ class Access:
     allowed_hosts: tuple[str, ...] = ()
     """Names, besides its own, by which browsers may call the page."""
     local_user: str = ''
-    """Whoever sits at this computer is this user, an engineer, without a login; empty: nobody."""
+    """Any person at this computer is this user, an engineer, without a login; empty: no such user.
+    """
     proxy_header: str = ''
     """Header in which a proxy names the user who logged in there; empty: there is no proxy."""
     proxy_addresses: tuple[str, ...] = field(default=())

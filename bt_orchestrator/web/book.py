@@ -1,4 +1,4 @@
-"""What is known of the cell now: its parts with versions, its last events, who reads.
+"""The present knowledge of the cell: its parts with versions, its last events, its readers.
 
 A reader is a cursor here and nothing else, so one that is slow costs nothing. A message is encoded
 once, however many read it.
@@ -67,7 +67,7 @@ class Book:
         self._encoded.clear()
 
     def put(self, parts: Mapping[str, object]) -> None:
-        """Take in all parts as they are now; those that did not change keep their version."""
+        """Take in all present parts; those that did not change keep their version."""
         before, version = self._parts, self.version + 1
         now: dict[str, _Part] = {}
         for key, value in parts.items():
@@ -107,7 +107,7 @@ class Book:
         return cursor.seq < self.ring.before
 
     def next_events(self, cursor: Cursor) -> bytes | None:
-        """Return the next message of events, and move on; None: there are no more yet."""
+        """Return the next message of events, and move on; None: this is the end for now."""
         if cursor.seq >= self.ring.last:
             return None
         key = ('happened', cursor.seq, self.ring.last)

@@ -1,4 +1,4 @@
-"""What the page shows of its cell: parts of the status, with what else is known."""
+"""The view of the page on its cell: parts of the status, with other knowledge."""
 
 from __future__ import annotations
 

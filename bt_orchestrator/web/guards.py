@@ -1,4 +1,4 @@
-"""What every request passes before a route sees it, and every answer before a browser does."""
+"""The guards of every request before its route, and of every answer before a browser."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ log = logging.getLogger(__name__)
 
 FREE_PATHS = frozenset({'/', '/favicon.ico', '/healthz', '/api/me', '/api/login'})
 FREE_FOLDER = '/static/'
-"""What a browser needs for the login, and a monitor to see that the page is there."""
+"""The files for the login, and the path for a monitor to see that the page is there."""
 
 HEADERS = {
     'content-security-policy': (
@@ -66,7 +66,7 @@ class GuardMiddleware:
             await response(scope, receive, answering.send)
 
     def _check(self, scope: Scope) -> None:
-        """Refuse a request that nobody here can have made, and note who makes it.
+        """Refuse a request that cannot come from here, and note its sender.
 
         :raises Problem: says what was expected
         """
@@ -159,7 +159,7 @@ def _caller(scope: Scope, headers: Headers, access: Access) -> Caller:
 
 
 def _proxied(headers: Headers, access: Access) -> str:
-    """Return whom the proxy names; a header that stands there twice names nobody."""
+    """Return the user whom the proxy names; a header that stands there twice names no user."""
     named = headers.getlist(access.proxy_header) if access.proxy_header else []
     return named[0].strip() if len(named) == 1 else ''
 

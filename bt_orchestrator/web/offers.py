@@ -111,7 +111,7 @@ def _job_offers(
     is_alone: bool,
     is_cell_stopped: bool,
 ) -> Sequence[Offer]:
-    """Return the offers of a job; cached for long queues, of which each status tells 100 jobs."""
+    """Return the offers of a job; cached for long queues: each status has 100 jobs."""
     wanted = worthwhile_for_job(
         state,
         ending,

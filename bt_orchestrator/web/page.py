@@ -53,7 +53,7 @@ class Page(CellClient):
         self.show: Show = CellShow(self.known)
         self.book = Book()
         self.description: CellDescription | None = None
-        """What exists in the cell; None: not known yet."""
+        """The description of the cell; None: not known yet."""
         self._described: tuple[str, int, int] | None = None
         """The cell that a description was asked for: name, sections, components."""
         self._must_describe = True

@@ -1,4 +1,4 @@
-"""Who somebody is at the page: by a login, by a proxy, or because this computer is trusted."""
+"""The identity of a person at the page: by a login, by a proxy, or by a trusted computer."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Caller:
-    """What is known of a request before it is known who makes it."""
+    """The facts of a request before its sender is known."""
 
     address: str = ''
     """Of the other end of the connection; empty: not known."""

@@ -26,7 +26,7 @@ class Json(Response):
 
 
 class Problem(Exception):
-    """What is wrong with a request, as its answer."""
+    """A mistake in a request, as its answer."""
 
     def __init__(self, status: int, message: str, **more: object) -> None:
         """Say what was expected.

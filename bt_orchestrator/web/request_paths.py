@@ -28,7 +28,7 @@ ANY = '/api/requests/{name}'
 
 
 class Place(NamedTuple):
-    """What is posted to a path."""
+    """The content of a post to a path."""
 
     does: str
     """One sentence without a full stop."""

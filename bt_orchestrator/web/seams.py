@@ -1,4 +1,4 @@
-"""What the parts of the page need of each other, as Protocols: each is made on its own."""
+"""The needs of the parts of the page from each other, as Protocols: each is made on its own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Plant:
 
 @dataclass(frozen=True)
 class Sources:
-    """What else the page may read; each may be missing."""
+    """Other sources of the page; each may be missing."""
 
     open_records: Callable[[], Records] | None = None
     """Opens the journal; raises JournalUnusable. None: the past is what the node tells."""

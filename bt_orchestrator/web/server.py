@@ -39,7 +39,7 @@ class PageServer(ServerThread):
 
     @property
     def address(self) -> str:
-        """What to type into a browser."""
+        """The address for a browser."""
         host, has_tls = self._page.access.host, self._page.access.has_tls
         scheme = 'https' if has_tls else 'http'
         return f'{scheme}://{url_host(host)}:{self.port}/'

@@ -23,13 +23,13 @@ class How(Enum):
 
     LOGIN = 'page login'
     PROXY = 'proxy'
-    """A proxy that the page is told to trust has named the user."""
+    """A proxy that the page trusts has named the user."""
     COMPUTER = 'this computer'
-    """Nobody logged in: whoever sits there is trusted."""
+    """There is no login: the person at this computer is trusted."""
 
     @property
     def known(self) -> Known:
-        """What the node is told: a name that nobody proved stays a claim."""
+        """The sender for the node: a name without proof stays a claim."""
         return Known.ROS if self is How.COMPUTER else Known.PAGE_LOGIN
 
 
@@ -49,7 +49,7 @@ class Session:
 
 @dataclass
 class Kept:
-    """What is kept of a session of a login."""
+    """The kept facts of a session of a login."""
 
     name: str
     password: Hashed

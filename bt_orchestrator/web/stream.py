@@ -45,7 +45,7 @@ class Reader:
 
     def __init__(self, wanted: str, send: Send, state: Mapping[str, Any]) -> None:
         self.history, self.seq = _place(wanted)
-        """What it comes back with; None: it is new."""
+        """Its position; None: it is new."""
         self.cursor: Cursor | None = None
         """None: it has not begun."""
         self.is_over = False

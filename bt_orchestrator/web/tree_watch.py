@@ -63,7 +63,7 @@ class TreeWatch:
         }
 
     def close(self) -> None:
-        """Watch no more."""
+        """Stop watching."""
         if self._closing is not None:
             self._closing.cancel()
         self._closing = self._come = self._plain = None

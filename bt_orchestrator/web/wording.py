@@ -112,7 +112,7 @@ class PageWording(Wording):
         return why_words(self._word('reason', reason), words)
 
     def passed(self, reason: str) -> str:
-        """Say why a task was skipped or failed, of which the cycle goes on."""
+        """Say why a task was skipped, or failed while the cycle goes on."""
         skipped = self._strings['item'].get(f'{_SKIPPED}{reason.replace(" ", "_")}')
         if skipped is not None:
             return str(skipped)
@@ -143,7 +143,7 @@ class PageWording(Wording):
         return ', '.join(named)
 
     def _word(self, group: str, name: str, otherwise: str | None = None) -> str:
-        """Return a word; what the page has none for stays as it is."""
+        """Return a word; an unknown one stays unchanged."""
         return str(self._strings[group].get(name, name if otherwise is None else otherwise))
 
 

@@ -40,7 +40,7 @@ _MORE: Mapping[str, str] = {
     'script.release_script': 'The release is for the cell file that the node runs with. Read the '
     'script before. `generate ... --release` generates a script and releases it.',
 }
-"""What a user should know besides what is declared."""
+"""More that a user should know, besides the declaration."""
 
 _EITHER = {'cell.clear': True, 'cell.resume': False}
 """Requests with parameters that exclude each other, and whether one is needed."""

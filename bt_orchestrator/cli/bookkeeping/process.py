@@ -70,7 +70,7 @@ def _ask(process: ChildProcess) -> Books:
 
 
 class _Answers:
-    """What the process knows: the file of the first question."""
+    """The knowledge of the process: the file of the first question."""
 
     def __init__(self) -> None:
         self._journal: Path | None = None

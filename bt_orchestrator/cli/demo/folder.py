@@ -1,4 +1,4 @@
-"""What a demo keeps in a folder, so that one that was killed can be gone on with."""
+"""The contents of a demo's folder: a demo that was killed goes on from them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class DemoUnusable(OrchestratorError):
 
 @dataclass(frozen=True)
 class DemoRecord:
-    """What has to be known of a demo to go on with it."""
+    """The facts with which a demo goes on."""
 
     domain: str
     """ROS_DOMAIN_ID of everything in it."""

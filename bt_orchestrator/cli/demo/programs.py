@@ -21,7 +21,7 @@ _SERVERS: Mapping[str, str] = {
     PAGE: 'open {} in a browser',
     OPCUA: f'connect an OPC UA client to {{}}: user {NAME}, password {PASSWORD}',
 }
-"""What can be done with a server's address."""
+"""The operations on a server's address."""
 
 REMEMBERED_S = 24 * 3600
 """For so long the controllers remember how a goal ended: a demo is resumed after any coffee."""

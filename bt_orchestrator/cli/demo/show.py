@@ -123,7 +123,7 @@ class DemoShow(Ignoring):
         return queued.job
 
     def _is_over(self, *, asks: bool) -> bool:
-        """Tell whether the job has ended, or nothing goes on and nobody is asked."""
+        """Tell whether the job has ended, or nothing goes on and no question is open."""
         job = self._of_job()
         ended = job is not None and job.state in OVER
         return (

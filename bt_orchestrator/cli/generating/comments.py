@@ -1,4 +1,4 @@
-"""What a generated script says about its lines: facts that stay, no figures."""
+"""Remarks of a generated script about its lines: facts that stay, no figures."""
 
 from __future__ import annotations
 

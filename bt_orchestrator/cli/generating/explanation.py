@@ -1,4 +1,4 @@
-"""Why a generated script is as it is, for a person and for programs."""
+"""The reasons in a generated script, for a person and for programs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from bt_orchestrator.report.pace_text import script_pace
 
 @dataclass(frozen=True)
 class Kept:
-    """An old script of which much was kept, and what would be without regard to it."""
+    """An old script that was mostly kept, and the script without regard to it."""
 
     old: str
     moved: Sequence[str]

@@ -1,4 +1,4 @@
-"""What the core asks of the extension: `script.orders.by_recipe.Recipes`."""
+"""The interface from the core to the extension: `script.orders.by_recipe.Recipes`."""
 
 from __future__ import annotations
 

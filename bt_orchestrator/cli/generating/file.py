@@ -49,7 +49,7 @@ class Standing(NamedTuple):
 
 
 def standing(path: Path) -> Standing:
-    """Read a script file, of which only text and origin matter.
+    """Read the text and the origin of a script file.
 
     :raises Refused: there is none, or it is no script
     """

@@ -1,4 +1,4 @@
-"""What a script is generated from: the files that the user names."""
+"""The sources of a generated script: the files that the user names."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Inputs:
 
     @property
     def made_from(self) -> MadeFrom:
-        """What a script says about its origin; it lacks the digest of its text."""
+        """The origin that a script names; it lacks the digest of its text."""
         has_overrides = self.overrides != NO_OVERRIDES
         return MadeFrom(
             recipe=self.recipe.name,

@@ -74,7 +74,7 @@ def plan(inputs: Inputs, without: frozenset[str], keep: Script | None, judge: Ju
 
 
 def _freely(found: Generated, inputs: Inputs, without: frozenset[str], judge: Judge) -> Generated:
-    """Return the same script as it is made without one to keep; other ones stay as they are.
+    """Return the same script as made without one to keep; return other ones unchanged.
 
     A script that is generated anew on itself is then the same file, reasons and all.
     """

@@ -1,4 +1,4 @@
-"""What the line makes, and how fast, while one component is out of service: for planners."""
+"""The output and pace of the line while one component is out of service: for planners."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class Outage:
     reasons: tuple[str, ...] = ()
     """Why not."""
     is_proven: bool = True
-    """That it cannot be made."""
+    """The script cannot be made."""
 
     @property
     def words(self) -> str:
-        """What comes of it."""
+        """The consequences."""
         if self.per_item_s is None:
             verdict = 'not to be made' if self.is_proven else 'not known'
             why = f'{", ".join(self.only_there)} only there' if self.only_there else ''

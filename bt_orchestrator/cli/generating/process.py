@@ -95,7 +95,7 @@ class GeneratingProcess:
         return outcome
 
     def close(self) -> None:
-        """Generate no more, and end the process."""
+        """Stop generating, and end the process."""
         self._closed = True
         self._asked.put(None)
         self._process.close()
@@ -128,7 +128,7 @@ class GeneratingProcess:
 
 
 class _Answers:
-    """What the process knows: the cell and the folders of the first question."""
+    """The knowledge of the process: the cell and the folders of the first question."""
 
     def __init__(self) -> None:
         from bt_orchestrator.cli.generating.ordered import RecipeMaker
@@ -155,7 +155,7 @@ class _Answers:
 
 
 def main() -> None:
-    """Generate until nobody is left to hear the answers."""
+    """Generate until the reader of the answers is gone."""
     be_modest(NICE)
     serve(_Answers())
 

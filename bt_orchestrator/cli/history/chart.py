@@ -24,7 +24,7 @@ MOST_TASKS = 20_000
 """A chart of more attempts is a file of some 10 MB, which browsers show slowly."""
 
 LOOK_BACK_US = 3600 * US
-"""What ran when the chart begins is found if it began within this time before."""
+"""A task that runs when the chart begins is found if it began within this time before."""
 
 _FAR_US = 1 << 60
 

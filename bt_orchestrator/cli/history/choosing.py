@@ -47,7 +47,7 @@ def no_job(args: argparse.Namespace) -> str:
 
 
 def no_item(args: argparse.Namespace) -> str:
-    """Say that a journal has none of the items that are chosen."""
+    """Say that a journal does not have the chosen items."""
     if not args.item:
         return f'the journal {args.journal} has no such item any more'
     named = ' and no '.join(args.item)

@@ -15,7 +15,7 @@ from bt_orchestrator.report.item.reader import item_history
 from bt_orchestrator.report.reading import Reading
 
 MOST_ITEMS = 500
-"""More than this in one document no browser shows quickly, and nobody reads."""
+"""More than this in one document is too slow for a browser and too long for a reader."""
 
 
 class NoItem(OrchestratorError):

@@ -51,7 +51,7 @@ def _add_choice(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_forms(parser: argparse.ArgumentParser) -> None:
-    """Declare in which form they are told."""
+    """Declare the forms of output."""
     form = parser.add_mutually_exclusive_group()
     form.add_argument(
         '--script',

@@ -54,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _text(reading: Reading, args: argparse.Namespace, lacks: Sequence[str]) -> str | None:
-    """Return what is to be told; None: there is nothing, which is said."""
+    """Return the output; None: there is no output, and the user has read why."""
     if args.forecast:
         return forecast_text(reading, args)
     if args.gantt:

@@ -75,7 +75,7 @@ class ForesightProcess:
 
 
 class _Answers:
-    """What the process knows: the engine, and the cell of the first question."""
+    """The knowledge of the process: the engine, and the cell of the first question."""
 
     def __init__(self) -> None:
         from bt_orchestrator.ros.types.action_types import InstalledActionTypes
@@ -105,7 +105,7 @@ class _Answers:
 
 
 def main() -> None:
-    """Answer questions until there are no more, or the node has ended."""
+    """Answer questions until the last one, or until the node has ended."""
     be_modest(NICE)
     serve(_Answers())
 

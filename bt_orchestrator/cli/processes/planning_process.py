@@ -1,4 +1,4 @@
-"""What-if of a running cell, worked out in a process of low priority.
+"""Computes what-if of a running cell in a process of low priority.
 
 The blackboard of py_trees is global to a process, and a virtual run takes the interpreter for
 itself: neither is for a process that serves somebody meanwhile.
@@ -84,7 +84,7 @@ class _Setup(NamedTuple):
 
 
 class _Answers:
-    """What the process knows: where scripts and recipes are, and what it has generated."""
+    """The knowledge of the process: the folders of scripts and recipes, and generated scripts."""
 
     def __init__(self) -> None:
         self._setup: _Setup | None = None
@@ -122,7 +122,7 @@ class _Answers:
 
 
 def main() -> None:
-    """Answer until nobody is left to hear it."""
+    """Answer until the reader of the answers is gone."""
     be_modest(NICE)
     serve(_Answers())
 

@@ -27,7 +27,7 @@ from bt_orchestrator.script.writing.duration_edits import NotEditable, with_dura
 
 
 def add_duration_options(parser: argparse.ArgumentParser) -> None:
-    """Declare what is told in place of the account."""
+    """Declare the output in place of the account."""
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument(
         '--durations',
@@ -43,7 +43,7 @@ def add_duration_options(parser: argparse.ArgumentParser) -> None:
 
 
 def are_wanted(args: argparse.Namespace) -> bool:
-    """Tell whether durations are to be told in place of the account.
+    """Tell whether durations are the output in place of the account.
 
     :raises WrongUse: --update-durations needs --cell, and is no table
     """

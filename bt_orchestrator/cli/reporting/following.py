@@ -173,4 +173,4 @@ def _missing(why_not: str) -> str:
 
 
 def _nothing_said(_: str) -> None:
-    """Leave the picture as it is: it says itself how many records are damaged."""
+    """Leave the picture unchanged: it says itself how many records are damaged."""

@@ -1,4 +1,4 @@
-"""Which period is meant, by the options of the verb `report`."""
+"""Finds the period that the options of the verb `report` mean."""
 
 from __future__ import annotations
 

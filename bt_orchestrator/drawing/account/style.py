@@ -1,4 +1,4 @@
-"""What the page of an account has beyond the style of all documents.
+"""The style of the page of an account, beyond the style of all documents.
 
 Bars have colours by what they count against; what they mean stands beside them in words.
 """

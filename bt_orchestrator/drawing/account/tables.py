@@ -27,7 +27,7 @@ class Column(NamedTuple):
 
 
 class Cell(NamedTuple):
-    """What stands in a row and a column."""
+    """The content of a row and a column."""
 
     text: str
     more: str = ''
@@ -108,7 +108,7 @@ def _hold(account: Account, held: Held) -> tuple[Cell, ...]:
 
 
 def made(sheet: Html, shown: Figures) -> None:
-    """Write the jobs of which anything left the line."""
+    """Write the jobs whose items left the line."""
     if not shown.times.made:
         return
     titles = ('pace', 'good', 'nonconforming', 'rejected', 'by hand', 'outside')

@@ -57,7 +57,7 @@ class Source:
     made: float
     """When the document was made, seconds since the epoch."""
     lacks: Sequence[str] = ()
-    """What of the journal could not be read, in sentences."""
+    """The damaged parts of the journal, in sentences."""
     times: Times = HERE
 
 

@@ -9,7 +9,7 @@ from bt_orchestrator.model.script import INDEX
 
 
 class TaskKey(NamedTuple):
-    """Which task of which item; unique among the tasks that can exist at one time."""
+    """The task and its item; unique among the tasks that can exist at one time."""
 
     job: str | None
     """None for the belt's own move."""

@@ -39,7 +39,7 @@ class ComponentOutOfService(Event):
     event: ClassVar[str] = 'component.out_of_service'
     component: str
     reason: str
-    """Who did it, and why."""
+    """The person who did it, and the reason."""
     jobs: tuple[str, ...] = ()
     """Queued jobs that need it; they are passed."""
 
@@ -74,9 +74,9 @@ class HoldRaised(Event):
     message: str = ''
     answers: tuple[str, ...] = ()
     owner: str = ''
-    """Who paused the cell; empty: not one person."""
+    """The person who paused the cell; empty: not one person."""
     round: int = 0
-    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    """The number of the further round of its repeat, from 1; 0: the first pass, or no repeat."""
     controller_said: str = ''
     """As in `task.failed`."""
     last_feedback: str = ''
@@ -102,7 +102,7 @@ class OperatorEvent(Event):
     origin: str = ''
     """Where the command came from, for instance the program and the computer."""
     role: str = ''
-    """What `who` may ask for; empty: not recorded, as in older journals."""
+    """The role of `who`; empty: not recorded, as in older journals."""
     known: str = ''
     """How it is known who that is, with which role; empty: not recorded."""
     claims: str = ''

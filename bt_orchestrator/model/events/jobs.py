@@ -24,19 +24,19 @@ class ScriptLoaded(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class ScriptReleased(Event):
-    """A generated script may be used on this cell; jobs that waited for that wait no more."""
+    """A generated script may be used on this cell; jobs that waited for that may start."""
 
     event: ClassVar[str] = 'script.released'
     digest: str
     cell_digest: str
     """Of the cell that it is released for; it does not count for another one."""
     reason: str = ''
-    """Who did it, and why; empty: a virtual run."""
+    """The person who did it, and the reason; empty: a virtual run."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class OrderEvent(Event):
-    """The complete work order of a job in the queue, as it is from now on."""
+    """The complete work order of a job in the queue, from now on."""
 
     job: str
     script: str
@@ -54,7 +54,7 @@ class OrderEvent(Event):
     awaits_start: bool = False
     """It may not start before `start`."""
     awaits_release: bool = False
-    """Its script was generated, and nobody has released it for this cell (semantics 6.10)."""
+    """Its script was generated, and is not released for this cell (semantics 6.10)."""
     recipe: str = ''
     """Name of the recipe that the script was generated from; empty: it was written by hand, or the
     record is of an older program."""
@@ -63,7 +63,7 @@ class OrderEvent(Event):
     recipe_digest: str = ''
     """Name of the recipe by what it says; empty: as `recipe`, or the script does not tell it."""
     choice: RecipeChoice | None = None
-    """What the order named in place of a script; absent: it named a script."""
+    """The recipe that the order named in place of a script; absent: it named a script."""
     unavailable: tuple[str, ...] = ()
     """Components out of service that it needs: it is passed (semantics 7.5)."""
 

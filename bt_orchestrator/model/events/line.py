@@ -54,7 +54,7 @@ class RoundBegun(CycleEvent):
     repeat: str
     """Its first task."""
     n: int
-    """Which further round of this cycle, from 1."""
+    """The number of the further round of this cycle, from 1."""
     tasks: tuple[str, ...]
     """All of its tasks: they are new again, and have no results."""
 
@@ -123,7 +123,7 @@ class ItemPlaced(ItemEvent):
     event: ClassVar[str] = 'item.placed'
     section: int
     lots: Mapping[str, str] = field(default_factory=dict)
-    """What goes into it, by the names in its script (semantics 6.9)."""
+    """The lots that go into it, by the names in its script (semantics 6.9)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,7 +141,7 @@ class ItemIdentified(ItemEvent):
     event: ClassVar[str] = 'item.identified'
     task: str
     serial: str
-    """What was read, without white space around it."""
+    """The serial that was read, without white space around it."""
 
 
 @made_at_once

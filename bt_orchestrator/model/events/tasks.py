@@ -1,4 +1,4 @@
-"""What happens to tasks."""
+"""The events of tasks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class TaskEvent(Event):
 
     @worked_out
     def key(self) -> TaskKey:
-        """Which task of which item."""
+        """The task and its item."""
         return TaskKey(self.job, self.section, self.item, self.task)
 
 
@@ -45,7 +45,7 @@ class TaskStarted(TaskEvent):
     """Seconds for which the machine had been up when it was sent, in the boot that
     `orchestrator.started` names."""
     round: int = 0
-    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    """The number of the further round of its repeat, from 1; 0: the first pass, or no repeat."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +108,7 @@ class TaskFailed(TaskEvent):
     reason: str
     message: str = ''
     results: Mapping[str, Any] = field(default_factory=dict)
-    """What was refused (result_refused, duplicate_serial)."""
+    """The refused results (result_refused, duplicate_serial)."""
     left_out: tuple[str, ...] = ()
     """As in `task.succeeded`."""
     round: int = 0

@@ -1,4 +1,4 @@
-"""What an item counts as when it leaves the line, for every surface (semantics 6.2)."""
+"""The count of an item when it leaves the line, for every surface (semantics 6.2)."""
 
 from __future__ import annotations
 

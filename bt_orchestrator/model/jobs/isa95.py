@@ -58,7 +58,7 @@ def job_word(state: CellState, job: JobState) -> JobWord:
 
 
 class Passed(Protocol):
-    """What lets the queue pass a job, in the state and in events."""
+    """The reason for which the queue passes a job, in the state and in events."""
 
     @property
     def held(self) -> bool:

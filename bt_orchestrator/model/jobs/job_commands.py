@@ -52,7 +52,7 @@ class UpdateJob:
 
     request: ClassVar[Request] = UPDATE
     job: Job
-    """What it is to be; its id names the job."""
+    """The new order of the job; its id names the job."""
     by: By
     sharing: Sharing | None = None
     keeps_script: bool = False

@@ -106,21 +106,21 @@ METHODS = (
 """Those of ISA-95."""
 
 LEFT_WHILE_ENDING: Mapping[str, tuple[Method, ...]] = {'stopping': (ABORT,), 'aborting': ()}
-"""What may still be asked of a job that ends when its last item has left."""
+"""The requests about a job that ends when its last item has left."""
 
 
 MORE_WHILE_PASSED: tuple[Method, ...] = (REVOKE_START,)
-"""What may also be asked of a job that nobody holds and that is passed, because its script is not
-released or it lacks a component out of service; `release` changes nothing for it, unless it waits
-for its start as well."""
+"""Further requests about a job that is not held and is passed, because its script is not released
+or it lacks a component out of service; `release` changes nothing for it, unless it waits for its
+start as well."""
 
 MORE_WHILE_AWAITING: tuple[Method, ...] = (START,)
-"""What may also be asked of a job that is AllowedToStart and waits for its start."""
+"""Further requests about a job that is AllowedToStart and waits for its start."""
 
 
 @dataclass(frozen=True)
 class JobFacts:
-    """What decides which methods can be asked of a job now."""
+    """The facts that decide which methods are possible for a job now."""
 
     word: JobWord
     """Its ISA-95 state."""
@@ -141,7 +141,7 @@ class JobFacts:
 
     @property
     def is_passed(self) -> bool:
-        """Whether the queue passes it although nobody holds it."""
+        """Whether the queue passes it although it is not held."""
         lacks = bool(self.unreleased or self.unavailable)
         return self.word is NOT_ALLOWED and lacks and not self.is_held
 
@@ -186,7 +186,7 @@ def _passed_words(job: str, unreleased: str, unavailable: Sequence[str]) -> Iter
 
 
 def lacks_words(unreleased: str, unavailable: Sequence[str]) -> Iterator[str]:
-    """Say why a job is passed that nobody holds, and what lets it start."""
+    """Say why a job is passed that is not held, and what lets it start."""
     if unreleased:
         yield unreleased_words(unreleased)
     if unavailable:

@@ -94,7 +94,7 @@ def job_may_start(event: e.JobMayStart, state: CellState) -> None:
 
 
 def script_released(event: e.ScriptReleased, state: CellState) -> None:
-    """Let the jobs of a script wait no more; for the cell they are like new orders."""
+    """Let the jobs of a script start; for the cell they are like new orders."""
     cells = state.released.get(event.digest, ())
     if event.cell_digest not in cells:
         state.released[event.digest] = (*cells, event.cell_digest)

@@ -56,9 +56,9 @@ class FailureRecord:
     section: int | None = None
     item: str | None = None
     results: Mapping[str, Any] = field(default_factory=dict)
-    """What was refused (result_refused, duplicate_serial)."""
+    """The refused results (result_refused, duplicate_serial)."""
     round: int = 0
-    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    """The number of the further round of its repeat, from 1; 0: the first pass, or no repeat."""
     controller_said: str = ''
     """Text of the controller's own result, cut."""
 
@@ -83,7 +83,7 @@ class ItemRecord:
     serial: str = ''
     """The last one that was read; empty: none."""
     lots: Mapping[str, str] = field(default_factory=dict)
-    """What goes into it, by name."""
+    """The lots that go into it, by name."""
     clock_set_s: float = 0.0
     """By how much the clock was set between its start and its end, forward; negative: back."""
 

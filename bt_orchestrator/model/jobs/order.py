@@ -30,7 +30,7 @@ class Terms:
 
     @property
     def urgency(self) -> tuple[int, float]:
-        """What orders are compared by: the smaller comes first."""
+        """The value by which orders are compared: the smaller comes first."""
         return -self.priority, math.inf if self.start is None else self.start
 
     @property
@@ -47,7 +47,7 @@ NO_TERMS = Terms()
 
 @dataclass(frozen=True)
 class RecipeChoice:
-    """What an order names in place of a script: recipes of which the cell makes one."""
+    """The choice of an order in place of a script: recipes; the cell makes one of them."""
 
     recipes: tuple[str, ...]
     """Names; the first one that can be made is made."""
@@ -100,7 +100,8 @@ class Job:
     """Every parameter of the script, defaults filled in."""
     terms: Terms = NO_TERMS
     recipe: RecipeChoice | None = None
-    """What the order named in place of a script: the job is made anew from it; None: a script."""
+    """The recipe that the order named in place of a script: the job is made anew from it; None: a
+    script."""
 
     def item(self, number: int) -> str:
         """Return the id of an item; numbers count from 1."""

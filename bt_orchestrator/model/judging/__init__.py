@@ -1,1 +1,1 @@
-"""What is judged of results: the verdict of a task, the serial of its item; lots; used ids."""
+"""Judgement of results: the verdict of a task, the serial of its item; lots; used ids."""

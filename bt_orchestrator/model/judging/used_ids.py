@@ -1,4 +1,4 @@
-"""Which order ids, or serials, were ever used: a set that stays small when they are counted up.
+"""The used order ids, or serials: a set that stays small when they are counted up.
 
 What does not count up is kept in parts: one is open, and when it is full it is sealed and never
 changes again. So a record of the state has the open part, and names the sealed ones

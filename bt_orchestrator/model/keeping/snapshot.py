@@ -168,7 +168,7 @@ def _fit(state: CellState) -> None:
 
 
 class Writer:
-    """Makes plain data, and one list of the objects in it; scripts stand there as they are."""
+    """Makes plain data, and one list of the objects in it; scripts stand there unchanged."""
 
     def __init__(self) -> None:
         self.objects: list[Any] = []

@@ -28,7 +28,7 @@ class StateText:
     """
 
     def __init__(self, state: CellState, *, check: bool = False) -> None:
-        """Take a state as it is now.
+        """Take the present state.
 
         :raises JournalFailed: the text would not restore the state
         """

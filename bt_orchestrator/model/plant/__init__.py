@@ -1,1 +1,1 @@
-"""What belongs to the plant around a cell, and is no part of its definition."""
+"""Facts of the plant around a cell, outside of its definition."""

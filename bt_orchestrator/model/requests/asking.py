@@ -22,7 +22,7 @@ class Asked:
 
     request: Request
     by: By | None
-    """None: the plan of a virtual run, in which nobody is there to ask."""
+    """None: the plan of a virtual run, without a node to ask."""
     arguments: Mapping[str, Any] = field(default_factory=dict)
     """By name; parameters that were not given are left out."""
 

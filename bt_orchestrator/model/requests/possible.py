@@ -1,4 +1,4 @@
-"""Which requests are possible now: `packml`, `job_control` and `failures` decide it."""
+"""The requests that are possible now: `packml`, `job_control` and `failures` decide it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of some requests a reader may make, and who may make the others (semantics 7.1)."""
+"""The requests that a reader may make, and the roles for the others (semantics 7.1)."""
 
 from __future__ import annotations
 

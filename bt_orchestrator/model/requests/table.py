@@ -292,6 +292,6 @@ def words_about(about: About) -> tuple[str, ...]:
 
 
 def is_remark(word: str) -> bool:
-    """Tell whether a word about a hold leaves it as it is."""
+    """Tell whether a word about a hold leaves it unchanged."""
     request = of_word(About.HOLD, word)
     return request is not None and request.is_remark

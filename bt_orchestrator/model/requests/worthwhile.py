@@ -1,4 +1,4 @@
-"""Which possible requests would change something now, so that a surface offers no others."""
+"""The possible requests that would change something now: a surface offers no others."""
 
 from __future__ import annotations
 

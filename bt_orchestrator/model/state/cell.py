@@ -71,7 +71,7 @@ class CellState:
     scripts: dict[str, Script] = field(default_factory=dict)
     """By digest; those that a live job uses."""
     preparations: dict[str, Preparation] = field(default_factory=dict, metadata=DERIVED)
-    """What initialization means in this cell, by digest."""
+    """The meaning of initialization in this cell, by digest."""
     jobs: LiveJobs = field(default_factory=LiveJobs)
     """Live jobs: those that have started, in the order they did, then the queue."""
     ended: dict[str, JobState] = field(default_factory=dict)
@@ -85,7 +85,7 @@ class CellState:
     stop_after: str | None = None
     """`item` or `job`: the line runs empty, and the cell stops (semantics 6.6)."""
     stop_after_by: Wish | None = None
-    """Who requested that; None: not requested."""
+    """The person who requested that; None: not requested."""
     items: dict[str, ItemState] = field(default_factory=dict)
     tasks: dict[TaskKey, TaskState] = field(default_factory=dict)
     running: dict[TaskKey, TaskState] = field(default_factory=dict)

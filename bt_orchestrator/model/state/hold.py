@@ -1,4 +1,4 @@
-"""What waits for an operator."""
+"""A question that waits for an operator."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Hold:
     """The possible answers now; they change with the item and its job."""
     since: float
     owner: str = ''
-    """Who paused the cell; empty: not one person."""
+    """The person who paused the cell; empty: not one person."""
     name: str = ''
     """Task constant; this and the following are empty, or 0, where no task is held."""
     component: str = ''
@@ -34,7 +34,7 @@ class Hold:
     attempts: int = 0
     """Attempts that the script allows."""
     round: int = 0
-    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    """The number of the further round of its repeat, from 1; 0: the first pass, or no repeat."""
     message_words: tuple[Words, ...] = ()
     """Sentences of the node in the message, as facts; empty: they are known in words only."""
     controller_said: str = ''

@@ -32,9 +32,9 @@ class ItemState:
     results: dict[str, Mapping[str, Any]] = field(default_factory=dict)
     """Result fields by task id (semantics 6.3)."""
     serial: str = ''
-    """What identifies it; empty: not known (semantics 6.8)."""
+    """Its serial; empty: not known (semantics 6.8)."""
     lots: Mapping[str, str] = field(default_factory=dict)
-    """What goes into it, by name; none before it is placed (semantics 6.9)."""
+    """The lots that go into it, by name; empty before it is placed (semantics 6.9)."""
 
 
 @dataclass
@@ -62,7 +62,7 @@ class Progress:
 
     @property
     def by_hand(self) -> int:
-        """What `removed` is called outside of the state."""
+        """The name of `removed` outside of the state."""
         return self.removed
 
 
@@ -73,7 +73,7 @@ class JobState:
     job: Job
     digest: str
     recipe: str = ''
-    """What its script was generated from; of equal scripts the state keeps one."""
+    """The source of its generated script; of equal scripts the state keeps one."""
     recipe_version: int | None = None
     rest_of: str = ''
     """The job whose items it makes that this had not begun (semantics 7.6); empty: none."""

@@ -1,4 +1,4 @@
-"""What the belt and the components stand at."""
+"""The position of the belt and the state of the components."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Cycle:
 
 @dataclass(frozen=True)
 class Finished:
-    """What a completed cycle did."""
+    """The outcome of a completed cycle."""
 
     job: str
     item: str
@@ -73,5 +73,5 @@ class OutOfService:
     """A component that an operator took out of service (semantics 7.5)."""
 
     reason: str
-    """Who did it, and why."""
+    """The person who did it, and the reason."""
     since: float

@@ -214,7 +214,7 @@ class LiveJobs(dict[str, 'JobState']):
         self._judge(name)
 
     def release_script(self, name: str) -> None:
-        """Let a job in the queue wait for the release of its script no more."""
+        """Release a queued job from the wait for the release of its script."""
         self[name] = changed(self.queued(name), awaits_release=False)
         self._judge(name)
 

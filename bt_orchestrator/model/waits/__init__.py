@@ -1,1 +1,1 @@
-"""What keeps tasks from starting and the belt from moving: one teller for all (semantics 7.4)."""
+"""The causes that keep tasks from starting and the belt from moving (semantics 7.4)."""

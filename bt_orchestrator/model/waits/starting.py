@@ -1,4 +1,4 @@
-"""What keeps a task from its next attempt (semantics 2.5, 4, 5.1, 7.1)."""
+"""The causes that keep a task from its next attempt (semantics 2.5, 4, 5.1, 7.1)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from bt_orchestrator.model.wait import Wait, WaitKind
 
 
 class Seen(Protocol):
-    """What is seen now of servers and clocks, and is not in the state."""
+    """The present facts of servers and clocks, which the state does not have."""
 
     def rivals(self, component: str) -> Sequence[str]:
         """Return the present servers of a component's action, if there are several."""
@@ -65,7 +65,7 @@ def _waits_for_component(state: CellState, key: TaskKey, task: Task, seen: Seen)
 
 
 def waits_for_one_server(state: CellState, component: str, seen: Seen) -> Wait | None:
-    """Say who else has a part in a component now (semantics 2.5); None: nobody.
+    """Name the others who have a part in a component now (semantics 2.5); None: no other.
 
     It looks at the servers too: the event for what is seen now comes only later.
     """

@@ -1,4 +1,4 @@
-"""What everything waits for now: the one teller of waits (semantics 7.4).
+"""The present waits of everything: the one teller of waits (semantics 7.4).
 
 It reads the state by the rules that let tasks start and the belt move (`starting`, `line`), so the
 same is told live, of a past moment, and in a record that was folded from a journal.

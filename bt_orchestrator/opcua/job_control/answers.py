@@ -1,4 +1,4 @@
-"""What the methods of job control give back: a failed call carries its ReturnStatus, too."""
+"""The outputs of the methods of job control: a failed call carries its ReturnStatus, too."""
 
 from __future__ import annotations
 

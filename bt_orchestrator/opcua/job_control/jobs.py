@@ -1,4 +1,4 @@
-"""The jobs that clients are told of: caught up with the journal first, then followed."""
+"""The jobs for clients: caught up with the journal first, then followed."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Jobs:
         self._tell = tell
         self._changed = changed
         self._is_behind = True
-        """What happened before the events that are heard has to be asked for."""
+        """Earlier events than those that are heard have to be fetched."""
         self._waiting: list[Event] = []
         """Heard meanwhile."""
         self._task: asyncio.Task[None] | None = None
@@ -95,7 +95,7 @@ class Jobs:
         return found
 
     async def ask(self, name: str) -> ListedJob | None:
-        """Return a job as it is now; None: it is not listed.
+        """Return a job in its present state; None: it is not listed.
 
         :raises NodeUnreachable: the node does not answer
         """

@@ -52,7 +52,7 @@ _MEANINGS = {
 """Where the nodeset says nothing of a node, or nothing that a reader could use."""
 
 _EMPTY = ('PersonnelID', 'PhysicalAssetID', 'MaterialClassID', 'MaterialDefinitionID')
-"""What an order may name of them is not checked, and no list of them is known."""
+"""Their names in an order are not checked, and no list of them is known."""
 
 
 class JobControl:

@@ -97,7 +97,7 @@ class Receiver:
         return self._refused(method, job, status, outcome.message, outcome.findings)
 
     async def _now(self, job: str) -> ListedJob | None:
-        """Return a job as it is now, or else as it was last heard of."""
+        """Return a job in its present state, or else in the last that was heard."""
         try:
             return await self._jobs.ask(job)
         except NodeUnreachable:

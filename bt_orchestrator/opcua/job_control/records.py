@@ -1,4 +1,4 @@
-"""What is pulled, because it is long: the items of a job, and events of the cell."""
+"""Data that is pulled, because it is long: the items of a job, and events of the cell."""
 
 from __future__ import annotations
 
@@ -170,7 +170,7 @@ class Records:
 
 
 def item_plain(item: ItemRecord) -> dict[str, Any]:
-    """Return what is told of an item, as JSON carries it."""
+    """Return the facts of an item in the form of JSON."""
     plain: dict[str, Any] = to_plain(item, whole=True)
     if not item.clock_set_s:
         del plain['clock_set_s']

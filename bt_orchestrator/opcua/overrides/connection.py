@@ -49,7 +49,7 @@ class Connection(OPCUAProtocol):
 
     @property
     def is_pending(self) -> bool:
-        """Tell whether nobody has logged in."""
+        """Tell whether the login is still missing."""
         session = None if self.processor is None else self.processor.session
         return session is None or not session.is_activated()
 

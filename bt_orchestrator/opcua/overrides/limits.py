@@ -1,4 +1,4 @@
-"""What clients may take of the server: none of them may fill its memory or hold its loop."""
+"""Limits of clients at the server: no client may fill its memory or hold its loop."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ CONNECTIONS = 100
 """At a time, whoever they are of."""
 
 PENDING = 24
-"""Connections at a time on which nobody has logged in; one more closes the oldest of the address
-that has the most of them, so that somebody who opens many keeps out no others."""
+"""Connections at a time without a login; one more closes the oldest of the address that has the
+most of them: a client that opens many does not keep out others."""
 
 PENDING_S = 10.0
 """Within so long somebody has to log in, or the connection is closed."""
@@ -53,7 +53,7 @@ PUBLISHING_MS = (50.0, 60_000.0)
 
 KEEP_ALIVE_MS = 60_000.0
 LIFETIME_MS = 600_000.0
-"""A subscription that nobody asks for any more is gone after so long, at most."""
+"""A subscription without requests is gone after so long, at most."""
 
 SESSION_MS = (5_000.0, 600_000.0)
 

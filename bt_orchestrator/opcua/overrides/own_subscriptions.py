@@ -1,4 +1,4 @@
-"""What a session does with subscriptions: with its own alone, and within limits."""
+"""The rights of a session over subscriptions: its own alone, and within limits."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class OwnSubscriptions(InternalSession):
     async def delete_monitored_items(
         self, params: ua.DeleteMonitoredItemsParameters
     ) -> list[ua.StatusCode]:
-        """Watch some nodes no more."""
+        """Stop watching some nodes."""
         self._get(params.SubscriptionId)
         return await super().delete_monitored_items(params)
 

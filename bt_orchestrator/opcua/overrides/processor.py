@@ -29,7 +29,7 @@ spare = SpareLog(logging.getLogger(__name__))
 
 
 class Closing(Exception):
-    """The connection is closed; the client is told a status code, the log the reason."""
+    """The connection is closed; the client gets a status code, the log the reason."""
 
     def __init__(self, code: int, reason: str) -> None:
         self.code = code
@@ -61,7 +61,7 @@ class Processor(UaProcessor):
         return policy.Mode == ua.MessageSecurityMode.SignAndEncrypt
 
     def forget(self, subscription: int) -> None:
-        """Answer no more for a subscription, which another connection has now."""
+        """Stop answering for a subscription, which another connection has now."""
         self._publish_results_subs.pop(subscription, None)
 
     async def close(self) -> None:

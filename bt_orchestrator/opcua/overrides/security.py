@@ -1,4 +1,4 @@
-"""What the overrides need to know of users, certificates and options."""
+"""The knowledge of the overrides about users, certificates and options."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ENCRYPTED = (
 
 @dataclass(frozen=True)
 class Security:
-    """Who may connect, and who may log in."""
+    """The clients that may connect, and the users who may log in."""
 
     access: Access
     own: Own
@@ -38,6 +38,6 @@ class Security:
 
     @property
     def policies(self) -> list[ua.SecurityPolicyType]:
-        """What is offered to clients."""
+        """The offers to clients."""
         unencrypted = [ua.SecurityPolicyType.NoSecurity] if self.access.is_insecure else []
         return [*ENCRYPTED, *unencrypted]

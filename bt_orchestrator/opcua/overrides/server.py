@@ -50,7 +50,7 @@ class GuardedServer(asyncua.Server):
         self._watch: asyncio.Task[None] | None = None
 
     async def init(self, shelf_file: Path | None = None) -> None:
-        """Load what every server has; clients are told the limits."""
+        """Load the nodes of every server; clients can read the limits."""
         with building():
             await super().init(shelf_file)
         await self.set_application_uri(self._security.own.uri)

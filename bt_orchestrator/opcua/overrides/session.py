@@ -43,9 +43,9 @@ class Session(OwnSubscriptions):
         self.client = ''
         """Name and address of the program."""
         self.person: Person | None = None
-        """None: nobody has logged in."""
+        """None: there is no login."""
         self.let_in: Person | None = None
-        """Who is about to log in."""
+        """The user who is about to log in."""
         self.transport: asyncio.Transport | None = None
         """Of the connection that it goes on at."""
         self._trusted_at: object = None
@@ -62,7 +62,7 @@ class Session(OwnSubscriptions):
         return result
 
     def why_not(self, security: Security) -> str:
-        """Say why somebody who was let in may go on no more; empty: they may."""
+        """Say why a user who was let in may not go on; empty: the user may."""
         if self.person is None:
             return ''
         if security.people.role_of(self.person) is None:
@@ -77,7 +77,7 @@ class Session(OwnSubscriptions):
         return ''
 
     async def end(self, why: str) -> None:
-        """End it; a client that asks for something is told."""
+        """End it; the next request of a client gets the reason."""
         log.warning('session of %s at %s ended: %s', self.user.name, self.client, why)
         await self.close_session(True)
 

@@ -47,7 +47,7 @@ class Subscriptions(SubscriptionService):
         return result
 
     def owner_of(self, subscription: int) -> str:
-        """Return the name of the user whose it is; empty: nobody's."""
+        """Return the name of its user; empty: it has no user."""
         return self._owners.get(subscription, '')
 
     def of_session(self, session: ua.NodeId) -> dict[int, InternalSubscription]:

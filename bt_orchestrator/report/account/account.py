@@ -26,7 +26,7 @@ from bt_orchestrator.report.reading import Reading
 _OF_A_JOB = (e.JobStarted.event, e.JobCompleted.event, e.JobAborted.event)
 
 _MOST_MOMENTS = 4
-"""That are told of rounded planned time."""
+"""The shares are of rounded planned time."""
 
 
 class NothingToReport(OrchestratorError):

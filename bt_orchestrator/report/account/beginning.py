@@ -191,6 +191,6 @@ class _Beginning:
 
 
 def _unknown(begin: int, until: int) -> Slot:
-    """Return a slot of which nothing is known."""
+    """Return a slot without any known time."""
     stop = StopSum(Loss.NOT_RECORDED, begun=1, us=until - begin)
     return Slot(begin, until, stops=(stop,), is_steady=True)

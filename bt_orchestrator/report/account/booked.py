@@ -51,7 +51,7 @@ def _at_an_end(reading: Reading, *, newest_first: bool) -> Slot | None:
 
 
 def script_of(reading: Reading, digest: str) -> Script | None:
-    """Return a script of which something was made; None: it is not in the books."""
+    """Return a script whose work is in the books; None: it is not in them."""
     kept = reading.records.book_script(digest)
     return None if kept is None else read_script(kept)
 

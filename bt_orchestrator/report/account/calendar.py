@@ -35,12 +35,12 @@ class Turn(NamedTuple):
 
 
 class Now(NamedTuple):
-    """What is asked for at a moment, whose account grows with the time."""
+    """The question at a moment, whose account grows with the time."""
 
     period: Period
     """As a whole, with what is still to come."""
     turn: Turn | None = None
-    """The shift that it is; None: it is none."""
+    """The shift; None: no shift."""
     next: Turn | None = None
     """The shift that begins next, if none runs; the period is the one of the last that ended."""
 
@@ -93,7 +93,7 @@ def day_on(day: date, zone: tzinfo | None, until: float | None = None) -> Period
 
 
 def last_begun(shift: Shift, zone: tzinfo | None, until: float) -> date | None:
-    """Return the day on which a shift has begun last; None: on none of the last week.
+    """Return the day on which a shift has begun last; None: on no day of the last week.
 
     :param until: now, seconds since the epoch
     """

@@ -1,4 +1,4 @@
-"""What is told of a clock that was set, and of breaks on days on which the clocks change."""
+"""Sentences about a clock that was set, and about breaks on days on which the clocks change."""
 
 from __future__ import annotations
 

@@ -45,13 +45,13 @@ class Stretch(NamedTuple):
     begin: int
     end: int
     cause: Cause | None
-    """What it is lost to; None: the line produced."""
+    """Its loss; None: the line produced."""
     goes_on: bool
     """It was so just before, too."""
 
 
 class Ledger(Protocol):
-    """Books what a course says. What happens at a moment comes after the time before it."""
+    """Books what a course says. Events of a moment come after the time before it."""
 
     def passes(self, stretch: Stretch) -> None:
         """Let time pass."""
@@ -92,11 +92,11 @@ class Course:
         """From when on."""
         self._items = ItemsAtWork()
         self._last: Cause | None = None
-        """What the time just before was lost to."""
+        """The loss of the time just before."""
 
     @property
     def cause(self) -> Cause | None:
-        """What the time is lost to since the last event; None: the line produces."""
+        """The loss since the last event; None: the line produces."""
         return self._standing.cause()
 
     @property

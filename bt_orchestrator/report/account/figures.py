@@ -1,4 +1,4 @@
-"""OEE and its parts, with the pace in closed form: exact, so that the waterfall closes."""
+"""OEE and its parts, with the pace in closed form: exact, to close the waterfall."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PLANNED, BUSY, PRODUCTION, NET, VALUE = (
     'net production time',
     'value adding time',
 )
-"""What is left at each step of the waterfall; the first three with the names of ISO 22400."""
+"""The rest at each step of the waterfall; the first three with the names of ISO 22400."""
 
 
 class Lack(Enum):
@@ -55,7 +55,7 @@ class Bar(NamedTuple):
 
 @dataclass(frozen=True)
 class Figures:
-    """What a period was worth. None: not known without a pace, or nothing to divide by."""
+    """The figures of a period. None: not known without a pace, or nothing to divide by."""
 
     times: Times
     paces: Mapping[str, Pace]
@@ -84,7 +84,7 @@ class Figures:
 
     @property
     def net_us(self) -> Fraction:
-        """What the items would have taken at the pace of their scripts."""
+        """The time for the items at the pace of their scripts."""
         return self._at_pace((one.digest, one.produced) for one in self.times.made)
 
     @property
@@ -94,7 +94,7 @@ class Figures:
 
     @property
     def rework_us(self) -> Fraction:
-        """What rework cost: the time that it took, as far as the performance lacks it."""
+        """The price of rework: its time, as far as the performance lacks it."""
         lacking = self.times.production_us - self.net_us
         return max(Fraction(0), min(lacking, Fraction(self.times.lost_us.get(Loss.REWORK, 0))))
 
@@ -147,7 +147,7 @@ class Figures:
 
     @property
     def pace_us(self) -> Fraction | None:
-        """What one item would have taken at the pace; of several scripts the mean."""
+        """The time for one item at the pace; of several scripts the mean."""
         return _ratio(self.net_us, self.produced) if self.has_paces else None
 
     # --- components -------------------------------------------------------------------------

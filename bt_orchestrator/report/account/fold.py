@@ -20,12 +20,12 @@ __all__ = ['FOLLOWED', 'AccountFold', 'Times']
 
 
 class FromBooks(NamedTuple):
-    """What of an account comes from books."""
+    """The part of an account that comes from books."""
 
     span: tuple[int, ...] = ()
     """From when to when there were slots; empty: there were none."""
     rounded: tuple[int, ...] = ()
-    """Begins of slots of which planned time is a part, and whose events are gone."""
+    """Begins of slots that planned time covers in part, and whose events are gone."""
     seqs: tuple[int, ...] = ()
     """First and last of the events that were read where slots do not suffice; empty: none was."""
 
@@ -72,7 +72,7 @@ class AccountFold:
 
     @property
     def cause(self) -> Cause | None:
-        """What the time is lost to since the last event; None: the line produces."""
+        """The loss since the last event; None: the line produces."""
         return self._course.cause
 
     @property

@@ -1,4 +1,4 @@
-"""What is kept in books as text: slots, the state of a course, scripts."""
+"""The text form of books: slots, the state of a course, scripts."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Stopped:
-    """What the line loses its time to at this moment."""
+    """The present loss of the line."""
 
     cause: Cause
     since_us: int

@@ -1,4 +1,4 @@
-"""What planned time is lost to, with the words for it (docs/account.md)."""
+"""The losses of planned time, with the words for them (docs/account.md)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Step(Enum):
 
 
 class Loss(Enum):
-    """What time is lost to, in the order of the waterfall."""
+    """The losses of time, in the order of the waterfall."""
 
     NOT_RECORDED = 'not_recorded'
     NO_ORDER = 'no_order'

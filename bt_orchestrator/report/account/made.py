@@ -1,4 +1,4 @@
-"""What was made, by job."""
+"""The output, by job."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Made:
     by_hand: int = 0
     """Taken off the belt by an operator."""
     outside: int = 0
-    """Of whatever kind, but not in planned time: in none of the other counts."""
+    """Of any kind, but not in planned time: no other count has them."""
 
     @property
     def produced(self) -> int:

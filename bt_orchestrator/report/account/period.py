@@ -35,7 +35,7 @@ class Period:
     end_us: int
     planned: Planned
     zone: tzinfo | None = None
-    """In which times are told; None: that of the computer."""
+    """The zone of the times in the output; None: that of the computer."""
     steady: SteadyTime | None = field(default=None, compare=False)
     """Its moments are of steady time; None: of the clock."""
     breaks: tuple[ChangedBreak, ...] = ()

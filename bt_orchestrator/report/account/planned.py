@@ -13,7 +13,7 @@ Stretch = tuple[int, int]
 
 
 def us_of(time: float) -> int:
-    """Return a time of an event in whole microseconds, so that sums are exact."""
+    """Return a time of an event in whole microseconds, for exact sums."""
     return round(time * US)
 
 

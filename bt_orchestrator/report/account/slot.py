@@ -45,7 +45,7 @@ class RestOfHolds:
     loss: Loss | None = None
     """None: their time is booked to older holds."""
     component: str = ''
-    """Which failed; empty: none."""
+    """The component that failed; empty: none."""
     told: int = 0
     """How many of them stood for a while."""
     lost_us: int = 0
@@ -55,7 +55,7 @@ class RestOfHolds:
 
 @dataclass(frozen=True)
 class Slot:
-    """What happened from one moment to another. What ends at the end belongs to it."""
+    """The events from one moment to another. An event at the end belongs to it."""
 
     begin_us: int
     until_us: int

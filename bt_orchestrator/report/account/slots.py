@@ -1,4 +1,4 @@
-"""The ledger that cuts time into slots, each of which is added up by itself."""
+"""The ledger that cuts time into slots; each is added up by itself."""
 
 from __future__ import annotations
 

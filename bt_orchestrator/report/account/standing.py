@@ -16,11 +16,11 @@ from bt_orchestrator.report.account.orders_at_hand import OrdersAtHand
 
 
 class Cause(NamedTuple):
-    """What a moment is lost to."""
+    """The loss of a moment."""
 
     loss: Loss
     detail: str = ''
-    """What exactly, so that equal stops can be summed up: without items and numbers."""
+    """The exact cause, without items and numbers: equal stops can be summed up."""
     component: str = ''
     hold: str = ''
     """The hold that it waits for; empty: none."""

@@ -62,7 +62,7 @@ class SteadyTime:
         """Steps up to this event are known."""
         self.steps = [Step(*one) for one in steps]
         self._wall: int | None = None
-        """What the clock showed at the last event that was taken in."""
+        """The clock's time at the last event that was taken in."""
         self._wall_before: int | None = None
         """The same at the event before that."""
 
@@ -147,7 +147,7 @@ class SteadyTime:
         return found
 
     def up_to(self, seq: int) -> SteadyTime:
-        """Return what is known of the steps up to an event, after which there are no more."""
+        """Return the known steps up to an event, after which there are no others."""
         steps = (step for step in self.steps if step.seq <= seq)
         found = SteadyTime(self.since, steps, self._ahead_us)
         found.known = _FAR_US

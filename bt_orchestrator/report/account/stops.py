@@ -1,4 +1,4 @@
-"""Stops of the line, and the holds of which most of them come."""
+"""Stops of the line, and the holds that cause most of them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from bt_orchestrator.report.account.losses import WORDS, Loss, Step
 from bt_orchestrator.report.account.words import is_seen
 
 MOST_HOLDS = 100
-"""Holds that are told one by one: those that cost most. Of all others number and time."""
+"""Holds that are listed one by one: those that cost most. Of all others number and time."""
 
 """Answers that change nothing."""
 
@@ -30,7 +30,7 @@ class Stop(NamedTuple):
 
     @property
     def about(self) -> str:
-        """What exactly, with its component."""
+        """The exact cause, with its component."""
         if self.component in self.detail:
             return self.detail
         return f'{self.component}, {self.detail}'
@@ -51,19 +51,19 @@ class Held:
     released_us: int | None = None
     """None: it stands."""
     loss: Loss | None = None
-    """What its time is booked as; None: another hold was older all the time."""
+    """The loss of its time; None: another hold was older all the time."""
     stood_us: int = 0
     """Planned time in which it stood."""
     lost_us: int = 0
-    """What is booked to it."""
+    """The time that is booked to it."""
     who: str = ''
     answer: str = ''
     reason: str = ''
     """Why somebody answered so."""
     component: str = ''
-    """Whose failure it is; empty: it is none."""
+    """The component that failed; empty: no failure."""
     fails: bool = False
-    """That component failed in busy time."""
+    """The component failed in busy time."""
     down_us: int = 0
     """Busy time in which it stood, as a failure."""
 
@@ -74,7 +74,7 @@ class Held:
 
 
 class OpenHolds:
-    """Takes in one event after another; knows what is to be told of the holds that stand."""
+    """Takes in one event after another; knows the facts of the standing holds."""
 
     def __init__(self) -> None:
         self.open: dict[str, Held] = {}
@@ -130,5 +130,5 @@ def _answer(held: Held, event: e.OperatorDecided) -> None:
 
 
 def without_times(held: Held) -> Held:
-    """Return a hold as it is told, for new sums of its time."""
+    """Return a hold for the output, with new sums of its time."""
     return replace(held, loss=None, stood_us=0, lost_us=0, fails=False, down_us=0)

@@ -1,4 +1,4 @@
-"""The sum of the slots of a period, of which some are planned time."""
+"""The sum of the slots of a period; some slots are planned time."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Total:
 
     @property
     def made(self) -> tuple[Made, ...]:
-        """The jobs of which anything left the line, the first first."""
+        """The jobs whose items left the line, the first first."""
         return tuple(replace(one) for one in self._made.values())
 
     def add(self, slot: Slot, *, is_planned: bool) -> None:

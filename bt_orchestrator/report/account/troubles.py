@@ -23,7 +23,7 @@ _REASONS = frozenset(one.value for one in OF_COMPONENTS)
 
 
 def failing_component(hold: e.HoldRaised) -> str:
-    """Return the component whose failure a hold is; empty: it is none."""
+    """Return the component whose failure a hold is; empty: the hold is no failure."""
     return hold.component if hold.reason in _REASONS else ''
 
 

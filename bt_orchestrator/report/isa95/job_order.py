@@ -50,7 +50,7 @@ OTHER = 'Details'
 """A parameter with what else the details of an order have, as JSON."""
 
 _ONCE = (RUNS_PLANNED, RECIPE_VERSION, OTHER)
-"""Parameters that are none of the script, besides the names of OPC 40001-3."""
+"""Parameters outside of the script, besides the names of OPC 40001-3."""
 
 _MALFORMED = ReturnStatus.MALFORMED
 

@@ -1,4 +1,4 @@
-"""What became of a job: ISA95JobResponseDataType, and its JSON with the names of B2MML."""
+"""The response to a job: ISA95JobResponseDataType, and its JSON with the names of B2MML."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def _data(status: JobStatus, reason: str) -> Iterator[Parameter]:
 
 
 def _rounded_ms(seconds: float) -> float:
-    """Return whole steps of ten seconds, so that a response does not change with every status."""
+    """Return whole steps of ten seconds: a response does not change with every status."""
     return math.ceil(seconds / 10) * 10_000.0
 
 

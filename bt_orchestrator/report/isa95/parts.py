@@ -46,7 +46,7 @@ def text_to_plain(text: Text) -> object:
 
 
 def text_from_plain(plain: object) -> Text:
-    """Return the text that JSON tells of; what is none is shown as it is."""
+    """Return the text of a JSON value; any other text is shown unchanged."""
     if isinstance(plain, Mapping):
         return Text(str(plain.get('Text', '')), str(plain.get('Locale', '')))
     return Text(str(plain))

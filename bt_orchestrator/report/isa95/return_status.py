@@ -1,4 +1,4 @@
-"""What a method of ISA-95 Job Control returns (OPC 10031-4, annex B.2), and why."""
+"""The return values of the methods of ISA-95 Job Control (OPC 10031-4, annex B.2)."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ class ReturnStatus(IntFlag):
     """A bit map; a call that did what was asked returns DONE alone."""
 
     DONE = 1
-    """What was asked for is done."""
+    """The request is done."""
     UNKNOWN_ID = 2
     """There is no such job order."""
     WRONG_STATE = 8
     """The method is not for a job order in its state."""
     NOT_ACCEPTED = 16
-    """The order cannot be taken: refused, a duplicate, or the cell takes no more."""
+    """The order cannot be taken: refused, a duplicate, or the cell is full."""
     MALFORMED = 4294967296
     """The request cannot be understood."""
 
@@ -28,7 +28,7 @@ class Finding:
     where: str
     """The field, as JobOrderParameters.RunsPlanned."""
     what: str
-    """What was expected, and what was found."""
+    """The expected and the found value."""
     status: ReturnStatus = ReturnStatus.NOT_ACCEPTED
 
     def __str__(self) -> str:

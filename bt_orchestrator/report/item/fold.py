@@ -53,7 +53,7 @@ class ItemFold:
 
     @property
     def is_known(self) -> bool:
-        """Tell whether anything was told of the item."""
+        """Tell whether any event was about the item."""
         history = self.history
         return bool(history.tasks or history.holds or history.decisions) or (
             history.started is not None or history.ended is not None

@@ -1,4 +1,4 @@
-"""What the record of one item holds."""
+"""The parts of the record of one item."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Waited:
     kind: str
     """A value of `model.wait.WaitKind`; empty: the journal does not tell."""
     words: str
-    """What it waited for; several things, one after the other, are several stretches."""
+    """The cause of its wait; several causes, one after the other, are several stretches."""
 
     @property
     def seconds(self) -> float:
@@ -54,7 +54,7 @@ class Attempt:
     """Task constant; empty: nothing was sent."""
     component: str = ''
     round: int = 0
-    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    """The number of the further round of its repeat, from 1; 0: the first pass, or no repeat."""
     attempt: int = 0
     started: float | None = None
     ended: float | None = None
@@ -72,7 +72,7 @@ class Attempt:
     waited: list[Waited] = field(default_factory=list)
     """Since what it follows had ended: the task before it, or the attempt before it."""
     beside: list[AtWork] = field(default_factory=list)
-    """What else ran while it ran."""
+    """The other tasks that ran while it ran."""
     adopted: int = 0
     """How often a node that was started again found its goal at the controller."""
     resent: int = 0
@@ -83,7 +83,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Decision:
-    """What somebody decided about an item, or about the whole cell while the item was there."""
+    """Decisions about an item, or about the whole cell while the item was there."""
 
     time: float
     who: str
@@ -114,7 +114,7 @@ class Held:
 
 @dataclass(frozen=True)
 class Neighbour:
-    """What stood in another slot of the belt."""
+    """The content of another slot of the belt."""
 
     section: int
     item: str
@@ -140,7 +140,7 @@ class Restart:
     silent_since: float
     """The last event of the node before."""
     words: str
-    """What it did not know; empty: it went on from its last event."""
+    """The facts that it did not know; empty: it went on from its last event."""
 
 
 @dataclass(frozen=True)
@@ -184,9 +184,9 @@ class ItemHistory:
     stays: list[Stay] = field(default_factory=list)
     restarts: list[Restart] = field(default_factory=list)
     clock_set: list[ClockSet] = field(default_factory=list)
-    """All times are of the clock as it was when the item came, which nobody set."""
+    """All times are of the clock at the time when the item came, without later steps."""
     idle: list[Waited] = field(default_factory=list)
-    """What it waited for while it had no task to wait for; known once it has ended."""
+    """The cause of its wait while it had no task to wait for; known once it has ended."""
 
     @property
     def work(self) -> list[Span]:

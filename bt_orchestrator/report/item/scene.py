@@ -1,4 +1,4 @@
-"""What was so in a cell at a moment, as far as tasks wait for it: a fold from any event on.
+"""The facts of a cell at a moment that tasks wait for: a fold from any event on.
 
 The state of the cell (`model.state`) knows more, but needs the cell file and every event before.
 What is not known yet here blocks nothing.

@@ -82,18 +82,18 @@ class Entry:
 
 @dataclass
 class Chapter:
-    """What happened while the item stood at one place."""
+    """The events while the item stood at one place."""
 
     title: str
     since: float
     until: float | None
     beside: str
-    """What stood in the other slots; empty: nothing, or not known."""
+    """The content of the other slots; empty: nothing, or not known."""
     entries: list[Entry] = field(default_factory=list)
 
 
 class TimeUse(NamedTuple):
-    """What some of the time of an item was used for."""
+    """The use of some of the time of an item."""
 
     words: str
     kind: str

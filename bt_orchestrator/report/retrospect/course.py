@@ -16,7 +16,7 @@ from bt_orchestrator.report.account.planned import us_of
 
 
 class WorkKey(NamedTuple):
-    """Which attempt of which task of which item."""
+    """The attempt of a task of an item."""
 
     task: e.TaskKey
     round: int

@@ -1,4 +1,4 @@
-"""What really became of a job, beside its forecast: what differs, and what the time went to."""
+"""The real run of a job, beside its forecast: the differences, and the use of the time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whose the endpoints of a topic are, in words."""
+"""The owners of the endpoints of a topic, in words."""
 
 from __future__ import annotations
 

@@ -123,7 +123,7 @@ class GoalClient(PartedWaitable):
         self._cancels.tell(CancelGoal.Request(goal_info=GoalInfo(goal_id=goal_id)))
 
     def forget(self, goal_id: UUID) -> None:
-        """Ask no more about a goal: a busy server may have dropped some of the questions."""
+        """Stop asking about a goal: a busy server may have dropped some of the questions."""
         for question in self._asked.pop(bytes(goal_id.uuid), ()):
             question.drop()
 

@@ -61,7 +61,7 @@ class Questions:
 
     @property
     def awaited(self) -> Sized:
-        """Return the questions that are open. What else is answered is dropped with the next."""
+        """Return the questions that are open. Other answers are dropped with the next."""
         return self._open
 
     def ask(self, request: Any, answered: Answered) -> Question:

@@ -1,4 +1,4 @@
-"""Which instance of a server it is."""
+"""The instance of the server."""
 
 from __future__ import annotations
 

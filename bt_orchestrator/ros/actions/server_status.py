@@ -1,4 +1,4 @@
-"""What an action server says of its goals."""
+"""The goals in the status of an action server."""
 
 from __future__ import annotations
 

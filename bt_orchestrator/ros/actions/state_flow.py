@@ -1,4 +1,4 @@
-"""Limits the values of one state topic, so that it cannot flood the journal (2.5)."""
+"""Limits the values of one state topic: it cannot flood the journal (2.5)."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class StateFlow:
         return not _same(self._newest, self._told)
 
     def hear(self, value: Any, now: float) -> Iterator[Any]:
-        """Take the newest value; yield what is to be told now, if anything is."""
+        """Take the newest value; yield the values that are due now."""
         self._newest = value
         yield from self.look(now)
 
     def look(self, now: float) -> Iterator[Any]:
-        """Yield the newest value if it waits and may be told now."""
+        """Yield the newest value if it waits and is due."""
         if not self.is_waiting:
             return
         left = self._allowance.left(now)

@@ -21,7 +21,7 @@ from bt_orchestrator.ros.types.messages import field_value
 from bt_orchestrator.spare_log import SpareLog
 
 _WAITING_S = 0.1
-"""Between two looks whether a value that had to wait may be told."""
+"""Between two looks for a value that had to wait."""
 
 HEARS_ALL = QoSProfile(
     depth=1,

@@ -17,7 +17,8 @@ LATCHED_S = 3.0
 """Seconds after a server was found in which its latched status comes, on a busy machine too."""
 
 MOST_TOLD = 8
-"""So many goals are told of: a status may list any number, and what is told is kept."""
+"""At most so many goals are named: a status may list any number, and the journal keeps the names.
+"""
 
 
 class Strangers:

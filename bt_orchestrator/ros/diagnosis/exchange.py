@@ -26,7 +26,7 @@ _ONLY_THIS_COMPUTER = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'ROS_LOCALH
 
 
 class Times(NamedTuple):
-    """What came about, in seconds; None: it did not."""
+    """The outcome, in seconds; None: there was none."""
 
     found: float | None = None
     answered: float | None = None

@@ -42,7 +42,7 @@ def tree_node(graph: Graph, node: str, *, expected: bool, timeout_s: float) -> I
 
 
 def _role(graph: Graph, node: str, timeout_s: float) -> Iterator[Check]:
-    """Say what everybody may ask of the node: over ROS nobody is known."""
+    """Say what any client may request of the node: ROS does not authenticate clients."""
     topic = f'{node}/status'
     status = graph.latched(Status, topic, timeout_s) if graph.publishers(topic) else None
     role = '' if status is None else status.unauthenticated_role

@@ -1,4 +1,4 @@
-"""Which rclpy and which middleware there are, and what is known about them."""
+"""The installed rclpy and middleware, and the facts about them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What makes the engine settle: the heartbeat timer, and news (architecture, "One settle")."""
+"""The causes of a settle: the heartbeat timer, and news (architecture, "One settle")."""
 
 from __future__ import annotations
 

@@ -197,7 +197,7 @@ def _deadline(timeout_sec: float | TimeoutObject | None) -> float:
 
 
 def _left_ns(until: float) -> int:
-    """Return how long to wait; for ever is a negative number."""
+    """Return how long to wait; a negative number means without limit."""
     if until == math.inf:
         return _FOR_EVER_NS
     return max(0, round((until - time.monotonic()) * _NS_PER_S))

@@ -1,4 +1,4 @@
-"""A waitable that names its parts, so that an executor need not ask it after each wait."""
+"""A waitable that names its parts: an executor need not ask it after each wait."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Part(Protocol):
 
     @property
     def handle(self) -> Any:
-        """What `handles` returned."""
+        """The return value of `handles`."""
 
     @property
     def awaited(self) -> Sized:

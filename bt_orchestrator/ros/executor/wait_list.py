@@ -1,4 +1,4 @@
-"""What an executor waits for, kept from one wait to the next."""
+"""The things that an executor waits for, kept from one wait to the next."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from bt_orchestrator.ros.executor.parted import Part, PartedWaitable
 WAITABLE = 'waitable'
 """Several entities that are asked together, such as an action server."""
 PARTED = 'parted waitable'
-"""Several service clients of which it is known what came for which."""
+"""Several service clients, with the answers that came for each."""
 GUARD = 'guard_condition'
 TIMER = 'timer'
 SUBSCRIPTION = 'subscription'

@@ -51,11 +51,11 @@ class Attachment:
         self._announced = now
 
     def may_give_way(self, now: float) -> bool:
-        """Tell whether it may be ended because another stream is wanted: nobody has come."""
+        """Tell whether it may be ended because another stream is wanted: it has no watcher."""
         return not (self.count or self.is_permanent) and now >= self._announced + DISCOVERY_S
 
     def is_over(self, now: float) -> bool:
-        """Tell whether nobody is there, nor expected any more."""
+        """Tell whether there is no watcher, and none is expected any longer."""
         return not (self.count or self.is_permanent) and now >= self._until
 
 
@@ -66,7 +66,7 @@ class Stream(Protocol):
 
 
 def to_end_for_another(streams: Mapping[str, Stream], kind: str, now: float) -> str | None:
-    """Return which stream has to end so that another one may begin; None: there is room.
+    """Return the stream that has to end for another one to begin; None: there is room.
 
     It is the oldest one without a watcher. Services do not tell who asks, so whoever opens
     streams and does not watch them is the one who loses them.

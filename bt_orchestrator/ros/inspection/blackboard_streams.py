@@ -18,7 +18,7 @@ TEXT = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 
 
 class View(NamedTuple):
-    """What a watcher wants to see."""
+    """The wishes of a watcher."""
 
     variables: tuple[str, ...]
     """None: all."""
@@ -33,7 +33,7 @@ class _Stream:
         self.attachment = Attachment(now)
         self.activity = activity
         self.values: list[tuple[str, str]] | None = None
-        """What was published last; None: nothing that the present watcher could have got."""
+        """The last published content; None: nothing that the present watcher could have got."""
 
 
 class BlackboardStreams:
@@ -77,7 +77,7 @@ class BlackboardStreams:
         return True
 
     def look(self, now: float) -> None:
-        """Take note of who has come and gone; end the streams that nobody watches any more."""
+        """Take note of watchers that came and went; end the streams without watchers."""
         for name, stream in list(self._streams.items()):
             if stream.attachment.look(stream.publisher.get_subscription_count(), now):
                 # Watchers hear only what is said while they are there.

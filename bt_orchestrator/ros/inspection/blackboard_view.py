@@ -50,7 +50,7 @@ class Activity(NamedTuple):
 
 
 class ActivityLog:
-    """What was done on the blackboard since some stream began to be interested.
+    """The changes of the blackboard since some stream began to be interested.
 
     py_trees records it only meanwhile, as recording slows every access down.
     """
@@ -81,7 +81,7 @@ class ActivityLog:
         self.position += len(items)
 
     def since(self, position: int) -> list[Activity]:
-        """Return what came after a position, as far as it is kept."""
+        """Return the changes after a position, as far as they are kept."""
         missed = min(self.position - position, len(self._kept))
         return list(islice(self._kept, len(self._kept) - missed, None))
 

@@ -1,4 +1,4 @@
-"""What snapshots are made of: the tree, the blackboard, the statistics."""
+"""The sources of snapshots: the tree, the blackboard, the statistics."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ DEFAULT_TOPIC = '~/snapshots'
 
 
 class StreamParameters(NamedTuple):
-    """What a stream shows, and how often it does when nothing changes."""
+    """The content of a stream, and its rate when nothing changes."""
 
     period_s: float
     blackboard_data: bool
@@ -136,7 +136,7 @@ class SnapshotStreams:
             stream.moment, stream.published_at = moment, now
 
     def look(self, now: float) -> None:
-        """Take note of who has come and gone; end the streams that nobody watches any more."""
+        """Take note of watchers that came and went; end the streams without watchers."""
         for name, stream in list(self._streams.items()):
             stream.attachment.look(stream.publisher.get_subscription_count(), now)
             if stream.attachment.is_over(now):

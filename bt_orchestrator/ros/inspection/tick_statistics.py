@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeVar
 _T = TypeVar('_T')
 
 WINDOW = 100
-"""Averages are over so many ticks, so that they show how the cell does now."""
+"""Averages are over so many ticks: they show the present work of the cell."""
 
 
 class Measured(NamedTuple):

@@ -1,4 +1,4 @@
-"""Fetching events from the node's journal while nobody waits for them."""
+"""Fetching events from the node's journal in the background."""
 
 from __future__ import annotations
 

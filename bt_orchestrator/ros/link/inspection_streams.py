@@ -24,7 +24,7 @@ TEXT = QoSProfile(depth=10)
 
 
 class _Kind(NamedTuple):
-    """What is asked for, and what comes."""
+    """The request for a stream, and its content."""
 
     service: str
     service_class: Any
@@ -53,7 +53,7 @@ class InspectionStream:
         self.is_closed = False
 
     def close(self) -> None:
-        """Listen no more: the server ends a stream that nobody listens to."""
+        """Stop listening: the server ends a stream without listeners."""
         self.is_closed = True
         self._forget()
 

@@ -56,7 +56,7 @@ class RosLink:
         self._client = NodeClient(node, timeout_s, meanwhile, answer_s)
         self._client.__enter__()
         self._fetches: EventFetches | None = None
-        """None: nobody follows."""
+        """None: there is no follower."""
         self._followers: list[tuple[Listener, Follower]] = []
         self._streams: list[InspectionStream] = []
         self._heard: deque[Any] = deque()

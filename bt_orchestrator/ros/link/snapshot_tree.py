@@ -8,7 +8,7 @@ from typing import Any
 from bt_orchestrator.model.branch import Branch, Outcome
 
 DECORATOR = 6
-"""What a snapshot calls a decorator (py_trees_ros_interfaces/msg/Behaviour.DECORATOR)."""
+"""The type of a decorator in a snapshot (py_trees_ros_interfaces/msg/Behaviour.DECORATOR)."""
 
 
 def tree_of(behaviours: Sequence[Any]) -> Branch | None:

@@ -1,1 +1,1 @@
-"""What the tree node offers: services, topics, an action."""
+"""The interfaces of the tree node: services, topics, an action."""

@@ -49,7 +49,7 @@ class ExpectedEnds:
         pulse.add(self._look)
 
     def within_s(self, now_s: float) -> Mapping[str, float]:
-        """Return in how many seconds each live job ends; those nobody can know are left out.
+        """Return in how many seconds each live job ends; ends that cannot be known are left out.
 
         By the last forecast, which knows nothing while somebody has to answer or start first; what
         it does not know, by the pace. Both take the durations that were seen.
@@ -65,7 +65,7 @@ class ExpectedEnds:
         return {**expected_ends_s(state, self._cell, self._paces), **known}
 
     def close(self) -> None:
-        """Ask no more."""
+        """Stop asking."""
         if self._foresight is not None:
             self._foresight.close()
 
@@ -89,5 +89,5 @@ class ExpectedEnds:
 
 
 def _waits(state: CellState) -> bool:
-    """Tell whether a person has to do something first: nobody knows how long that takes."""
+    """Tell whether a person has to do something first: the time for that is not known."""
     return bool(state.holds) or state.stopped_by is not None

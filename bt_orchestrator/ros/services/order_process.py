@@ -22,7 +22,7 @@ def order_process(cell: Cell, trees: Sequence[Path], *, any_path: bool) -> Child
 
 
 class _Answers:
-    """What the process knows: the cell of the first question, and scripts."""
+    """The knowledge of the process: the cell of the first question, and scripts."""
 
     def __init__(self) -> None:
         self._desk: OrderDesk | None = None
@@ -52,7 +52,7 @@ def _desk(cell: Cell, trees: tuple[Path, ...], any_path: bool) -> OrderDesk:
 
 
 def main() -> None:
-    """Read until nobody is left to hear the answers."""
+    """Read until the reader of the answers is gone."""
     be_modest(NICE)
     serve(_Answers())
 

@@ -48,7 +48,7 @@ BUSY = (
 )
 
 ToRead = Wanted | Callable[[], Wanted]
-"""What to read, or what says that when its turn has come; it may raise NotRead."""
+"""The text to read, or a function that gives it when its turn has come; it may raise NotRead."""
 
 
 class _Asked(NamedTuple):
@@ -66,7 +66,7 @@ class OrderReader:
         process: ChildProcess,
         soon: Callable[[Callable[[], None]], None],
     ) -> None:
-        """Start the process, so that it is ready for the first order.
+        """Start the process: it is then ready for the first order.
 
         :param soon: lets the tick thread call something; called by another thread
         """
@@ -109,7 +109,7 @@ class OrderReader:
             self._give_turns()
 
     def close(self) -> None:
-        """Read no more, and end the process."""
+        """Stop reading, and end the process."""
         self._closed = True
         self._questions.put(None)
         self._process.close()

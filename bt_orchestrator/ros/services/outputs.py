@@ -103,7 +103,7 @@ class StatusTopic:
             self._timer.reset()
 
     def _is_unheard(self, events: Sequence[Event]) -> bool:
-        """Tell whether nobody listens to the ordinary work that these events are."""
+        """Tell whether there is no listener to the ordinary work that these events are."""
         if self._publisher.get_subscription_count():
             return False
         return all(isinstance(event, PROGRESS) for event in events)

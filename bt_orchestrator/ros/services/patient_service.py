@@ -57,7 +57,7 @@ MOST_HELD = 100
 """Answers of one service that wait; the oldest are dropped."""
 
 UNHEARD = 'failed to send response (timeout)'
-"""What the warning says."""
+"""The text of the warning."""
 
 
 class Logger(Protocol):

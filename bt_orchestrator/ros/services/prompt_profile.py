@@ -42,7 +42,7 @@ _PROMPT = f"""
 
 @contextmanager
 def prompt_answers(environ: MutableMapping[str, str]) -> Iterator[None]:
-    """Have the participant made in this block drop answers at once that nobody hears.
+    """Have the participant made in this block drop answers without a reader at once.
 
     A profile for services that the user has written stays; so does a file that cannot be read,
     of which Fast DDS will complain.

@@ -1,4 +1,4 @@
-"""Sender and role of a request over ROS; ROS authenticates nobody (docs/security.md)."""
+"""Sender and role of a request over ROS; ROS does not authenticate senders (docs/security.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The pace of answers that nobody hears, for all services of a node together."""
+"""The pace of answers without a reader, for all services of a node together."""
 
 from __future__ import annotations
 

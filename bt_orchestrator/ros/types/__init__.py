@@ -1,1 +1,1 @@
-"""What the installed interfaces say of their types, and messages from plain values and back."""
+"""The types in the installed interfaces, and messages from plain values and back."""

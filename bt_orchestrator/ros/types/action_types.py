@@ -1,4 +1,4 @@
-"""What the installed interface packages say about action and message types."""
+"""The facts of the installed interface packages about action and message types."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked of an order as messages, and back; the desk reads what it says."""
+"""Questions about an order as messages, and back; the desk reads its content."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ _JOB = mapped(
     },
 )
 _JOB_FACTS = supplement(JobStatus, msg.JobFacts, {'id': 'job'})
-"""What the message about a job cannot carry, since it never changes."""
+"""The fields that the message about a job cannot carry, since it never changes."""
 CHOICE = flat(RecipeChoice, msg.WorkOrder, {}, any_of=('recipes', 'version', 'bind'))
 """Of every message with these fields. A version or a binding without a recipe is read as well."""
 _LISTED = mapped(

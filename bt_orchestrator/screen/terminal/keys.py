@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 
 class Keys:
-    """What the person presses; see `keys_of_person`."""
+    """The keys that a person presses; see `keys_of_person`."""
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor

@@ -18,7 +18,7 @@ class SecondScreen:
 
     @property
     def size(self) -> ConsoleDimensions:
-        """Columns and lines, as they are now."""
+        """Columns and lines of the present terminal."""
         return self._console.size
 
     def show(self, picture: RenderableType) -> None:

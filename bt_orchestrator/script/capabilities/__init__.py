@@ -1,1 +1,1 @@
-"""What components of a cell file can do: capabilities, workspaces, preparations."""
+"""The abilities of the components of a cell file: capabilities, workspaces, preparations."""

@@ -1,1 +1,1 @@
-"""What a script is checked for, after it was read."""
+"""The checks of a script after it was read."""

@@ -1,4 +1,4 @@
-"""References in arguments and conditions: what they name, when it exists, and of which type."""
+"""References in arguments and conditions: targets, the time of their results, and types."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the value of a condition is compared with (semantics 6.5)."""
+"""The operand that the value of a condition is compared with (semantics 6.5)."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ class DeclaredVersion:
     version: int
     params: Mapping[str, Parameter]
     operations: Mapping[str, tuple[str, ...]]
-    """By id, the capabilities of which one does it."""
+    """By id, the capabilities; any of them does it."""
     has_mistakes: bool = False
     """In what is read here: then nothing of it can be used."""
 
@@ -69,7 +69,7 @@ class Maker(Protocol):
 
 
 class Recipes(Protocol):
-    """What the core asks of the extension."""
+    """The interface from the core to the extension."""
 
     def read_recipe(self, path: Path, cell: Cell, types: ActionTypes) -> Recipe:
         """Read a recipe; raises Refused with every mistake in it."""

@@ -1,4 +1,4 @@
-"""What an order names in place of a script: recipes, a version, and where operations are done."""
+"""The choice of an order in place of a script: recipes, a version, and bindings."""
 
 from __future__ import annotations
 

@@ -105,12 +105,12 @@ class ChangedJob:
     wish: AskedOrder
     terms: Terms = NO_TERMS
     recipe: RecipeChoice | None = None
-    """What it was made from; it stays as long as its script does."""
+    """Its source; it stays as long as its script does."""
     made: MadeScripts = ()
 
     @property
     def choice(self) -> RecipeChoice | None:
-        """What it is to be made from; None: from no recipe."""
+        """The recipe for it; None: no recipe."""
         wish = self.wish
         if wish.script or wish.recipe is None:
             return wish.recipe
@@ -126,7 +126,7 @@ class NotMadeYet(Refused):
     """An order by recipe cannot be read before its script is made."""
 
     def __init__(self, findings: Sequence[Finding], choice: RecipeChoice) -> None:
-        """Say what has to be made; the findings are told where nothing can be."""
+        """Name the scripts to make; where none can be made, the findings say why."""
         super().__init__(findings)
         self.choice = choice
 
@@ -137,7 +137,8 @@ class NotMadeYet(Refused):
 Wanted = Orders | WrittenOrder | ChangedJob
 
 MadeScripts = tuple[tuple[RecipeChoice, MadeScript | Refused], ...]
-"""What was generated, by what orders name: one that is changed meanwhile needs another script."""
+"""The generated scripts, by the choices of orders: a file that is changed meanwhile needs another
+script."""
 
 
 @dataclass(frozen=True)

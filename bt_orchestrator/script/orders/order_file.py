@@ -46,7 +46,7 @@ def key_in(key: str) -> str:
 
 @dataclass(frozen=True)
 class OrderPlaces:
-    """Where an order's keys stand, so that mistakes found later point there too."""
+    """Where an order's keys stand: mistakes found later point there too."""
 
     file: str
     """File name, or a word for an order that came in another way."""

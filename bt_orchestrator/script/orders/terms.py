@@ -22,7 +22,7 @@ LARGEST_NUMBER = 2**63 - 1
 
 
 class Wrong(NamedTuple):
-    """What is wrong with one of the keys."""
+    """A mistake in one of the keys."""
 
     key: str
     """For instance `due`, or `bind.insert`."""

@@ -1,4 +1,4 @@
-"""What recipes declare for their orders: read without a cell, and without planning anything."""
+"""The declarations of recipes for their orders: read without a cell, and without planning."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
 
 
 class DeclaredRecipes:
-    """The recipes in some folders; a file that stays as it is is read once."""
+    """The recipes in some folders; an unchanged file is read once."""
 
     def __init__(self, folders: Sequence[Path]) -> None:
         """Prepare; nothing is read."""

@@ -1,4 +1,4 @@
-"""What one operation says with values: parameters, data of others, policies and conditions."""
+"""The values of one operation: parameters, data of others, policies and conditions."""
 
 from __future__ import annotations
 

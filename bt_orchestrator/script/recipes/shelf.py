@@ -29,7 +29,7 @@ class Shelved(NamedTuple):
 
     @property
     def overrides(self) -> Path | None:
-        """What an engineer decided about it; None: nothing."""
+        """The decisions of an engineer about it; None: no decision."""
         path = self.path.with_name(f'{self.path.stem}{OVERRIDES}{self.path.suffix}')
         return path if path.is_file() else None
 
@@ -92,7 +92,7 @@ def _refuse_twins(first: Shelved, second: Shelved, places: OrderPlaces) -> None:
 
 
 def shelved_at(path: Path) -> Shelved | None:
-    """Return the recipe of a file; None: it is none, or cannot be read."""
+    """Return the recipe of a file; None: the file is no recipe, or cannot be read."""
     if path.stem.endswith(OVERRIDES):
         return None
     try:

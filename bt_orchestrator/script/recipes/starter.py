@@ -1,4 +1,4 @@
-"""What a starter cell says of recipes: what each device can do, and a first recipe for it."""
+"""The recipe parts of a starter cell: the abilities of each device, and a first recipe for it."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What `new-cell` writes: a cell, and a first script and order for it."""
+"""The output of `new-cell`: a cell, and a first script and order for it."""

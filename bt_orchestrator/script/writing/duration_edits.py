@@ -13,7 +13,7 @@ from bt_orchestrator.script.yaml_nodes import MapNode, Node, Scalar
 
 
 class NotEditable(OrchestratorError):
-    """A cell file is written so that a program cannot change one duration alone."""
+    """The form of a cell file does not let a program change one duration alone."""
 
 
 class _Edit(NamedTuple):
@@ -21,7 +21,7 @@ class _Edit(NamedTuple):
 
     place: Place
     old: str
-    """What stands there; empty: the new text comes in front of it."""
+    """The present text; empty: the new text comes in front of it."""
     new: str
 
 

@@ -27,7 +27,7 @@ COMMENT_WIDTH = 100
 
 @dataclass(frozen=True)
 class Comments:
-    """What stands above the lines of a script."""
+    """The head of a script, above its lines."""
 
     head: Sequence[str] = ()
     """Paragraphs at the beginning of the file."""

@@ -76,7 +76,7 @@ def _block(value: Any, indent: str) -> Iterator[str]:
 
 
 def scalar(value: Any) -> str:
-    """Return a single value so that the reader finds the same, of the same type."""
+    """Return a single value in a form in which the reader finds the same, of the same type."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):

@@ -27,7 +27,7 @@ long enough for a node that is started again by hand."""
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What all components of one process share."""
+    """The things that all components of one process share."""
 
     node: Node
     clock: Clock

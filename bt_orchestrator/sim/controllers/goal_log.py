@@ -1,4 +1,4 @@
-"""What really happened at the simulated controllers, one JSON object a line."""
+"""The real work of the simulated controllers, one JSON object a line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is needed of ROS 2 message classes here; the entry point hands it in."""
+"""The ROS 2 message classes that are needed here; the entry point hands them in."""
 
 from __future__ import annotations
 

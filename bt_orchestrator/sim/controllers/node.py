@@ -23,7 +23,7 @@ STATE_PERIOD_S = 1.0
 
 @dataclass(frozen=True)
 class Setup:
-    """What to simulate, and how."""
+    """The components to simulate, and the way."""
 
     components: Sequence[Component]
     types: ActionTypes
@@ -62,7 +62,7 @@ class ControllerNode(Node):
 
     @property
     def ready_line(self) -> str:
-        """What is printed once every server is up."""
+        """The line that is printed once every server is up."""
         up, absent = sum(self._present), self._present.count(False)
         text = f'{up} action server{"" if up == 1 else "s"}'
         return f'{text}, {absent} absent at first' if absent else text

@@ -22,7 +22,7 @@ _LAST_WORDS_S = 2.0
 
 
 class BadRosArguments(OrchestratorError):
-    """What follows --ros-args cannot be understood."""
+    """The words behind --ros-args cannot be understood."""
 
 
 def run_controllers(

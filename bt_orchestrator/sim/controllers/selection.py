@@ -1,4 +1,4 @@
-"""Which components of a cell are simulated, and with which faults."""
+"""The simulated components of a cell, and their faults."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from bt_orchestrator.sim.fault_options import add_faults, unknown_component
 
 
 class WrongSelection(OrchestratorError):
-    """What was chosen on the command line does not fit the cell."""
+    """The choice on the command line does not fit the cell."""
 
 
 def select(

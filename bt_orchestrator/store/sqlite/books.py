@@ -46,7 +46,7 @@ def forget(database: sqlite3.Connection, seq: int) -> None:
 
 
 def forget_states(database: sqlite3.Connection, before: int) -> None:
-    """Remove the states that nobody can go on from, as events after them are gone; but the last.
+    """Remove the states without use, as events after them are gone; but the last.
 
     :param before: seq of the first event that is kept
     """

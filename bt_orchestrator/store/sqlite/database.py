@@ -25,7 +25,7 @@ def transaction(database: sqlite3.Connection) -> Iterator[None]:
 
 
 RESTORE = 'restore a backup that is intact'
-"""What to do about a damaged journal."""
+"""The remedy for a damaged journal."""
 
 
 def cannot_open(path: Path, why: str | None) -> str:

@@ -33,7 +33,7 @@ _LINE = re.compile(
 
 
 class Reached(NamedTuple):
-    """What a mark says."""
+    """The content of a mark."""
 
     history: str
     seq: int

@@ -150,7 +150,7 @@ class SqliteRecords:
             return books.states(self._database, at_us, first_seq)
 
     def book_script(self, digest: str) -> KeptScript | None:
-        """Return a script of which something was made; None: it is not there, or damaged.
+        """Return a script whose work is in the journal; None: it is missing, or damaged.
 
         :raises JournalUnusable: the file is damaged as a whole
         """
@@ -218,7 +218,7 @@ class SqliteRecords:
 
     @contextmanager
     def _one_moment(self) -> Iterator[None]:
-        """Read the journal as it is now, unaffected by later writes."""
+        """Read the journal in its present state, unaffected by later writes."""
         with unusable_otherwise(self._path):
             self._database.execute('BEGIN')
             try:

@@ -91,7 +91,7 @@ def page(database: sqlite3.Connection, after: int, last: int, most: int) -> list
 
 
 def events_of(rows: Iterable[Row], before: int, checked_from: int) -> Iterator[Event]:
-    """Yield the events of consecutive rows; none of a damaged commit.
+    """Yield the events of consecutive rows; a damaged commit yields no event.
 
     :param before: the event that came before these
     :raises DamagedRecord: this one is damaged or missing

@@ -168,7 +168,7 @@ def bring_up_to_date(database: sqlite3.Connection, version: int) -> None:
 
 
 class History(NamedTuple):
-    """Which history a journal holds."""
+    """The name of the history that a journal holds."""
 
     id: str
     is_restored: bool

@@ -30,7 +30,7 @@ _REFUSALS = {
 
 
 class Cell(Protocol):
-    """What these endpoints need of the rest of the page."""
+    """The needs of these endpoints from the rest of the page."""
 
     doors: Doors
 

@@ -36,7 +36,7 @@ class ShiftWatch:
         self.live: Live | None = None
         """As it was a moment ago; None: there is none, and `why_not` says why."""
         self.why_not = 'nothing was read yet'
-        """What it lacks; empty: nothing."""
+        """The missing part; empty: nothing is missing."""
         self.is_reading = True
         """The first look has not ended: of a journal without books it takes some seconds."""
         self._archive = archive

@@ -1,4 +1,4 @@
-"""What was: events, jobs, items, and the last work of sections and components."""
+"""The past: events, jobs, items, and the last work of sections and components."""
 
 from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.archive.endpoints import endpoints

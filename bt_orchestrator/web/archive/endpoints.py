@@ -35,7 +35,7 @@ _UNKNOWN = {404: 'nothing is known of it', **_UNREAD}
 
 
 class Cell(Protocol):
-    """What these routes need of the rest of the page."""
+    """The needs of these routes from the rest of the page."""
 
     @property
     def status(self) -> CellStatus | None:
@@ -43,7 +43,7 @@ class Cell(Protocol):
 
     @property
     def description(self) -> CellDescription | None:
-        """What exists in the cell; None: not known yet."""
+        """The description of the cell; None: not known yet."""
 
 
 def endpoints(archive: Archive, cell: Cell) -> tuple[Endpoint, ...]:

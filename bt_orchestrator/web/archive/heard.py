@@ -114,7 +114,7 @@ class Heard:
         self._history = ''
         """Of those."""
         self._filling: asyncio.Task[bool] | None = None
-        """Whether all of them came; None: nobody has looked yet."""
+        """Whether all of them came; None: not looked for yet."""
 
     async def records(self) -> HeardRecords:
         """Return what is known; the first call fetches what was before the page.

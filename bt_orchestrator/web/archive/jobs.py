@@ -203,7 +203,7 @@ def _number(cursor: str) -> int | None:
 
 
 def _without_events(look: Look, cursor: str, most: int) -> tuple[list[JobRecord], str | None]:
-    """Return jobs of which only a summary is left, newest first."""
+    """Return jobs with only a summary left, newest first."""
     time, _, job = cursor.removeprefix(SUMMARIES).partition(':')
     after = JobPlace(float(time), job) if time else None
     found = look.records.summaries(after, most, newest_first=True)

@@ -1,4 +1,4 @@
-"""Scans of the records, limited so that nobody waits for a long journal."""
+"""Scans of the records, with a limit: a long journal makes no reader wait."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the page shows of a cell, as parts: decided here, a browser only draws them.
+"""The view of the page on a cell, as parts: decided here, a browser only draws them.
 
 A part that did not change is equal to the one before, so that it is not sent again.
 """

@@ -73,7 +73,7 @@ _ELSEWHERE = (
     *('unauthenticated_role', 'initialization', 'sections', 'holds', 'jobs', 'belt', 'flags'),
     *('components', 'state_times', 'commands'),
 )
-"""What other parts have, or this one under another name."""
+"""Fields that other parts have, or this one under another name."""
 
 
 def _wish_part(wish: Wish) -> dict[str, object]:

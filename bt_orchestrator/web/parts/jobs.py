@@ -53,7 +53,7 @@ _LEFT_OUT = (
     'running',
     'passed',
 )
-"""What the page reads elsewhere, or never: a part that is as before is not sent again."""
+"""Fields that the page reads elsewhere, or never: an equal part is not sent again."""
 
 
 def _anew(anew: MadeAnew | None) -> dict[str, object] | None:

@@ -37,7 +37,7 @@ _UNKNOWN = {503: 'it cannot be worked out now: the message says why'}
 
 
 class Queue(Protocol):
-    """What these routes need of the rest of the page."""
+    """The needs of these routes from the rest of the page."""
 
     @property
     def queued(self) -> int:

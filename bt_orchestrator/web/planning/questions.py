@@ -20,7 +20,7 @@ MOST_WAITING = 8
 Body = dict[str, object]
 
 IsGone = Callable[[], Awaitable[bool]]
-"""Tells whether nobody waits for an answer any more."""
+"""Tells whether the question was withdrawn."""
 
 
 class TooManyQuestions(Exception):
@@ -28,7 +28,7 @@ class TooManyQuestions(Exception):
 
 
 class Withdrawn(Exception):
-    """Nobody waited for the answer any more when its turn came."""
+    """The question was withdrawn before its turn came."""
 
 
 class Questions:
@@ -81,7 +81,7 @@ class Questions:
         return await self._ask(work, is_gone)
 
     def close(self) -> None:
-        """End what is being worked out; whoever waits for it is told so."""
+        """End the work on it; its reader gets the reason."""
         if self._planning is not None:
             self._planning.close()
 

@@ -18,7 +18,7 @@ from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.web.wording import wordings
 
 MOST_KEPT = 8
-"""Drawings that need not be made again: of some scripts, as they are and live."""
+"""Drawings that need not be made again: of some scripts, plain and live."""
 
 
 class Drawn(NamedTuple):

@@ -28,7 +28,7 @@ _UNKNOWN = {404: 'no script with this digest is known here', 503: 'the message s
 
 
 class Cell(Protocol):
-    """What these routes need of the rest of the page."""
+    """The needs of these routes from the rest of the page."""
 
     @property
     def status(self) -> CellStatus | None:
@@ -36,7 +36,7 @@ class Cell(Protocol):
 
     @property
     def description(self) -> CellDescription | None:
-        """What exists in the cell; None: not known yet."""
+        """The description of the cell; None: not known yet."""
 
 
 def endpoints(shelf: Shelf, cell: Cell) -> tuple[Endpoint, ...]:
