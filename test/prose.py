@@ -37,13 +37,16 @@ def without_generated(text: str) -> str:
 
 
 def sentences_of_page(text: str) -> Iterator[str]:
-    """Yield the sentences of a page; inline code counts as one word, a cell as a paragraph."""
+    """Yield the sentences of a page; inline code counts as one word.
+
+    A part of a table's cell, up to a semicolon, is a paragraph.
+    """
     for lines in _PARAGRAPH.split(written_by_hand(text)):
         paragraph = ' '.join(lines.split())
         if paragraph.startswith('#'):
             continue
         plain = re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', re.sub(r'`[^`]*`', '`…`', paragraph))
-        cells = plain.strip('|').split('|') if plain.startswith('|') else [plain]
+        cells = re.split(r'\||; ', plain.strip('|')) if plain.startswith('|') else [plain]
         for cell in cells:
             yield from sentences(re.sub(r'^(?:[-*]|\d+\.) ', '', cell.strip()))
 

@@ -141,7 +141,7 @@ def test_sentences_of_a_page_are_those_that_people_read() -> None:
     page = (
         '# What a title says\n\nFirst one, with `code of it` and\n[a link](x.md). Second one.\n\n'
         '- item\n- other (in brackets). Third.\n\n```sh\nnobody\n```\n\n| a | b |\n|---|---|\n'
-        '| c d | e |\n<!-- generated: x -->\nnobody\n<!-- end -->\n'
+        '| c d; f | e |\n<!-- generated: x -->\nnobody\n<!-- end -->\n'
     )
     found = [sentence for sentence in prose.sentences_of_page(page) if '-' not in sentence]
     assert found == [
@@ -150,7 +150,7 @@ def test_sentences_of_a_page_are_those_that_people_read() -> None:
         'item',
         'other (in brackets).',
         'Third.',
-        *('a', 'b', 'c d', 'e'),
+        *('a', 'b', 'c d', 'f', 'e'),
     ]
 
 
