@@ -61,16 +61,19 @@ class Overview:
         ends_s: Mapping[str, float] = _NO_ENDS,
         *,
         until_s: float | None = None,
+        rest_s: float | None = None,
     ) -> CellStatus:
         """Return the status of the cell.
 
         :param ends_s: in how many seconds jobs are expected to end
         :param until_s: of a past moment: until when nothing changed; None: now
+        :param rest_s: of a past moment: since when nothing changed; None: since the last event
         """
         engine = self._engine
         state, waits = engine.state, self._waits()
         in_flight = self._in_flight()
-        stands = self._standstill.look(now_s if until_s is None else until_s, self.waits)
+        until_s = now_s if until_s is None else until_s
+        stands = self._standstill.look(until_s, self.waits, rest_s)
         unknown = Unknown(state, stands)
         jobs = (*state.jobs.first(QUEUE_SHOWN), *list(state.ended.values())[-ENDED_SHOWN:])
         return CellStatus(

@@ -36,9 +36,10 @@ class Standstill:
         self.told: Stands | None = None
         """The result of the last look; None: something moves, or did a moment ago."""
 
-    def look(self, now_s: float, waits: Waits) -> Stands | None:
+    def look(self, now_s: float, waits: Waits, rest_s: float | None = None) -> Stands | None:
         """Say why the cell stands.
 
+        :param rest_s: of a past moment: when it came to rest; None: with the last event
         :param waits: returns who waits for what; called only where no goal runs
         """
         engine, before, told = self._engine, self._seen, self.told
@@ -50,7 +51,7 @@ class Standstill:
             if before is not None and _same(before, found):
                 since = before.since + self._clock_set_s - set_s
             else:
-                since, told = engine.state.time, None
+                since, told = engine.state.time if rest_s is None else rest_s, None
             found = changed(found, since=since)
         self._seen = found
         # Once told it stays told: the clock may have been set, and that not be on record yet.

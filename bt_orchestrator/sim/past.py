@@ -13,6 +13,7 @@ from bt_orchestrator.model.codec import digest, from_record
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Goal, Records
@@ -48,7 +49,7 @@ class JournalPast:
 
         :raises NotKept: the event is not in the journal, or it was another cell then
         """
-        state = self.state_at(seq)
+        state, rest_s = self._state_at(seq)
         if state.cell_digest != digest(self._cell):
             raise NotKept(
                 f'at event {seq} the cell file was another one than that of cell '
@@ -58,12 +59,19 @@ class JournalPast:
         try:
             moment = state.time if at is None else max(at, state.time)
             until = self._next_event(seq) if at is None else moment
-            return Overview(engine).status(moment, until_s=until)
+            return Overview(engine).status(moment, until_s=until, rest_s=rest_s)
         finally:
             engine.close()
 
     def state_at(self, seq: int) -> CellState:
         """Return the state after an event.
+
+        :raises NotKept: the event is not in the journal, or it was another cell then
+        """
+        return self._state_at(seq)[0]
+
+    def _state_at(self, seq: int) -> tuple[CellState, float]:
+        """Return the state after an event, and since when nothing happened on the line.
 
         :raises NotKept: the event is not in the journal, or it was another cell then
         """
@@ -78,14 +86,16 @@ class JournalPast:
                     f'event {seq} cannot be had any more: the journal begins with event {first}, '
                     'and keeps no state before it'
                 )
+            rest_s = state.time
             for event in self._events(state.seq, seq):
+                rest_s = _rest(rest_s, event, state)
                 apply(state, event)
         except (AssertionError, KeyError, JournalMismatch) as error:
             raise NotKept(
                 f'the journal does not fit cell {self._cell.name} at event {seq} ({error!r}): '
                 'name the cell file as it was then'
             ) from error
-        return state
+        return state, rest_s
 
     def _next_event(self, seq: int) -> float:
         """Return the time of the event after another one; infinity: there is none."""
@@ -106,6 +116,18 @@ class JournalPast:
             if page.is_last:
                 return
             wanted = page.rest
+
+
+def _rest(rest_s: float, event: e.Event, state: CellState) -> float:
+    """Return since when nothing happens on the line, after an event that comes to a state."""
+    if isinstance(event, e.ClockStepped):
+        return rest_s + event.seconds
+    if isinstance(event, e.ComponentStateChanged):
+        known = state.readings[event.component]
+        return rest_s if known.ready == event.ready else event.time
+    is_remark_of = isinstance(event, e.OperatorDecided) and is_remark(event.answer)
+    is_refusal = isinstance(event, (e.OperatorRefused, e.RequestRefused))
+    return rest_s if is_remark_of or is_refusal else event.time
 
 
 class _Nobody:

@@ -12,7 +12,13 @@ from fakes.line import THREE, Line
 from fakes.operator import ann
 
 from bt_orchestrator.errors import NotKept
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.events import (
+    ClockStepped,
+    ComponentStateChanged,
+    Event,
+    OperatorDecided,
+    RequestRefused,
+)
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.status import CellStatus, TaskStatus
 from bt_orchestrator.runtime.overview import Overview
@@ -127,6 +133,38 @@ def test_7_4_a_past_moment_between_two_events_is_that_moment(
     status = past.status_at(seq, since + after_s)
     assert (status.stands is not None) is is_told
     assert status.stamp == since + after_s
+    simulation.close()
+
+
+@pytest.mark.parametrize('step_s', [0.0, -50.0, 3600.0])
+def test_7_4_what_changes_nothing_on_the_line_does_not_begin_a_standstill(step_s: float) -> None:
+    line = Line(3, faults={'a2': '#1=abort'}, topics=('a3',))
+    store = MemoryStore()
+    simulation = Simulation(line.cell, FakeActionTypes(), store)
+    simulation.submit([Job('A', line.script(THREE), 1)])
+    simulation.run()
+    live = Overview(simulation.orchestrator)
+    before = live.status(simulation.clock.now() + 60.0).stands
+    assert before is not None
+    said = OperatorDecided(answer='comment', who='Ann', reason='I look', hold='1')
+    reading = ComponentStateChanged(component='a3', ready=True, value='READY')
+    refused = RequestRefused(who='x', count=2, commands={'job.move': 2}, since=0.0)
+    quiet: list[Event] = [said, reading, refused]
+    if step_s:
+        quiet.append(ClockStepped(seconds=step_s))
+    seq, time = simulation.state.seq, simulation.clock.now()
+    store.append(
+        [
+            one.stamped(
+                seq + n, time + 60.0 * n + (step_s if one.event == 'clock.stepped' else 0.0)
+            )
+            for n, one in enumerate(quiet, 1)
+        ]
+    )
+    past = JournalPast(line.cell, MemoryRecords(store))
+    told = past.status_at(seq + len(quiet), time + 60.0 * (len(quiet) + 1) + step_s).stands
+    assert told is not None
+    assert told == replace(before, since=before.since + step_s)
     simulation.close()
 
 
