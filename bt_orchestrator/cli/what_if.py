@@ -25,7 +25,7 @@ from bt_orchestrator.errors import counted
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.ports import ChangedJob, Consequence, ExpectedJob
+from bt_orchestrator.ports import Consequence, ExpectedJob, JobChange
 from bt_orchestrator.report.tables import table
 
 DESCRIPTION = """\
@@ -148,7 +148,7 @@ def _end(job: ExpectedJob | None, none: str) -> str:
     return 'unknown' if job.ends_s is None else f'{job.ends_s:.1f} s'
 
 
-def _change(job: ChangedJob) -> str:
+def _change(job: JobChange) -> str:
     if job.by_s is None:
         return '-'
     return '=' if job.change == 'same' else f'{job.by_s:+.1f} s'

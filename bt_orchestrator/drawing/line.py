@@ -15,7 +15,7 @@ from bt_orchestrator.drawing.label import LINE_HEIGHT, Entry, Label, Text, one_e
 from bt_orchestrator.drawing.legend import legend, title
 from bt_orchestrator.drawing.line_state import LineState, SectionMark
 from bt_orchestrator.drawing.mark import about_slot, slot_label
-from bt_orchestrator.drawing.page import FlagLine, Page
+from bt_orchestrator.drawing.page import FlagLine, PageLayout
 from bt_orchestrator.drawing.picture import LinePicture
 from bt_orchestrator.drawing.plan import Column, Loop, Placed
 from bt_orchestrator.drawing.style import (
@@ -62,7 +62,7 @@ def draw_line(
     """
     told_pace = pace(script, cell) if state is None else None
     sheet = Sheet(script, cell, state, told_pace, wording, is_bare)
-    page = Page(sheet, title(sheet).height, legend(sheet).height)
+    page = PageLayout(sheet, title(sheet).height, legend(sheet).height)
     size, about = (
         Box(0, 0, page.width, page.height),
         wording.say('script {name}', name=script.name),
@@ -75,7 +75,7 @@ def draw_line(
 class _Drawing:
     """Puts the parts of a page on a canvas."""
 
-    def __init__(self, sheet: Sheet, page: Page, canvas: SvgCanvas) -> None:
+    def __init__(self, sheet: Sheet, page: PageLayout, canvas: SvgCanvas) -> None:
         self._sheet = sheet
         self._page = page
         self._canvas = canvas

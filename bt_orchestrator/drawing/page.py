@@ -43,7 +43,7 @@ def label_width(flag: Dependency) -> float:
     return max(110.0, 7 * len(f'flag {flag.flag}'))  # the word is as long in every language
 
 
-class Page:
+class PageLayout:
     """Everything of a drawing in its place."""
 
     def __init__(self, sheet: Sheet, title_height: float, legend_height: float) -> None:

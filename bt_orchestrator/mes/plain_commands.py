@@ -8,8 +8,8 @@ from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder, order_id_fault
 from bt_orchestrator.model.requests import (
     About,
+    Addressed,
     Request,
-    Wanted,
     answering,
     of_word,
     requests_about,
@@ -76,29 +76,29 @@ def _mistakes(
 # --- commands -----------------------------------------------------------------------------------
 
 
-def command_of(verb: str, job: str) -> Wanted:
+def command_of(verb: str, job: str) -> Addressed:
     """Return the request that a verb stands for.
 
     :param job: its id; empty: the verb is for the cell
     :raises Unclear: says which verbs there are
     """
     if job:
-        return Wanted(_request(About.JOB, verb, 'a job'), {'job': job})
-    return Wanted(_request(About.CELL, verb, 'the cell'), {})
+        return Addressed(_request(About.JOB, verb, 'a job'), {'job': job})
+    return Addressed(_request(About.CELL, verb, 'the cell'), {})
 
 
-def component_command_of(verb: str, component: str) -> Wanted:
+def component_command_of(verb: str, component: str) -> Addressed:
     """Return the request to a component that a verb stands for.
 
     :raises Unclear: says which verbs there are
     """
-    return Wanted(_request(About.COMPONENT, verb, 'a component'), {'component': component})
+    return Addressed(_request(About.COMPONENT, verb, 'a component'), {'component': component})
 
 
-def release_of(script: str) -> Wanted:
+def release_of(script: str) -> Addressed:
     """Return the request that releases a script."""
     (release,) = requests_about(About.SCRIPT)
-    return Wanted(release, {'script': script})
+    return Addressed(release, {'script': script})
 
 
 def _request(about: About, verb: str, subject: str) -> Request:
@@ -121,7 +121,9 @@ def verbs(about: About) -> tuple[Request, ...]:
 # --- holds --------------------------------------------------------------------------------------
 
 
-def answer_of(hold: str, answer: str, holds: Sequence[Hold], role: Role | None = None) -> Wanted:
+def answer_of(
+    hold: str, answer: str, holds: Sequence[Hold], role: Role | None = None
+) -> Addressed:
     """Return the request that an answer to a hold, or a remark about it, stands for.
 
     :param holds: those there are

@@ -74,7 +74,7 @@ class Damage(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Page:
+class RecordPage:
     """Some of the wanted records, of one moment of the journal."""
 
     history: str

@@ -20,9 +20,9 @@ from bt_orchestrator.mes.plain_commands import (
 )
 from bt_orchestrator.model.requests import (
     About,
+    Addressed,
     BadArguments,
     Request,
-    Wanted,
     ask,
     requests_about,
 )
@@ -137,7 +137,7 @@ class SimpleCommands:
         return _told(outcome, findings=True)
 
     async def _carry_out(
-        self, method: str, read: Callable[..., Wanted], *given: str
+        self, method: str, read: Callable[..., Addressed], *given: str
     ) -> list[ua.Variant]:
         """Make the request that the arguments of a method stand for; the last is the reason."""
         *words, reason = given
@@ -147,7 +147,7 @@ class SimpleCommands:
             return _told(Outcome(False, str(error)))
         return _told(await self._bridge.calls.ask(request, arguments, reason_of(reason, method)))
 
-    def _answer(self, hold: str, answer: str) -> Wanted:
+    def _answer(self, hold: str, answer: str) -> Addressed:
         return answer_of(hold, answer, self._bridge.status.holds, CALLER.get().role)
 
 

@@ -10,10 +10,10 @@ from bt_orchestrator.ports.foresight import Foresight
 from bt_orchestrator.ports.generating import Generating, MadeScript
 from bt_orchestrator.ports.journal import EventStore, Journal, Snapshot
 from bt_orchestrator.ports.planning import (
-    ChangedJob,
     CheckedOrder,
     Consequence,
     ExpectedJob,
+    JobChange,
     Past,
     Planning,
     WhatIf,
@@ -50,7 +50,7 @@ __all__ = [
     'CellLink',
     'Past',
     'ExpectedJob',
-    'ChangedJob',
+    'JobChange',
     'Consequence',
     'WrongField',
     'CheckedOrder',

@@ -33,7 +33,7 @@ SAME_S = 1.0
 """Ends that differ by less are the same: both runs begin with the same moment."""
 
 
-class ChangedJob(NamedTuple):
+class JobChange(NamedTuple):
     """A job without and with some requests."""
 
     job: str
@@ -89,11 +89,11 @@ class Consequence(NamedTuple):
     """When jobs should end, by their ids, in seconds from the given moment."""
 
     @property
-    def changes(self) -> Iterator[ChangedJob]:
+    def changes(self) -> Iterator[JobChange]:
         """Yield every job without and with the requests, in the order of then."""
         before, after = ({one.job: one for one in jobs} for jobs in (self.before, self.after))
         for job in {**after, **before}:
-            yield ChangedJob(job, before.get(job), after.get(job), self.due_s.get(job))
+            yield JobChange(job, before.get(job), after.get(job), self.due_s.get(job))
 
 
 class WrongField(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from bt_orchestrator.model.books import KeptScript, KeptState, SlotPage
-from bt_orchestrator.model.records import Extent, JobPlace, Page, Summaries, Wanted
+from bt_orchestrator.model.records import Extent, JobPlace, RecordPage, Summaries, Wanted
 from bt_orchestrator.ports.journal import Snapshot
 
 
@@ -23,8 +23,8 @@ class Records(Protocol):
         :raises JournalUnusable: it cannot be read
         """
 
-    def page(self, wanted: Wanted, most: int = 1000) -> Page:
-        """Return the next wanted records; continue with `Page.rest`.
+    def page(self, wanted: Wanted, most: int = 1000) -> RecordPage:
+        """Return the next wanted records; continue with `RecordPage.rest`.
 
         A page that is not the last may have fewer than `most` records, or none: it also ends after
         a limit of records read.

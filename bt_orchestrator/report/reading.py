@@ -11,7 +11,7 @@ from dataclasses import replace
 from bt_orchestrator.model.codec import known_event
 from bt_orchestrator.model.events import Event, ScriptLoaded
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.records import Damage, Page, Record, Wanted
+from bt_orchestrator.model.records import Damage, Record, RecordPage, Wanted
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import Records
 from bt_orchestrator.report.account.steady_time import SteadyTime
@@ -44,13 +44,13 @@ class Reading:
         self._tell = tell
         self._told: set[str] = set()
 
-    def page(self, wanted: Wanted, most: int = MOST) -> Page:
+    def page(self, wanted: Wanted, most: int = MOST) -> RecordPage:
         """Return the next page, with its damage told."""
         page = self.records.page(wanted, most)
         self.tell_new(page.damage)
         return page
 
-    def pages(self, wanted: Wanted, *, is_continued: bool = False) -> Iterator[Page]:
+    def pages(self, wanted: Wanted, *, is_continued: bool = False) -> Iterator[RecordPage]:
         """Yield page after page, oldest first, without end: the last one again as it grows.
 
         It reports events that were removed before they were read, and a change to another history,
@@ -71,7 +71,7 @@ class Reading:
                 wanted, is_continued = page.rest, True
             history = page.history
 
-    def known(self, page: Page) -> Iterator[Event]:
+    def known(self, page: RecordPage) -> Iterator[Event]:
         """Yield the events of a page that this program knows."""
         for record in page.records:
             event = known_event(json.loads(record.text))

@@ -24,7 +24,7 @@ from bt_orchestrator.ports import Bookkeeping, Journal, Snapshot, Writer
 from bt_orchestrator.replies import Reply, begin
 from bt_orchestrator.runtime.book_work import BookWork
 from bt_orchestrator.runtime.recovery import stamp
-from bt_orchestrator.runtime.writers import AtOnce
+from bt_orchestrator.runtime.writers import WritesAtOnce
 
 log = logging.getLogger(__name__)
 
@@ -74,7 +74,7 @@ class Housekeeping:
         self._state = state
         self._journal = journal
         self._keep_jobs = keep_jobs
-        self._writer = writer or AtOnce()
+        self._writer = writer or WritesAtOnce()
         self._books = (
             None if bookkeeping is None else BookWork(state, journal, bookkeeping, self._writer)
         )

@@ -35,7 +35,7 @@ from bt_orchestrator.runtime.ledger import Ledger, Notice
 from bt_orchestrator.runtime.recovery import Found, restore, take_over
 from bt_orchestrator.runtime.starts import Starts
 from bt_orchestrator.runtime.starvation import Starvation
-from bt_orchestrator.runtime.writers import AtOnce
+from bt_orchestrator.runtime.writers import WritesAtOnce
 from bt_orchestrator.tree.blackboard import BlackboardProjection
 from bt_orchestrator.tree.compile import CellTree
 
@@ -92,7 +92,7 @@ class Orchestrator:
         self.flights = Flights(self._ledger, gateway, clock, wake)
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)
-        writer = writer or AtOnce()
+        writer = writer or WritesAtOnce()
         self._commits = Commits(store, writer, clock, wake, patience_s, self.flights.prepare)
         self._settling = False
         self._look_for_ends = True

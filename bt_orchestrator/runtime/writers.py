@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 _T = TypeVar('_T')
 
 
-class AtOnce:
+class WritesAtOnce:
     """Writes before it returns: in virtual time nothing waits. Implements `ports.Writer`."""
 
     def begin(self, write: Callable[[], _T]) -> Writing[_T]:

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.screen import words
-from bt_orchestrator.screen.columns import Cell, end_of, line, widest
+from bt_orchestrator.screen.columns import LinePart, end_of, line, widest
 from bt_orchestrator.screen.fit import stay
 from bt_orchestrator.screen.glyphs import Glyphs
 from bt_orchestrator.screen.tree_view import Twig, twigs
@@ -82,10 +82,10 @@ def head(view: CellView, node: str, width: int, glyphs: Glyphs) -> list[Text]:
     style = BAD if view.is_held else STATE_STYLES.get(view.state, CARE)
     name.append(f'  {sign} {view.state}', style=style)
     clock = time.strftime('%H:%M:%S', time.localtime(view.made_at))
-    first = [Cell(name, None)]
+    first = [LinePart(name, None)]
     if width >= NARROW:
         right = f'{node}  {clock}'
-        first.append(Cell(Text(right, style=QUIET), widest([right], width // 2)))
+        first.append(LinePart(Text(right, style=QUIET), widest([right], width // 2)))
     return [line(first, width), belt(view, width, glyphs)]
 
 
@@ -102,7 +102,7 @@ def belt(view: CellView, width: int, glyphs: Glyphs) -> Text:
         for named, blank in ((str, ' '), (_number_of, ' '), (_number_of, ''), (_unnamed, ''))
     ]
     fitting = (strip for strip in strips if widest([strip], width + 1) <= width)
-    return line([Cell(Text(next(fitting, strips[-1])), None)], width)
+    return line([LinePart(Text(next(fitting, strips[-1])), None)], width)
 
 
 def _strip(slots: Sequence[Slot], glyphs: Glyphs, named: Callable[[str], str], blank: str) -> str:
@@ -166,7 +166,7 @@ def troubles(view: CellView, width: int, glyphs: Glyphs) -> Block:
 
 
 def _cut(text: Text, width: int) -> Text:
-    return line([Cell(text, None)], width)
+    return line([LinePart(text, None)], width)
 
 
 # --- what goes on -----------------------------------------------------------------------------
@@ -183,13 +183,13 @@ def jobs(rows: Sequence[JobRow], width: int, glyphs: Glyphs, unlisted: int = 0) 
     bar_width = max(width // 8, 8)
     lines = []
     for row in rows:
-        cells = [Cell(Text(end_of(row.id, names), style='bold'), names)]
+        cells = [LinePart(Text(end_of(row.id, names), style='bold'), names)]
         if width >= NARROW:
-            cells.append(Cell(Text(row.script), scripts))
-        cells.append(Cell(Text(row.state, style=_job_style(row)), states))
+            cells.append(LinePart(Text(row.script), scripts))
+        cells.append(LinePart(Text(row.state, style=_job_style(row)), states))
         if width >= NARROW + bar_width:
-            cells.append(Cell(bar(row, bar_width, glyphs), bar_width))
-        lines.append(line([*cells, Cell(Text(row.counts), None)], width))
+            cells.append(LinePart(bar(row, bar_width, glyphs), bar_width))
+        lines.append(line([*cells, LinePart(Text(row.counts), None)], width))
     return of_lines('jobs', lines, [row.weight for row in rows], 'jobs', unlisted=unlisted)
 
 
@@ -231,14 +231,16 @@ def _section(
     style = {Weight.HELD: BAD, Weight.WORKING: GOOD}.get(row.weight, QUIET)
     slot = Text(end_of(row.slot, slot_width) if first else '', style='bold')
     cells = [
-        Cell(Text(number), 3),
-        Cell(slot, slot_width),
-        Cell(Text(glyphs.of_row(row.weight), style=style), 1),
-        Cell(Text(row.text, style='' if row.weight < Weight.WAITING_WITH_ITEM else QUIET), None),
+        LinePart(Text(number), 3),
+        LinePart(slot, slot_width),
+        LinePart(Text(glyphs.of_row(row.weight), style=style), 1),
+        LinePart(
+            Text(row.text, style='' if row.weight < Weight.WAITING_WITH_ITEM else QUIET), None
+        ),
     ]
     if width >= NARROW and row.elapsed_s is not None:
         elapsed = words.duration(row.elapsed_s + age_s)
-        cells.append(Cell(Text(f'{elapsed:>{ELAPSED_WIDTH}}'), ELAPSED_WIDTH))
+        cells.append(LinePart(Text(f'{elapsed:>{ELAPSED_WIDTH}}'), ELAPSED_WIDTH))
     return line(cells, width)
 
 
@@ -276,7 +278,7 @@ def blackboard(values: Mapping[str, str], width: int) -> Block:
     """Return the variables of the blackboard."""
     names = widest(list(values), width // 2)
     lines = [
-        line([Cell(Text(end_of(key, names)), names), Cell(Text(value), None)], width)
+        line([LinePart(Text(end_of(key, names)), names), LinePart(Text(value), None)], width)
         for key, value in values.items()
     ]
     return of_lines('blackboard', lines, [0] * len(lines), 'variables', least=3)

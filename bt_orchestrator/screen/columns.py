@@ -11,7 +11,7 @@ from rich.text import Text
 ELLIPSIS = '…'
 
 
-class Cell(NamedTuple):
+class LinePart(NamedTuple):
     """A part of a line."""
 
     text: Text
@@ -19,7 +19,7 @@ class Cell(NamedTuple):
     """None: whatever the others leave."""
 
 
-def line(cells: Sequence[Cell], width: int) -> Text:
+def line(cells: Sequence[LinePart], width: int) -> Text:
     """Return one line of a width: cells with a blank between them."""
     fixed = sum(cell.width for cell in cells if cell.width is not None) + len(cells) - 1
     joined = Text(no_wrap=True)

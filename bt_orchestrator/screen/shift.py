@@ -15,7 +15,7 @@ from bt_orchestrator.report.account.live_words import cause_words, over_words
 from bt_orchestrator.report.account.losses import WORDS, Step
 from bt_orchestrator.report.account.words import duration, percent, rate
 from bt_orchestrator.screen.blocks import BAD, CARE, NARROW, QUIET
-from bt_orchestrator.screen.columns import Cell, line
+from bt_orchestrator.screen.columns import LinePart, line
 from bt_orchestrator.screen.glyphs import ASCII, UNICODE, Glyphs
 from bt_orchestrator.screen.terminal.second_screen import SecondScreen
 
@@ -73,12 +73,12 @@ def _head(live: Live, width: int, glyphs: Glyphs) -> Iterator[Text]:
     name = Text(', '.join(filter(None, (shown.times.cell, period.name))), style='bold')
     until = period.clock(period.end_us)
     when = f'{period.clock(period.begin_us)} to {until}' if width >= NARROW else until
-    yield line([Cell(name, None), Cell(Text(when, style=QUIET), len(when))], width)
+    yield line([LinePart(name, None), LinePart(Text(when, style=QUIET), len(when))], width)
     yield _state(live, glyphs)
     yield Text()
     yield line(
-        [Cell(Text(f'OEE {percent(shown.oee):>8}', style='bold'), 13),
-         Cell(_bar(shown.oee or Fraction(0), width - 14, glyphs), None)], width,
+        [LinePart(Text(f'OEE {percent(shown.oee):>8}', style='bold'), 13),
+         LinePart(_bar(shown.oee or Fraction(0), width - 14, glyphs), None)], width,
     )  # fmt: skip
     times = '\N{MULTIPLICATION SIGN}' if glyphs is UNICODE else 'x'
     yield Text(
@@ -122,12 +122,12 @@ def _loss(one: Bar, whole: int, width: int, glyphs: Glyphs) -> Text:
     part = Fraction(one.us) / whole
     room = width - _TITLE - _TIME - _PART - 3
     cells = [
-        Cell(Text(one.title), _TITLE),
-        Cell(Text(f'{duration(one.us):>{_TIME}}'), _TIME),
-        Cell(Text(f'{percent(part):>{_PART}}'), _PART),
+        LinePart(Text(one.title), _TITLE),
+        LinePart(Text(f'{duration(one.us):>{_TIME}}'), _TIME),
+        LinePart(Text(f'{percent(part):>{_PART}}'), _PART),
     ]
     if room >= _PART:
-        cells.append(Cell(_bar(part, room, glyphs), None))
+        cells.append(LinePart(_bar(part, room, glyphs), None))
     return line(cells, width)
 
 

@@ -8,7 +8,7 @@ from uuid import uuid4
 from bt_orchestrator.model.books import WithoutBooks
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.records import Extent, JobPlace, Page, Record, Summaries, Wanted
+from bt_orchestrator.model.records import Extent, JobPlace, Record, RecordPage, Summaries, Wanted
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sequence import refuse_gap
 
@@ -81,7 +81,7 @@ class MemoryRecords(WithoutBooks):
         """Return the range of events in it."""
         return Extent(self._store.history, self._store.first_seq(), len(self._store.read()))
 
-    def page(self, wanted: Wanted, most: int = MOST) -> Page:
+    def page(self, wanted: Wanted, most: int = MOST) -> RecordPage:
         """Return the next wanted records."""
         history, first, last = self.extent()
         before = last + 1 if wanted.before_seq is None else wanted.before_seq
@@ -92,9 +92,9 @@ class MemoryRecords(WithoutBooks):
             if wanted.takes(event.event, getattr(event, 'job', None), event.time):
                 found.append(Record(seq, to_text(event)))
                 if len(found) == most:
-                    return Page(history, first, found, (), wanted.past(seq), is_last=False)
+                    return RecordPage(history, first, found, (), wanted.past(seq), is_last=False)
         end = seqs.start if wanted.newest_first else seqs.stop - 1
-        return Page(history, first, found, (), wanted.past(end), is_last=True)
+        return RecordPage(history, first, found, (), wanted.past(end), is_last=True)
 
     def summaries(
         self,

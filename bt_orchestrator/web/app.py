@@ -25,7 +25,7 @@ from bt_orchestrator.web.replies import HANDLERS, Json, Problem
 if TYPE_CHECKING:
     from starlette.types import Receive, Scope, Send
 
-    from bt_orchestrator.web.page import Page
+    from bt_orchestrator.web.page import WebPage
 
 STATIC = Path(__file__).parent / 'static'
 
@@ -33,7 +33,7 @@ FRESH = {'cache-control': 'no-cache'}
 """A browser asks whether a file has changed: after an update it must not mix old and new ones."""
 
 
-def make_app(page: Page) -> Starlette:
+def make_app(page: WebPage) -> Starlette:
     """Return the application of a page that was started."""
     app = Starlette(
         routes=routes_of(page), middleware=middleware_of(page), exception_handlers=HANDLERS
@@ -42,7 +42,7 @@ def make_app(page: Page) -> Starlette:
     return app
 
 
-def routes_of(page: Page) -> list[BaseRoute]:
+def routes_of(page: WebPage) -> list[BaseRoute]:
     """Return all routes."""
     return [
         Route('/', _index),
@@ -51,7 +51,7 @@ def routes_of(page: Page) -> list[BaseRoute]:
     ]
 
 
-def endpoints_of(page: Page) -> list[Endpoint]:
+def endpoints_of(page: WebPage) -> list[Endpoint]:
     """Return all endpoints; each part of the page gives its own."""
     return [
         *_core(page),
@@ -65,7 +65,7 @@ def endpoints_of(page: Page) -> list[Endpoint]:
     ]
 
 
-def middleware_of(page: Page) -> Sequence[Middleware]:
+def middleware_of(page: WebPage) -> Sequence[Middleware]:
     """Return what every request passes, the outermost first."""
     return (Middleware(GuardMiddleware, people=page.people),)
 
@@ -74,7 +74,7 @@ async def _index(_: Request) -> Response:
     return FileResponse(STATIC / 'index.html', headers=FRESH)
 
 
-def _core(page: Page) -> list[Endpoint]:
+def _core(page: WebPage) -> list[Endpoint]:
     async def healthz(_: Request) -> Response:
         return JSONResponse(
             {
@@ -113,7 +113,7 @@ def _core(page: Page) -> list[Endpoint]:
 class _Stream:
     """The stream as an ASGI application: starlette calls a function with a request instead."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: WebPage) -> None:
         self._page = page
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

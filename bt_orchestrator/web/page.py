@@ -35,7 +35,7 @@ REFRESH_S = 0.05
 """Shortest time between two computations of the parts."""
 
 
-class Page(CellClient):
+class WebPage(CellClient):
     """States: made, started, ended. All but the constructor is called in the server's loop."""
 
     def __init__(

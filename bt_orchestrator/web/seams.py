@@ -39,6 +39,18 @@ class Sources:
     """For the account of the shift that runs; None: it is not shown."""
 
 
+class SeenCell(Protocol):
+    """The cell as the page has heard of it last."""
+
+    @property
+    def status(self) -> CellStatus | None:
+        """The newest one; None: nothing was heard."""
+
+    @property
+    def description(self) -> CellDescription | None:
+        """The description of the cell; None: not known yet."""
+
+
 class Show(Protocol):
     """Decides what the page shows of a cell. All calls come from the loop's thread."""
 

@@ -12,7 +12,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from bt_orchestrator.doors.listening import bound, url_host
 from bt_orchestrator.doors.server_thread import ServerThread
 from bt_orchestrator.web.app import make_app
-from bt_orchestrator.web.page import Page
+from bt_orchestrator.web.page import WebPage
 from bt_orchestrator.web.stream import PIECE, SEND_LIMIT_S
 
 SEND_BUFFER = 64 * 1024
@@ -28,7 +28,7 @@ FAREWELL_S = 1
 class PageServer(ServerThread):
     """States: bound, running, ended."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: WebPage) -> None:
         """Take the address; requests wait until it runs.
 
         :raises CannotListen: the address is in use, or none of this computer's

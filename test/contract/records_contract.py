@@ -20,7 +20,7 @@ from bt_orchestrator.model.books import KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.records import Damage, JobPlace, Page, Record, Wanted
+from bt_orchestrator.model.records import Damage, JobPlace, Record, RecordPage, Wanted
 from bt_orchestrator.ports import Records
 
 LAST = 40
@@ -358,7 +358,7 @@ def _state(seq: int, now_us: int, *, stays: bool) -> KeptState:
 class _Whole:
     """All pages together."""
 
-    def __init__(self, pages: Sequence[Page]) -> None:
+    def __init__(self, pages: Sequence[RecordPage]) -> None:
         self.records = [record for page in pages for record in page.records]
         self.damage: Sequence[Damage] = [one for page in pages for one in page.damage]
 
@@ -367,7 +367,7 @@ def _whole(records: Records, wanted: Wanted, most: int = 1000) -> _Whole:
     return _Whole(list(_pages(records, wanted, most)))
 
 
-def _pages(records: Records, wanted: Wanted, most: int) -> Iterator[Page]:
+def _pages(records: Records, wanted: Wanted, most: int) -> Iterator[RecordPage]:
     for _ in range(2 * LAST):
         page = records.page(wanted, most)
         yield page
@@ -377,7 +377,7 @@ def _pages(records: Records, wanted: Wanted, most: int) -> Iterator[Page]:
     pytest.fail('no page was the last one')
 
 
-def _seqs(page: Page) -> list[int]:
+def _seqs(page: RecordPage) -> list[int]:
     return [record.seq for record in page.records]
 
 

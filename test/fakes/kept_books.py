@@ -8,7 +8,7 @@ from pathlib import Path
 
 from bt_orchestrator.model.books import Books
 from bt_orchestrator.report.account.bookkeeper import next_books
-from bt_orchestrator.runtime.writers import AtOnce
+from bt_orchestrator.runtime.writers import WritesAtOnce
 from bt_orchestrator.runtime.writers import Writing as EndedWriting
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
@@ -49,7 +49,7 @@ class BooksAtOnce:
     def begin(self) -> EndedWriting[Books]:
         """Make them."""
         self.begun += 1
-        return AtOnce().begin(lambda: make_books(self._path))
+        return WritesAtOnce().begin(lambda: make_books(self._path))
 
     def close(self) -> None:
         """Do nothing: it works only when it is asked."""

@@ -16,7 +16,7 @@ from bt_orchestrator.model.plant.shifts import DAY_MIN, Hours, Shift, Shifts
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.web.access import Access
-from bt_orchestrator.web.page import Page
+from bt_orchestrator.web.page import WebPage
 from bt_orchestrator.web.seams import Plant, Sources
 from bt_orchestrator.web.server import PageServer
 
@@ -42,7 +42,7 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
     planning = PlanningProcess(trees, (RECIPES,))
     plant = Plant(_shifts(), stand.cell)
     sources = Sources(trees=trees, recipes=(RECIPES,), planning=planning, plant=plant)
-    return stand, PageServer(Page(stand.node.name, stand.open_door, access, sources))
+    return stand, PageServer(WebPage(stand.node.name, stand.open_door, access, sources))
 
 
 def _shifts() -> Shifts:

@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     PAGE.demand()
     access = access_of(args)
     from bt_orchestrator.cli.journal_file import open_records
-    from bt_orchestrator.web.page import Page
+    from bt_orchestrator.web.page import WebPage
     from bt_orchestrator.web.seams import Sources
     from bt_orchestrator.web.server import PageServer
 
@@ -65,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
         planning=PlanningProcess(script_folders(args.trees), recipe_folders(args.recipes)),
     )
     with StopSignals() as stop, server_log(ROOM):
-        server = PageServer(Page(args.node, opened, access, sources))
+        server = PageServer(WebPage(args.node, opened, access, sources))
         with server.running():
             print(f'page ready: {server.address} shows {args.node}', flush=True)
             stop.notify(server.stop)

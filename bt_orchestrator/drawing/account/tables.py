@@ -26,7 +26,7 @@ class Column(NamedTuple):
     """Class of its cells: number, time or bar; empty: text."""
 
 
-class Cell(NamedTuple):
+class TableCell(NamedTuple):
     """The content of a row and a column."""
 
     text: str
@@ -46,11 +46,11 @@ def waterfall(sheet: Html, shown: Figures) -> None:
     left = Fraction(0)
     for one in shown.steps_seen():
         begin, left = (left, left - one.us) if one.loss else (Fraction(0), one.us)
-        drawn = Cell(
+        drawn = TableCell(
             '', drawing=bar(*(shown.of_planned(us) or Fraction(0) for us in (begin, left)))
         )
-        told = (Cell(_signed(one)), Cell(percent(shown.of_planned(one.us))))
-        _row(body, (Cell(one.title), drawn, *told), (Column(''), BAR, *numbers), _kind(one))
+        told = (TableCell(_signed(one)), TableCell(percent(shown.of_planned(one.us))))
+        _row(body, (TableCell(one.title), drawn, *told), (Column(''), BAR, *numbers), _kind(one))
 
 
 def _kind(one: Bar) -> str:
@@ -76,10 +76,10 @@ def stops(sheet: Html, shown: Figures) -> None:
     whole, so_far = sum(one.us for one in found), 0
     for one in found:
         so_far += one.us
-        name = Cell(WORDS[one.loss].title, one.about)
-        drawn = Cell('', drawing=bar(0, Fraction(one.us, found[0].us)))
+        name = TableCell(WORDS[one.loss].title, one.about)
+        drawn = TableCell('', drawing=bar(0, Fraction(one.us, found[0].us)))
         texts = (duration(one.us), str(one.times), percent(Fraction(so_far, whole)))
-        _row(body, (name, drawn, *map(Cell, texts)), columns, _step(Step.AVAILABILITY))
+        _row(body, (name, drawn, *map(TableCell, texts)), columns, _step(Step.AVAILABILITY))
 
 
 def holds(sheet: Html, account: Account) -> None:
@@ -96,14 +96,14 @@ def holds(sheet: Html, account: Account) -> None:
         sheet.add('p', f'and {times.holds_left_out} others, {duration(us)} together')
 
 
-def _hold(account: Account, held: Held) -> tuple[Cell, ...]:
+def _hold(account: Account, held: Held) -> tuple[TableCell, ...]:
     end = 'stands' if held.released_us is None else account.period.clock(held.released_us)
     return (
-        Cell(account.period.clock(held.raised_us)),
-        Cell(end),
-        Cell(duration(held.lost_us) if held.lost_us else UNKNOWN),
-        Cell(held.words, WORDS[held.loss].title if held.loss else ''),
-        Cell(f'{held.answer} by {held.who}' if held.answer else UNKNOWN, held.reason),
+        TableCell(account.period.clock(held.raised_us)),
+        TableCell(end),
+        TableCell(duration(held.lost_us) if held.lost_us else UNKNOWN),
+        TableCell(held.words, WORDS[held.loss].title if held.loss else ''),
+        TableCell(f'{held.answer} by {held.who}' if held.answer else UNKNOWN, held.reason),
     )
 
 
@@ -119,7 +119,11 @@ def made(sheet: Html, shown: Figures) -> None:
         recipe = f'recipe {one.recipe}' if one.recipe else ''
         counts = (one.good, one.nonconforming, one.rejected, one.by_hand, one.outside)
         texts = (UNKNOWN if pace is None else f'{pace.per_item_s:.1f} s', *map(str, counts))
-        _row(body, (Cell(one.job), Cell(one.script, recipe), *map(Cell, texts)), columns)
+        _row(
+            body,
+            (TableCell(one.job), TableCell(one.script, recipe), *map(TableCell, texts)),
+            columns,
+        )
 
 
 def failing(sheet: Html, shown: Figures) -> None:
@@ -130,9 +134,9 @@ def failing(sheet: Html, shown: Figures) -> None:
     columns = (Column(''), BAR, *_numbers('times', 'took'))
     body = _table(sheet, 'Failed attempts', columns)
     for one in found:
-        name = Cell(one.component or 'nothing sent', f'{one.task}: {one.reason}')
-        drawn = Cell('', drawing=bar(0, Fraction(one.times, found[0].times)))
-        numbers = (Cell(str(one.times)), Cell(duration(one.us)))
+        name = TableCell(one.component or 'nothing sent', f'{one.task}: {one.reason}')
+        drawn = TableCell('', drawing=bar(0, Fraction(one.times, found[0].times)))
+        numbers = (TableCell(str(one.times)), TableCell(duration(one.us)))
         _row(body, (name, drawn, *numbers), columns, 'count')
 
 
@@ -149,7 +153,7 @@ def repairs(sheet: Html, shown: Figures) -> None:
             shown.mttr_us(one),
         )
         texts = (one.component, str(one.failures), *map(duration, times))
-        _row(body, map(Cell, texts), columns)
+        _row(body, map(TableCell, texts), columns)
 
 
 # --- tables -----------------------------------------------------------------------------------
@@ -170,7 +174,9 @@ def _table(sheet: Html, title: str, columns: Iterable[Column], kind: str = '') -
     return table.add('tbody')
 
 
-def _row(body: Html, cells: Iterable[Cell], columns: Iterable[Column], kind: str = '') -> None:
+def _row(
+    body: Html, cells: Iterable[TableCell], columns: Iterable[Column], kind: str = ''
+) -> None:
     row = body.add('tr', class_=kind)
     for cell, column in zip(cells, columns, strict=True):
         place = row.add('td', cell.text, class_=column.kind)

@@ -7,7 +7,7 @@ possible are not repeated here: `packml`, `job_control` and `failures` decide th
 from bt_orchestrator.model.requests.asking import Asked, BadArguments, about_of, ask
 from bt_orchestrator.model.requests.permission import refusal
 from bt_orchestrator.model.requests.possible import (
-    Wanted,
+    Addressed,
     answering,
     of_cell,
     of_hold,
@@ -66,7 +66,7 @@ __all__ = [
     'of_word',
     'requests_about',
     'words_about',
-    'Wanted',
+    'Addressed',
     'answering',
     'possible_answers',
     'of_cell',

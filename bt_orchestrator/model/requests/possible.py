@@ -19,7 +19,7 @@ from bt_orchestrator.model.requests.table import (
 from bt_orchestrator.model.state import Hold
 
 
-class Wanted(NamedTuple):
+class Addressed(NamedTuple):
     """A request, and the argument that names its subject."""
 
     request: Request
@@ -54,7 +54,7 @@ def possible_answers() -> tuple[str, ...]:
     return tuple(word for word, one in _ANSWERING.items() if one.about is not About.CELL)
 
 
-def answering(hold: Hold, answer: str) -> Wanted:
+def answering(hold: Hold, answer: str) -> Addressed:
     """Return the request that an answer to a hold stands for, or a remark about it.
 
     :raises KeyError: the hold does not offer it
@@ -62,7 +62,7 @@ def answering(hold: Hold, answer: str) -> Wanted:
     known = {one.word: one for one in (*of_hold(hold.answers), *_REMARKS)}
     request = known[answer]
     is_of_item = request.about is About.ITEM
-    return Wanted(request, {'item': hold.item or ''} if is_of_item else {'hold': hold.id})
+    return Addressed(request, {'item': hold.item or ''} if is_of_item else {'hold': hold.id})
 
 
 _ABOUT_HOLDS = requests_about(About.HOLD)

@@ -50,7 +50,7 @@ class Stretch(NamedTuple):
     """It was so just before, too."""
 
 
-class Ledger(Protocol):
+class Bookings(Protocol):
     """Books what a course says. Events of a moment come after the time before it."""
 
     def passes(self, stretch: Stretch) -> None:
@@ -104,7 +104,7 @@ class Course:
         """From when on that is so."""
         return self._since if self.cause == self._last else self.now or 0
 
-    def follow(self, event: e.Event, ledger: Ledger) -> None:
+    def follow(self, event: e.Event, ledger: Bookings) -> None:
         """Take in the next event."""
         now = us_of(event.time)
         if self.now is None:
@@ -113,7 +113,7 @@ class Course:
         self.pass_until(event, ledger)
         self._take(event, ledger)
 
-    def pass_until(self, event: e.Event, ledger: Ledger, most: int = EVER_US) -> None:
+    def pass_until(self, event: e.Event, ledger: Bookings, most: int = EVER_US) -> None:
         """Let the time pass up to an event, or to a moment before it; the event comes then.
 
         :param most: the moment
@@ -135,7 +135,7 @@ class Course:
             return Stretch(begin, end, _NOT_RECORDED, False) if begin < end else None
         return self._stretch(end, self.cause)
 
-    def _pass(self, now: int, cause: Cause | None, ledger: Ledger) -> None:
+    def _pass(self, now: int, cause: Cause | None, ledger: Bookings) -> None:
         """Let time pass; a clock that was set back makes nothing pass twice."""
         stretch = self._stretch(now, cause)
         if stretch is not None:
@@ -147,7 +147,7 @@ class Course:
         assert self.now is not None
         return Stretch(self.now, end, cause, cause == self._last) if self.now < end else None
 
-    def _take(self, event: e.Event, ledger: Ledger) -> None:
+    def _take(self, event: e.Event, ledger: Bookings) -> None:
         assert self.now is not None
         span = self._standing.spans.follow(event)
         if isinstance(event, e.TaskFailed):
@@ -165,7 +165,7 @@ class Course:
         if left is not None:
             ledger.left(left)
 
-    def _raised(self, event: e.HoldRaised, now: int, ledger: Ledger) -> None:
+    def _raised(self, event: e.HoldRaised, now: int, ledger: Bookings) -> None:
         # Where the goal was cancelled its component has not failed.
         is_cancelled = self._standing.is_emergency or not self._standing.has_node
         held = self.holds.raised(event, now, '' if is_cancelled else failing_component(event))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.report.account.booked import steady_time
-from bt_orchestrator.report.account.course import FOLLOWED, Course, Ledger
+from bt_orchestrator.report.account.course import FOLLOWED, Bookings, Course
 from bt_orchestrator.report.account.kept import read_state
 from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.reading import Reading
@@ -50,7 +50,7 @@ class EventCourse:
             now = None if event is None else us_of(event.time)
         return now is not None and now <= moment
 
-    def read(self, since: int, until: int, ledger: Ledger) -> None:
+    def read(self, since: int, until: int, ledger: Bookings) -> None:
         """Take in the events up to a moment, and the time; those since another one count."""
         self._has_begun = True
         while (event := self._ahead()) is not None and us_of(event.time) <= until:

@@ -20,7 +20,7 @@ class Slots:
     """Books on slots that end at quarters of an hour, and at some more borders.
 
     The quarters are those of the clock, and a slot ends where the clock was set. A long time
-    without an event is one slot, from quarter to quarter. Implements `Ledger`.
+    without an event is one slot, from quarter to quarter. Implements `Bookings`.
     """
 
     def __init__(

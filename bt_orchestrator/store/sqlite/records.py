@@ -15,7 +15,7 @@ from bt_orchestrator.model.records import (
     Damage,
     Extent,
     JobPlace,
-    Page,
+    RecordPage,
     Summaries,
     Wanted,
 )
@@ -68,7 +68,7 @@ class SqliteRecords:
         with self._one_moment():
             return Extent(self._history().id, self._first_seq(), self._last_seq())
 
-    def page(self, wanted: Wanted, most: int = looking.MOST) -> Page:
+    def page(self, wanted: Wanted, most: int = looking.MOST) -> RecordPage:
         """Return the next wanted records.
 
         :raises JournalUnusable: the file is damaged as a whole
@@ -82,7 +82,7 @@ class SqliteRecords:
         damage = [*history.damage, *map(self._left_out, look.damaged)]
         if high >= last if wanted.newest_first else look.is_last:
             damage += self._gone(history.id)
-        return Page(history.id, first, look.found, damage, look.rest, look.is_last)
+        return RecordPage(history.id, first, look.found, damage, look.rest, look.is_last)
 
     def summaries(
         self,

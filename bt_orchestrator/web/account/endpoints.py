@@ -9,13 +9,13 @@ from starlette.responses import Response
 
 from bt_orchestrator.doors.doors import Doors
 from bt_orchestrator.drawing.account.page import account_page
-from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.report.account.live import Live
 from bt_orchestrator.report.account.live_words import live_plain
 from bt_orchestrator.web.account.metrics import metrics
 from bt_orchestrator.web.account.watch import ShiftWatch
 from bt_orchestrator.web.endpoint import Endpoint
 from bt_orchestrator.web.replies import Json, Problem, attached
+from bt_orchestrator.web.seams import SeenCell
 
 OPEN_METRICS = 'application/openmetrics-text'
 _TEXTS = {
@@ -29,17 +29,11 @@ _REFUSALS = {
 }
 
 
-class Cell(Protocol):
-    """The needs of these endpoints from the rest of the page."""
-
+class _Cell(SeenCell, Protocol):
     doors: Doors
 
-    @property
-    def status(self) -> CellStatus | None:
-        """The newest one; None: nothing was heard."""
 
-
-def endpoints(watch: ShiftWatch, cell: Cell) -> tuple[Endpoint, ...]:
+def endpoints(watch: ShiftWatch, cell: _Cell) -> tuple[Endpoint, ...]:
     """Return the endpoints."""
 
     async def shift(_: Request) -> Response:

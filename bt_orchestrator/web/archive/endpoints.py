@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from starlette.requests import Request
 from starlette.responses import Response
 
 from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.web.archive.archive import Archive, Look
 from bt_orchestrator.web.archive.downloads import endpoints as of_downloads
 from bt_orchestrator.web.archive.events import MOST as MOST_EVENTS
@@ -21,6 +20,7 @@ from bt_orchestrator.web.archive.jobs import MOST as MOST_JOBS
 from bt_orchestrator.web.archive.jobs import job_with_items, jobs_page
 from bt_orchestrator.web.endpoint import Endpoint
 from bt_orchestrator.web.replies import Json, Problem
+from bt_orchestrator.web.seams import SeenCell
 
 _Found = TypeVar('_Found', dict[str, Any], dict[str, Any] | None)
 
@@ -34,19 +34,7 @@ _UNREAD = {503: 'the journal cannot be read now: the message says why'}
 _UNKNOWN = {404: 'nothing is known of it', **_UNREAD}
 
 
-class Cell(Protocol):
-    """The needs of these routes from the rest of the page."""
-
-    @property
-    def status(self) -> CellStatus | None:
-        """The newest one; None: nothing was heard."""
-
-    @property
-    def description(self) -> CellDescription | None:
-        """The description of the cell; None: not known yet."""
-
-
-def endpoints(archive: Archive, cell: Cell) -> tuple[Endpoint, ...]:
+def endpoints(archive: Archive, cell: SeenCell) -> tuple[Endpoint, ...]:
     """Return the endpoints."""
     routes = _Routes(archive, cell)
     return (
@@ -115,7 +103,7 @@ def endpoints(archive: Archive, cell: Cell) -> tuple[Endpoint, ...]:
 
 
 class _Routes:
-    def __init__(self, archive: Archive, cell: Cell) -> None:
+    def __init__(self, archive: Archive, cell: SeenCell) -> None:
         self._archive = archive
         self._cell = cell
 

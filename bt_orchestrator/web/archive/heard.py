@@ -18,8 +18,8 @@ from bt_orchestrator.model.records import (
     Damage,
     Extent,
     JobPlace,
-    Page,
     Record,
+    RecordPage,
     Summaries,
     Wanted,
 )
@@ -53,7 +53,7 @@ class HeardRecords(WithoutBooks):
         last = self._entries[-1].last if self._entries else self._before
         return Extent(self._history, self._before + 1, last)
 
-    def page(self, wanted: Wanted, most: int = MOST) -> Page:
+    def page(self, wanted: Wanted, most: int = MOST) -> RecordPage:
         """Return the next wanted records."""
         history, first, last = self.extent()
         end = last + 1 if wanted.before_seq is None else wanted.before_seq
@@ -69,10 +69,10 @@ class HeardRecords(WithoutBooks):
                 found.append(Record(entry.first, entry.text))
                 if len(found) == most:
                     rest = wanted.past(entry.first)
-                    return Page(history, first, found, damage, rest, is_last=False)
+                    return RecordPage(history, first, found, damage, rest, is_last=False)
         done = max(wanted.after_seq + 1, first) if wanted.newest_first else min(end - 1, last)
         rest = wanted.past(max(done, wanted.after_seq))
-        return Page(history, first, found, damage, rest, is_last=True)
+        return RecordPage(history, first, found, damage, rest, is_last=True)
 
     def summaries(
         self,

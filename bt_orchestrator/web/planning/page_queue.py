@@ -10,13 +10,13 @@ from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.ports import QueuePage
 
 if TYPE_CHECKING:
-    from bt_orchestrator.web.page import Page
+    from bt_orchestrator.web.page import WebPage
 
 
 class PageQueue:
     """Implements `endpoints.Queue`."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: WebPage) -> None:
         self._page = page
 
     @property

@@ -11,7 +11,7 @@ from bt_orchestrator.errors import NotKept, Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import Asked, ask, of_name
-from bt_orchestrator.ports import ChangedJob, CheckedOrder, ExpectedJob, Moment, Planning
+from bt_orchestrator.ports import CheckedOrder, ExpectedJob, JobChange, Moment, Planning
 from bt_orchestrator.script.orders.plain_order import order_from
 
 MOST_WAITING = 8
@@ -138,7 +138,7 @@ def _ends(jobs: Sequence[ExpectedJob], moment: Moment) -> list[Body]:
     return [{'job': one.job, 'ends': _end(one, moment.now_s)} for one in jobs]
 
 
-def _changed(job: ChangedJob, now_s: float) -> Body:
+def _changed(job: JobChange, now_s: float) -> Body:
     """Return what becomes of a job; `before` and `after` stand where it is there."""
     here = {'before': job.before, 'after': job.after}
     ends = {name: _end(one, now_s) for name, one in here.items() if one is not None}

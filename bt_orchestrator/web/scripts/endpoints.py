@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 from starlette.requests import Request
 from starlette.responses import Response
@@ -13,7 +13,6 @@ from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import (
     CellDescription,
-    CellStatus,
     JobStatus,
     SectionStatus,
 )
@@ -22,24 +21,13 @@ from bt_orchestrator.web.parts.tasks import TaskParts
 from bt_orchestrator.web.replies import Json, Problem
 from bt_orchestrator.web.scripts.drawing import Drawings
 from bt_orchestrator.web.scripts.shelf import Shelf, parameters
+from bt_orchestrator.web.seams import SeenCell
 from bt_orchestrator.web.wording import wordings
 
 _UNKNOWN = {404: 'no script with this digest is known here', 503: 'the message says why not now'}
 
 
-class Cell(Protocol):
-    """The needs of these routes from the rest of the page."""
-
-    @property
-    def status(self) -> CellStatus | None:
-        """The newest one; None: nothing was heard."""
-
-    @property
-    def description(self) -> CellDescription | None:
-        """The description of the cell; None: not known yet."""
-
-
-def endpoints(shelf: Shelf, cell: Cell) -> tuple[Endpoint, ...]:
+def endpoints(shelf: Shelf, cell: SeenCell) -> tuple[Endpoint, ...]:
     """Return the endpoints."""
     routes = _Routes(shelf, cell)
     return (
@@ -80,7 +68,7 @@ def endpoints(shelf: Shelf, cell: Cell) -> tuple[Endpoint, ...]:
 
 
 class _Routes:
-    def __init__(self, shelf: Shelf, cell: Cell) -> None:
+    def __init__(self, shelf: Shelf, cell: SeenCell) -> None:
         self._shelf = shelf
         self._cell = cell
         self._drawings = Drawings()

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from contract.written_events import events
 
-from bt_orchestrator.model.records import Page, Wanted
+from bt_orchestrator.model.records import RecordPage, Wanted
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.store.sqlite.records import SqliteRecords
@@ -34,7 +34,7 @@ def reading(store: SqliteStore, told: list[str]) -> Iterator[Reading]:
         yield Reading(records, told.append)
 
 
-def seqs(page: Page) -> list[int]:
+def seqs(page: RecordPage) -> list[int]:
     return [record.seq for record in page.records]
 
 

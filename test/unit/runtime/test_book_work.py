@@ -21,7 +21,7 @@ from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.plain import account_plain
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.runtime import book_work, housekeeping
-from bt_orchestrator.runtime.writers import AtOnce, Writing
+from bt_orchestrator.runtime.writers import WritesAtOnce, Writing
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
@@ -48,7 +48,7 @@ class NoBooks(BooksAtOnce):
         if not self.fails:
             return super().begin()
         self.begun += 1
-        return AtOnce().begin(self._fail)
+        return WritesAtOnce().begin(self._fail)
 
     def _fail(self) -> Books:
         raise ChildFailed('no memory')

@@ -14,7 +14,7 @@ from bt_orchestrator.doors.doors import Doors
 from bt_orchestrator.doors.facts import Happened, Lost
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.records import Extent, Page, Wanted
+from bt_orchestrator.model.records import Extent, RecordPage, Wanted
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.web.book import Book
@@ -59,7 +59,7 @@ class Node:
         return EventPage('a', after[: most or AT_ONCE], self.first, self.kept[-1].seq)
 
 
-def heard(node: Node, begun: int, *later: Happened | Lost) -> tuple[Extent, Page]:
+def heard(node: Node, begun: int, *later: Happened | Lost) -> tuple[Extent, RecordPage]:
     """Return what a page knows that began after an event."""
 
     async def look() -> HeardRecords:

@@ -29,7 +29,7 @@ from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.web import server as server_module
 from bt_orchestrator.web import stream as stream_module
 from bt_orchestrator.web.access import Access
-from bt_orchestrator.web.page import Page
+from bt_orchestrator.web.page import WebPage
 from bt_orchestrator.web.server import PageServer
 
 SPEED = 20.0
@@ -59,7 +59,7 @@ class Scene:
 
     @contextmanager
     def page(self) -> Iterator[PageServer]:
-        server = PageServer(Page(self.cell.node.name, self.cell.open_door, access()))
+        server = PageServer(WebPage(self.cell.node.name, self.cell.open_door, access()))
         with server.running():
             yield server
 
@@ -289,7 +289,7 @@ class TestEnd:
     ) -> None:
         certificate, key = make_certificate(tmp_path)
         tls = replace(access(), certificate=certificate, key=key)
-        server = PageServer(Page(scene.cell.node.name, scene.cell.open_door, tls))
+        server = PageServer(WebPage(scene.cell.node.name, scene.cell.open_door, tls))
         client = ssl.create_default_context(cafile=str(certificate))
         with ExitStack() as stack, server.running():
             raw = socket.create_connection(('127.0.0.1', server.port), PATIENCE_S)
@@ -331,12 +331,12 @@ class TestServer:
     def test_a_port_in_use_is_a_sentence(self, scene: Scene) -> None:
         with socket.create_server(('127.0.0.1', 0)) as other:
             port = other.getsockname()[1]
-            page = Page('/x', scene.cell.open_door, access(port=port))
+            page = WebPage('/x', scene.cell.open_door, access(port=port))
             with pytest.raises(CannotListen, match=rf'port {port} of 127\.0\.0\.1 is in use'):
                 PageServer(page)
 
     def test_an_address_of_another_computer_is_a_sentence(self, scene: Scene) -> None:
-        page = Page('/x', scene.cell.open_door, access('192.0.2.1'))
+        page = WebPage('/x', scene.cell.open_door, access('192.0.2.1'))
         with pytest.raises(CannotListen, match=r'cannot listen at 192\.0\.2\.1'):
             PageServer(page)
 
@@ -348,7 +348,7 @@ class TestServer:
             return scene.cell.open_door(meanwhile)
 
         scene.cell.switch()  # there is no node: nothing is asked of it
-        server = PageServer(Page('/x', open_door, access()))
+        server = PageServer(WebPage('/x', open_door, access()))
         with server.running():
             scene.wait_until(lambda: len(opened) == 2, 'a door for questions')
         assert set(opened) == {'page: following', 'page: asking'}
@@ -391,7 +391,7 @@ class TestServer:
         def no_door(meanwhile: Callable[[], object]) -> Any:
             raise RuntimeError('there is no network')
 
-        server = PageServer(Page('/x', no_door, access()))
+        server = PageServer(WebPage('/x', no_door, access()))
         with server.running(), pytest.raises(RuntimeError, match='there is no network'):
             server.wait()
 

@@ -24,7 +24,7 @@ from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
 from bt_orchestrator.web.access import Access
-from bt_orchestrator.web.page import Page
+from bt_orchestrator.web.page import WebPage
 from bt_orchestrator.web.seams import Sources
 from bt_orchestrator.web.server import PageServer
 
@@ -44,7 +44,7 @@ class Served:
         opened = partial(SqliteRecords, self.journal) if with_journal else None
         access = Access(Path('no users'), '127.0.0.1', 0)
         sources = Sources(opened, (TREES,))
-        server = PageServer(Page(self.cell.node.name, self.cell.open_door, access, sources))
+        server = PageServer(WebPage(self.cell.node.name, self.cell.open_door, access, sources))
         with server.running():
             deadline = time.monotonic() + PATIENCE_S
             while get(server, '/api/events?most=1')[0] == 503:
@@ -146,7 +146,7 @@ def test_what_is_not_there_is_said(served: Served, path: str, status: int, words
 def test_a_journal_that_is_gone_is_said(served: Served, tmp_path: Path) -> None:
     access = Access(Path('no users'), '127.0.0.1', 0)
     sources = Sources(partial(SqliteRecords, tmp_path / 'none'))
-    server = PageServer(Page(served.cell.node.name, served.cell.open_door, access, sources))
+    server = PageServer(WebPage(served.cell.node.name, served.cell.open_door, access, sources))
     with server.running():
         status, answer = get(server, '/api/jobs')
     assert (status, 'there is no journal' in answer['message']) == (503, True)
@@ -185,7 +185,7 @@ def test_a_page_that_has_heard_nothing_yet_does_not_say_that_there_was_nothing(
     served = Served(tmp_path)
     served.cell.switch()
     access = Access(Path('no users'), '127.0.0.1', 0)
-    server = PageServer(Page(served.cell.node.name, served.cell.open_door, access))
+    server = PageServer(WebPage(served.cell.node.name, served.cell.open_door, access))
     with server.running():
         found = get(server, '/api/jobs')
     assert found == (503, {'message': 'nothing was heard of /bt_orchestrator yet'})
@@ -204,7 +204,7 @@ def test_a_cell_that_was_never_heard(tmp_path: Path) -> None:
     served = Served(tmp_path)
     served.cell.switch()
     access = Access(Path('no users'), '127.0.0.1', 0)
-    server = PageServer(Page(served.cell.node.name, served.cell.open_door, access))
+    server = PageServer(WebPage(served.cell.node.name, served.cell.open_door, access))
     with server.running():
         status, answer = get(server, '/api/cell')
     assert (status, answer['message']) == (503, 'nothing was heard of /bt_orchestrator yet')

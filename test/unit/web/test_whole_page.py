@@ -31,7 +31,7 @@ from bt_orchestrator.web.app import endpoints_of, make_app
 from bt_orchestrator.web.endpoint import Endpoint
 from bt_orchestrator.web.guards import FREE_PATHS
 from bt_orchestrator.web.openapi import PATH
-from bt_orchestrator.web.page import Page
+from bt_orchestrator.web.page import WebPage
 from bt_orchestrator.web.request_paths import ANY
 from bt_orchestrator.web.server import PageServer
 
@@ -45,7 +45,7 @@ class Whole:
         self.cell = StandCell(folder, MemoryStore(), faults=[])
         users = write_users(folder / 'users.yaml', {'eve': Role.ENGINEER})
         access = Access(users, ADDRESS, certificate=folder, key=folder)
-        self.page = Page(self.cell.node.name, self.cell.open_door, access)
+        self.page = WebPage(self.cell.node.name, self.cell.open_door, access)
         self.loop = asyncio.new_event_loop()
         self.loop.run_until_complete(self._start())
 
@@ -192,7 +192,7 @@ def test_the_page_speaks_tls_with_a_certificate_of_its_own(tmp_path: Path) -> No
     cell = StandCell(tmp_path, MemoryStore(), faults=[])
     access = Access(users, '127.0.0.1', 0, certificate, key)
     access.check()
-    server = PageServer(Page(cell.node.name, cell.open_door, access))
+    server = PageServer(WebPage(cell.node.name, cell.open_door, access))
     assert server.address.startswith('https://127.0.0.1:')
     trusting = ssl.create_default_context(cafile=str(certificate))
     with server.running():
@@ -217,7 +217,7 @@ def test_a_stream_ends_when_its_reader_is_no_user_any_more(tmp_path: Path) -> No
     users = write_users(tmp_path / 'users.yaml', {'ann': Role.VIEW, 'eve': Role.VIEW})
     cell = StandCell(tmp_path, MemoryStore(), faults=[])
     access = Access(users, '127.0.0.1', 0, proxy_header='X-User')
-    server = PageServer(Page(cell.node.name, cell.open_door, access))
+    server = PageServer(WebPage(cell.node.name, cell.open_door, access))
     with server.running(), ExitStack() as stack:
         streams = {}
         for name in ('ann', 'eve'):

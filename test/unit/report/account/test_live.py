@@ -12,7 +12,7 @@ from fakes.hand_made_shift import LINE, SHIFTS, the_day
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.records import Damage, Extent, Page, Wanted
+from bt_orchestrator.model.records import Damage, Extent, RecordPage, Wanted
 from bt_orchestrator.report.account.account import account
 from bt_orchestrator.report.account.calendar import Now, shift_at
 from bt_orchestrator.report.account.live import Live, LiveAccount
@@ -119,10 +119,10 @@ class Removed(MemoryRecords):
     def extent(self) -> Extent:
         return super().extent()._replace(first_seq=self._first_seq)
 
-    def page(self, wanted: Wanted, most: int = 1000) -> Page:
+    def page(self, wanted: Wanted, most: int = 1000) -> RecordPage:
         found = super().page(wanted.past(self._first_seq - 1), most)
         damage = [Damage('event 3 is damaged')]
-        return Page('day', self._first_seq, found.records, damage, found.rest, found.is_last)
+        return RecordPage('day', self._first_seq, found.records, damage, found.rest, found.is_last)
 
 
 def test_events_that_were_read_before_they_were_removed_stay_in_it() -> None:
