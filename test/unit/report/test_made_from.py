@@ -112,7 +112,7 @@ def test_history_prints_what_a_job_ran(
         words = ('history', '--journal', str(journal), '--job', job, '--script')
         assert main(words) == 0
         text = capsys.readouterr().out
-        assert text.startswith(f'# What job {job} ran, by the journal')
+        assert text.startswith(f'# The script that job {job} ran, by the journal')
         read = parse_script(text, 'text', line.cell, FakeActionTypes())
         assert digest(read) == digest(line.script(THREE))
     assert main(('history', '--journal', str(journal), '--script')) == 2
