@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Protocol
 
 from bt_orchestrator.cli.action import Action
+from bt_orchestrator.cli.asked.derived import of_request
 from bt_orchestrator.cli.asked.words import in_one_line, what_to_know
 from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.numbers import whole_32
+from bt_orchestrator.cli.ordering import proposal
 from bt_orchestrator.cli.ordering.order_request import give_orders
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import to_plain
@@ -25,7 +27,8 @@ from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.screen.words import job_terms
 
 DESCRIPTION = """\
-List the queue of a running tree node, or add work orders to it. `job` changes one job of it.
+List the queue of a running tree node, add work orders to it, or propose an order for it. `job`
+changes one job of it.
 Without an action: the jobs on the line, then the queue in order."""
 
 
@@ -108,7 +111,7 @@ def _has_ended(job: JobStatus) -> bool:
     return job.state in OVER
 
 
-(_ADD_ORDERS,) = requests_about(About.QUEUE)
+_ADD_ORDERS, _ARRANGE = requests_about(About.QUEUE)
 
 # --- orders ---------------------------------------------------------------------------------
 
@@ -130,5 +133,9 @@ def _add(args: argparse.Namespace) -> int:
 ACTIONS: Mapping[str, Action] = {
     'list': Action(_add_list, _list, 'list the jobs on the line, and the queue (the default)'),
     _ADD_ORDERS.word: Action(_add_add, _add, in_one_line(_ADD_ORDERS)),
+    'propose': Action(
+        proposal.add_arguments, proposal.run, 'propose an order of the queue, and apply it'
+    ),
+    _ARRANGE.word: of_request(_ARRANGE),
 }
 DEFAULT = 'list'

@@ -36,7 +36,10 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     },
     'give it work': {
         'submit': ('submit', 'give work orders to a node'),
-        'queue': ('queue', 'list the jobs of a node, or add work orders to them'),
+        'queue': (
+            'queue',
+            'list the jobs of a node, add work orders, or propose an order of them',
+        ),
         'job': (
             'asked.job',
             'change, hold or end one job: move, update, hold, pause, stop, abort',

@@ -99,6 +99,8 @@ class _Collecting:
         """
         raise WrongUse(_ASKS_NOTHING)
 
+    moment = status
+
 
 def _asked(text: str) -> Sequence[Asked]:
     """Return what a verb would ask.

@@ -15,7 +15,12 @@ STORING = (job_control.STORE, job_control.STORE_AND_START)
 """The methods that bring an order; Update brings one of a job that is there."""
 
 REQUESTS: Mapping[Method, Request] = {
-    **dict.fromkeys(STORING, *requests_about(About.QUEUE)),
+    **{
+        method: one
+        for one in requests_about(About.QUEUE)
+        if one.takes_orders
+        for method in STORING
+    },
     **{one.method: one for one in requests_about(About.JOB) if one.method in METHODS},
 }
 """The requirements of every method on the cell. Methods that ISA-95 does not have are left out."""

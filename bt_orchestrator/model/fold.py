@@ -57,6 +57,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.ScriptLoaded: jobs.script_loaded,
     e.JobQueued: jobs.job_queued,
     e.JobMoved: jobs.job_moved,
+    e.QueueArranged: jobs.queue_arranged,
     e.JobUpdated: jobs.job_updated,
     e.ScriptReleased: jobs.script_released,
     e.JobHeld: jobs.job_held,

@@ -16,6 +16,8 @@ from bt_orchestrator.ports.planning import (
     JobChange,
     Past,
     Planning,
+    Proposal,
+    ProposedJob,
     WhatIf,
     WrongField,
 )
@@ -56,4 +58,6 @@ __all__ = [
     'CheckedOrder',
     'WhatIf',
     'Planning',
+    'Proposal',
+    'ProposedJob',
 ]

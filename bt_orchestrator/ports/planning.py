@@ -96,6 +96,53 @@ class Consequence(NamedTuple):
             yield JobChange(job, before.get(job), after.get(job), self.due_s.get(job))
 
 
+class ProposedJob(NamedTuple):
+    """A job as things are, and in an order that is proposed."""
+
+    job: str
+    place: int
+    """In the queue of now, from 1; 0: it is on the line."""
+    new_place: int
+    priority: int
+    due: float | None
+    """When it should have ended, seconds since the epoch; None: not said."""
+    ends_s: float | None
+    """Seconds from the given moment, as things are; None: not known."""
+    new_ends_s: float | None
+    stays: str = ''
+    """Why it keeps its place; empty: it need not."""
+
+
+class Proposal(NamedTuple):
+    """An order for the queue (semantics 6.7)."""
+
+    jobs: Sequence[ProposedJob]
+    """Those on the line, then the queue in the order that is proposed."""
+    queue_digest: str
+    """Of the queue that it is for."""
+    late_s: float
+    """Seconds that all jobs together end too late, as things are."""
+    new_late_s: float
+    looked_at: int
+    """So many orders were run."""
+    orders: int
+    """So many keep priorities and places that stay."""
+    is_best: bool
+    """No order of these is better; False: of those that were looked at."""
+    unknown: Mapping[str, str] = {}
+    """Why a job has no end in the order that is proposed, by its id."""
+
+    @property
+    def order(self) -> Sequence[str]:
+        """The queue in the order that is proposed."""
+        return [one.job for one in self.jobs if one.place]
+
+    @property
+    def is_new(self) -> bool:
+        """Whether it differs from the present order."""
+        return any(one.place != one.new_place for one in self.jobs)
+
+
 class WrongField(NamedTuple):
     """A mistake in one key of a work order."""
 
@@ -125,6 +172,12 @@ class WhatIf(Protocol):
         :raises NotKept: the state to start from is not available
         """
 
+    def propose(self) -> Proposal:
+        """Propose an order of the queue.
+
+        :raises NotKept: the state to start from is not available
+        """
+
     def check(self, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order, with the keys of an order file, would be queued.
 
@@ -137,6 +190,12 @@ class Planning(Protocol):
 
     def what_if(self, moment: Moment, requests: Sequence[Asked]) -> Consequence:
         """Predict when jobs end from a moment on, without and with these requests.
+
+        :raises NotKept: nothing could be worked out
+        """
+
+    def propose(self, moment: Moment) -> Proposal:
+        """Propose an order for the queue of a moment.
 
         :raises NotKept: nothing could be worked out
         """

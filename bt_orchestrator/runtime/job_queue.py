@@ -21,6 +21,7 @@ from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import (
     ADD,
+    ARRANGE,
     MOVE,
     NEXT,
     REQUEUE,
@@ -32,6 +33,7 @@ from bt_orchestrator.model.requests import (
     requests_about,
 )
 from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.state.proposed import refused_order
 from bt_orchestrator.model.wish import AFTER, NEVER, STOP_AFTER, way_to_work
 from bt_orchestrator.runtime import listed_jobs, orders
 from bt_orchestrator.runtime.command_record import decided
@@ -143,6 +145,16 @@ def _run_next(state: CellState, asked: Asked, _: float) -> Decided:
         events.append(e.JobMayStart(job=name))
     said = [f'{name} is next', *_lacks(job), *standing(state)]
     return '\n'.join(said), events
+
+
+@decides(ARRANGE)
+def _arrange(state: CellState, asked: Asked, _: float) -> Decided:
+    wanted = tuple(asked['jobs'])
+    refused = refused_order(state.jobs, wanted, asked['queue_digest'])
+    if refused is not None:
+        raise CommandRefused(refused)
+    order = listed(wanted, 'nothing')
+    return f'the order of the queue is {order}', [e.QueueArranged(jobs=wanted)]
 
 
 def _lacks(job: JobState) -> Iterator[str]:

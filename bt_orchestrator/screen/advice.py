@@ -118,7 +118,7 @@ def _of(request: Request, status: CellStatus) -> str:
 def _next_choices(status: CellStatus) -> Iterator[Choice]:
     waits = any(job.state not in OVER for job in status.jobs) or bool(status.waits_for)
     if status.state in _WAITING_FOR_ORDERS and not waits:
-        (add,) = requests_about(About.QUEUE)
+        add, *_ = requests_about(About.QUEUE)
         order, effect = 'submit ORDER.yaml', 'gives it a work order'
         who = _of(add, status)
         yield Choice('submit', order, effect, needs_reason=False, who=who, is_complete=False)

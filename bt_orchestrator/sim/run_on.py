@@ -56,6 +56,8 @@ class RunOn:
         :param sinks: get the events of the run
         """
         self._log = _Log()
+        self.steps = 0
+        """So often something has happened: what the run has cost, on any machine."""
         self._left_out: Mapping[str, int] = {}
         self._stuck = 'the virtual run takes too long; it was given up'
         self._clock = VirtualClock(now_s)
@@ -125,6 +127,7 @@ class RunOn:
         if self.state.holds or not self._clock.advance():
             return False
         self.orchestrator.settle()
+        self.steps += 1
         return True
 
     def _shorten(self) -> dict[str, int]:

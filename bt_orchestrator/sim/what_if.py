@@ -31,6 +31,7 @@ from bt_orchestrator.ports import (
     ExpectedJob,
     MadeScript,
     Moment,
+    Proposal,
     WrongField,
 )
 from bt_orchestrator.replies import begin
@@ -40,6 +41,7 @@ from bt_orchestrator.script.orders.desk import ANY_PATH
 from bt_orchestrator.script.orders.plain_order import bound, mistakes, order_from
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.sim.made_before import MadeBefore, Make
+from bt_orchestrator.sim.proposing import Proposing
 from bt_orchestrator.sim.run_on import LONGEST_S, RunOn
 
 NOBODY = By('', 'what-if', '')
@@ -103,6 +105,10 @@ class EngineWhatIf:
         }
         notes += _with_rests(rests, dict(before), dict(after))
         return Consequence(before, after, asked.refusals, unknown, tuple(notes), due_s)
+
+    def propose(self) -> Proposal:
+        """Propose an order of the queue; nothing is done."""
+        return Proposing(self._begin, self._moment.now_s).propose()
 
     def check(self, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order would be queued: it is read, and then the engine is asked."""

@@ -275,7 +275,7 @@ class CellTree:
 
 _AT_WORK = {
     *(e.JobQueued, e.JobMoved, e.JobUpdated, e.JobHeld, e.JobReleased, e.JobRemoved),
-    *(e.ComponentOutOfService, e.ComponentInService, e.ScriptReleased),
+    *(e.ComponentOutOfService, e.ComponentInService, e.ScriptReleased, e.QueueArranged),
     *(e.JobMayStart, e.JobStarted, e.JobAborting, e.JobCompleted, e.JobAborted),
 }
 """Events after which other jobs may be at work."""

@@ -140,8 +140,14 @@ def back_for(job: JobStatus, status: CellStatus) -> list[str]:
 
 def add_offer() -> Offer:
     """Return what is always possible: to queue orders."""
-    (add,) = requests_about(About.QUEUE)
+    add, _ = requests_about(About.QUEUE)
     return _offer(add)
+
+
+def arrange_offer(order: Sequence[str], queue_digest: str) -> Offer:
+    """Return the offer to put the queue into an order that was proposed for it."""
+    _, arrange = requests_about(About.QUEUE)
+    return _offer(arrange, given={'jobs': list(order), 'queue_digest': queue_digest})
 
 
 def _offer(
@@ -169,7 +175,7 @@ def _offer(
         'subject': subject,
         'body': body,
         'parameters': list(_parameters(request, {*body, *without})),
-        'foresee': {'name': request.name, 'arguments': about} if request.is_foreseen else None,
+        'foresee': {'name': request.name, 'arguments': body} if request.is_foreseen else None,
     }
 
 

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from bt_orchestrator.model.belt_statement import Statement
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import (
+    ARRANGE,
     CELL,
     IN_SERVICE,
     MOVE,
@@ -44,6 +45,10 @@ def SetService(component: str, in_service: bool, by: By) -> Asked:
 
 def ReleaseScript(digest: str, by: By | None = None, cell_digest: str = '') -> Asked:
     return Asked(RELEASE_SCRIPT, by, {'script': digest, 'cell_digest': cell_digest})
+
+
+def Arrange(jobs: Sequence[str], queue_digest: str, by: By) -> Asked:
+    return Asked(ARRANGE, by, {'jobs': list(jobs), 'queue_digest': queue_digest})
 
 
 def Reset(by: By) -> Asked:

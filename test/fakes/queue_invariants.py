@@ -135,6 +135,14 @@ class QueueInvariants:
         self._queue.insert(event.position - 1, event.job)
         assert self._queue[event.position - 1] == event.job, event
 
+    def _arranged(self, event: e.QueueArranged) -> None:
+        """Places that a person chose stay, and nobody comes or goes (6.7)."""
+        arranged = [*event.jobs, *self._queue[len(event.jobs) :]]
+        assert sorted(arranged) == sorted(self._queue) != [], event
+        changed = {one for one, old in zip(arranged, self._queue, strict=True) if one != old}
+        assert changed.isdisjoint(self._by_hand), (event, self._queue)
+        self._queue = arranged
+
     def _updated(self, event: e.JobUpdated) -> None:
         at, before = self._queue.index(event.job), self._terms[event.job]
         self._quantity[event.job] = event.quantity
@@ -222,6 +230,7 @@ class QueueInvariants:
     _takers: ClassVar[Mapping[type[e.Event] | tuple[type[e.Event], ...], Callable[..., None]]] = {
         e.JobQueued: _queued,
         e.JobMoved: _moved,
+        e.QueueArranged: _arranged,
         e.JobUpdated: _updated,
         e.OperatorDecided: _commanded,
         e.JobMayStart: _may_start,

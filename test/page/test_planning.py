@@ -122,6 +122,39 @@ def test_a_job_is_moved_by_keys_when_it_is_known_what_comes_of_it(
     assert focused == 'b', 'the focus stays with what was moved'
 
 
+def test_a_proposed_order_is_applied_when_it_is_known_what_comes_of_it(
+    planned: CellProcesses, start_page: StartPage, sit: Sit
+) -> None:
+    page = start_page()
+    tab = sit(page.port).open('queue')
+    tab.log_in('operate')
+    tab.until(lambda: in_queue(tab) == ['a', 'b'], 'the queue')
+    propose = tab.page.locator('[data-do="propose"]')
+    propose.click()
+    tab.page.locator('[data-proposal="same"]').wait_for()
+    assert tab.count('dialog') == 0, 'no job has a due time'
+
+    due = ('--due', '2020-01-01T00:00:00Z', '--quantity', '5', '--reason', 'promised')
+    assert planned.verb('job', 'update', 'b', *due)[0] == 0
+    status, output, errors = planned.verb('queue', 'propose', '--json')
+    assert status == 0, errors
+    assert json.loads(output)['order'] == ['b', 'a']
+
+    propose.click()
+    shown = computed(tab)
+    assert {job: change for job, (change, _) in shown.items()} == {
+        'long': 'same',
+        'a': 'later',
+        'b': 'earlier',
+    }
+    told = tab.page.locator('dialog .said-before').inner_text()
+    assert 'the best of all 2 orders' in told
+    assert barriers(tab) == []
+    tab.confirm('queue.arrange', 'promised')
+    tab.until(lambda: in_queue(tab) == ['b', 'a'], 'the new order')
+    assert planned.watch.until('queue.arranged')['jobs'] == ['b', 'a']
+
+
 def test_an_order_with_a_mistake_is_mended_and_queued_in_its_place(
     planned: CellProcesses, start_page: StartPage, sit: Sit
 ) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 
 from cell_processes import CellProcesses, StartCell, small_script
 
@@ -47,3 +48,35 @@ def test_requests_are_worked_out_and_not_made(start_cell: StartCell) -> None:
     assert [job['id'] for job in json.loads(output)['jobs']] == ['long', 'a', 'b'], 'as before'
     status, _, errors = cell.verb('what-if', 'status')
     assert (status, 'asks nothing of the cell' in errors) == (2, True)
+
+
+def test_a_proposed_order_is_applied_to_the_queue_that_it_is_for(start_cell: StartCell) -> None:
+    cell = start_cell(speed=4)
+    cell.connect()
+    cell.script(small_script())
+    cell.run_small(quantity=500, order='long')
+    cell.watch.until('item.removed')
+    orders = [order_file(cell, name, 20) for name in 'ab']
+    assert cell.verb('submit', *orders)[0] == 0
+    due = ('--due', '2020-01-01T00:00:00Z', '--quantity', '2', '--reason', 'promised')
+    assert cell.verb('job', 'update', 'b', *due)[0] == 0
+
+    status, output, errors = cell.verb('queue', 'propose')
+    assert status == 0, errors
+    *_, sure, apply = output.splitlines()
+    assert sure.startswith('it is the best of all 2 orders')
+    _, _, request = apply.partition('to apply it: bt-orchestrator ')
+    words = shlex.split(request)
+    assert words[-4:-2] == ['b', 'a']
+
+    assert cell.verb('job', 'hold', 'a', '--reason', 'no material')[0] == 0
+    status, _, errors = cell.verb(*words)
+    assert (status, 'the queue has changed since' in errors) == (1, True)
+    assert cell.verb('job', 'release', 'a', '--reason', 'it came')[0] == 0
+    status, output, errors = cell.verb('queue', 'propose', '--apply', '--reason', 'promised')
+    assert status == 0, errors
+    assert output.splitlines()[-1] == 'the order of the queue is b, a'
+    status, output, _ = cell.verb('queue', '--json')
+    assert [job['id'] for job in json.loads(output)['jobs']] == ['long', 'b', 'a']
+    status, output, _ = cell.verb('queue', 'propose')
+    assert (status, 'the queue stays unchanged' in output) == (0, True)

@@ -81,6 +81,8 @@ TYPED: Mapping[str, tuple[str, Mapping[str, Any]]] = {
         '',
         {'type': _slots, 'metavar': 'SLOTS', 'help': 'every slot, as in 1=WO-1/3,2=empty'},
     ),
+    'queue.arrange.queue_digest': ('', {'metavar': 'DIGEST'}),
+    'queue.arrange.jobs': ('', {'nargs': '+', 'metavar': 'JOB'}),
     'job.move.position': ('', {'metavar': 'N'}),
     'job.requeue.order': ('--as', {'metavar': 'ID'}),
     'job.update.quantity': ('', {'metavar': 'N'}),

@@ -17,7 +17,7 @@ from bt_orchestrator.extending import RECIPES
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.ports import ActionTypes, CheckedOrder, Consequence, Moment
+from bt_orchestrator.ports import ActionTypes, CheckedOrder, Consequence, Moment, Proposal
 from bt_orchestrator.script.orders.by_recipe import Maker, recipes
 
 NICE = 19
@@ -25,6 +25,9 @@ NICE = 19
 
 WITHIN_S = 60.0
 """Longest time for an answer; the runs themselves give up earlier."""
+
+PROPOSED_WITHIN_S = 300.0
+"""The same for a proposal, which is bounded by the steps of its runs and not by time."""
 
 
 class PlanningProcess:
@@ -54,6 +57,14 @@ class PlanningProcess:
         found: Consequence = self._ask('ask', moment, tuple(requests))
         return found
 
+    def propose(self, moment: Moment) -> Proposal:
+        """Propose an order of the queue.
+
+        :raises NotKept: the moment cannot be gone on from
+        """
+        found: Proposal = self._ask('propose', moment, within_s=PROPOSED_WITHIN_S)
+        return found
+
     def check(self, moment: Moment, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order would be queued.
 
@@ -66,9 +77,9 @@ class PlanningProcess:
         """End the process."""
         self._process.close()
 
-    def _ask(self, method: str, moment: Moment, what: object) -> Any:
+    def _ask(self, method: str, moment: Moment, *what: object, within_s: float = WITHIN_S) -> Any:
         try:
-            answer = self._process.ask(pickle.dumps((method, moment, what)), WITHIN_S)
+            answer = self._process.ask(pickle.dumps((method, moment, what)), within_s)
         except ChildFailed as error:
             raise NotKept(f'nothing could be worked out: {error}') from error
         worked, found = pickle.loads(answer)
@@ -101,7 +112,7 @@ class _Answers:
         except Exception as error:  # noqa: BLE001 - told to whoever asks
             return pickle.dumps((False, repr(error)))
 
-    def _answer(self, method: str, moment: Moment, what: object) -> object:
+    def _answer(self, method: str, moment: Moment, what: Sequence[object]) -> object:
         from bt_orchestrator.ros.types.action_types import InstalledActionTypes
         from bt_orchestrator.sim.what_if import EngineWhatIf
 
@@ -110,7 +121,7 @@ class _Answers:
         types = InstalledActionTypes()
         make = None if RECIPES.missing else self._maker(moment.cell, types).script
         what_if = EngineWhatIf(moment, types, trees, folders, any_path=any_path, make=make)
-        return getattr(what_if, method)(what)
+        return getattr(what_if, method)(*what)
 
     def _maker(self, cell: Cell, types: ActionTypes) -> Maker:
         """Return what generates scripts for a cell; it keeps those that it has made."""

@@ -97,6 +97,15 @@ class JobMoved(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class QueueArranged(Event):
+    """The queue was put into an order that was proposed; no place in it was chosen by a person."""
+
+    event: ClassVar[str] = 'queue.arranged'
+    jobs: tuple[str, ...]
+    """Its first jobs in their new order; all others keep their places."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class JobUpdated(OrderEvent):
     """A queued job was changed; the fields are its complete new values."""
 

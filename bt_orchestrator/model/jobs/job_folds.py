@@ -53,6 +53,11 @@ def job_moved(event: e.JobMoved, state: CellState) -> None:
     state.jobs.move(event.job, event.position)
 
 
+def queue_arranged(event: e.QueueArranged, state: CellState) -> None:
+    """Put the first jobs of the queue into another order; how they are compared stays."""
+    state.jobs.arrange(event.jobs)
+
+
 def job_updated(event: e.JobUpdated, state: CellState) -> None:
     """Replace a queued job, as if it had been queued that way."""
     script, live = state.scripts[event.digest], state.jobs.queued(event.job)

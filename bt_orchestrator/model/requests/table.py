@@ -120,6 +120,16 @@ ADD = _request(
     why=Why.NEVER, is_limited=True,
 )  # fmt: skip
 
+ARRANGE = _request(
+    About.QUEUE, 'arrange', 'puts the queue into the order that was proposed, if it is as it was',
+    _OPERATORS,
+    Parameter(
+        'queue_digest', Kind.TEXT, 'of the queue that it was proposed for', is_required=True
+    ),
+    Parameter('jobs', Kind.TEXTS, 'ids in the new order, as proposed', is_required=True),
+    is_limited=True,
+)  # fmt: skip
+
 MOVE = _request(
     About.JOB, 'move', 'puts a queued job at another place', _OPERATORS,
     Parameter('position', Kind.WHOLE, 'place in the queue, from 1', is_required=True),
@@ -252,6 +262,7 @@ TABLE: tuple[Request, ...] = (
     *CELL.values(),
     *STOP_AFTERS.values(),
     ADD,
+    ARRANGE,
     MOVE,
     NEXT,
     *_CONTROLS,

@@ -44,8 +44,11 @@ class LiveJobs(dict[str, 'JobState']):
         self._allowed: list[str] = []
         """Those in the queue that may start when it is their turn, in its order."""
         self._ranked: list[str] = []
-        """Those in the queue whose places follow from their urgency, in its order: the most urgent
-        first (semantics 6.7)."""
+        """Those in the queue whose places follow from their urgency, or from a proposal, in its
+        order (semantics 6.7)."""
+        self._mixed = 0
+        """So many of them, from the first, may stand in front of more urgent ones, as it was
+        proposed. Of the others the most urgent comes first."""
         self._awaiting: list[tuple[float, str]] = []
         """Those in the queue that wait for their start, with the time of it, by that time."""
         self._ending: set[str] = set()
@@ -56,6 +59,7 @@ class LiveJobs(dict[str, 'JobState']):
         """How many jobs name a flag."""
         for job in jobs:
             self.add(job)
+        self._mixed = self._last_mixed()
 
     def __iter__(self) -> Iterator[str]:
         return chain(self.line, self._order)
@@ -107,8 +111,10 @@ class LiveJobs(dict[str, 'JobState']):
 
         :param but: a job in the queue that is treated as if it were not there
         """
-        at = bisect_right(self._ranked, urgency, key=lambda name: self[name].job.terms.urgency)
-        behind = next((name for name in self._ranked[at : at + 2] if name != but), None)
+        mixed, of = self._mixed, self._urgency
+        at = bisect_right(self._ranked, urgency, mixed, key=of)
+        late = (name for name in self._ranked[:mixed] if of(name) > urgency)
+        behind = next((one for one in (*late, *self._ranked[at : at + 2]) if one != but), None)
         place = self.place(behind) if behind is not None else len(self._order) + 1
         return place - 1 if 0 < self.place(but) < place else place
 
@@ -185,6 +191,14 @@ class LiveJobs(dict[str, 'JobState']):
         job = self._take(name)
         self[name] = changed(job, ranked=ranked)
         self._put(name, place)
+
+    def arrange(self, names: Sequence[str]) -> None:
+        """Put the first jobs of the queue into another order."""
+        keys = [self._keys[name] for name in self._order[: len(names)]]
+        self._keys.update(zip(names, keys, strict=True))
+        for each in (self._order, self._allowed, self._ranked):
+            each.sort(key=self._keys.__getitem__)
+        self._mixed = self._last_mixed()
 
     def start(self, name: str, time: float) -> None:
         """Take a job out of the queue, behind those on the line; held ones in front stay."""
@@ -291,10 +305,19 @@ class LiveJobs(dict[str, 'JobState']):
     def _list(self, names: list[str], name: str, *, is_one: bool) -> None:
         at = self._at(names, name)
         is_there = names[at : at + 1] == [name]
-        if is_one and not is_there:
-            names.insert(at, name)
-        elif is_there and not is_one:
-            del names[at]
+        if is_one == is_there:
+            return
+        if names is self._ranked and at < self._mixed:
+            self._mixed += 1 if is_one else -1
+        names[at : at + is_there] = [name] * is_one
+
+    def _urgency(self, name: str) -> tuple[int, float]:
+        return self[name].job.terms.urgency
+
+    def _last_mixed(self) -> int:
+        """Return the place of the last ranked job that is more urgent than the one before it."""
+        ranked = list(map(self._urgency, self._ranked))
+        return next((at for at in range(len(ranked) - 1, 0, -1) if ranked[at - 1] > ranked[at]), 0)
 
     def _await(self, name: str, *, waits: bool) -> None:
         """Note whether a job in the queue waits for its start, which does not change meanwhile."""

@@ -69,6 +69,13 @@ def endpoints(questions: Questions, queue: Queue) -> tuple[Endpoint, ...]:
         ),
         Endpoint(
             'POST',
+            '/api/queue/propose',
+            routes.propose,
+            'proposes an order of the queue, with the offer that applies it; nothing is done',
+            refusals=_UNKNOWN,
+        ),
+        Endpoint(
+            'POST',
             '/api/orders/check',
             routes.check,
             'tells whether an order would be queued, each mistake at its key; nothing is done',
@@ -103,6 +110,10 @@ class _Routes:
         return await _answered(
             self._questions.what_if(asked, self._queue.queued, request.is_disconnected)
         )
+
+    async def propose(self, request: Request) -> Response:
+        asked = self._questions.propose(self._queue.queued, request.is_disconnected)
+        return await _answered(asked)
 
     async def check(self, request: Request) -> Response:
         order = (await body_of(request)).get('order')

@@ -11,8 +11,16 @@ from bt_orchestrator.errors import NotKept, Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import Asked, ask, of_name
-from bt_orchestrator.ports import CheckedOrder, ExpectedJob, JobChange, Moment, Planning
+from bt_orchestrator.ports import (
+    CheckedOrder,
+    ExpectedJob,
+    JobChange,
+    Moment,
+    Planning,
+    ProposedJob,
+)
 from bt_orchestrator.script.orders.plain_order import order_from
+from bt_orchestrator.web.offers import arrange_offer
 
 MOST_WAITING = 8
 """Questions at a time; a browser that goes on asking withdraws the ones before."""
@@ -64,6 +72,27 @@ class Questions:
                 'notes': list(found.notes),
                 'left_out': max(0, queued - QUEUE_SHOWN),
                 'computed_s': round(time.monotonic() - began, 1),
+            }
+
+        return await self._ask(work, is_gone)
+
+    async def propose(self, queued: int, is_gone: IsGone) -> Body:
+        """Return an order for the queue, with the offer that applies it; ends as in `what_if`.
+
+        :param queued: length of the queue
+        :raises NodeUnreachable: it does not tell its state
+        :raises NotKept: nothing could be worked out
+        """
+
+        def work(planning: Planning, moment: Moment) -> Body:
+            found = planning.propose(moment)
+            offer = arrange_offer(found.order, found.queue_digest) if found.is_new else None
+            return {
+                **found._asdict(),
+                'jobs': [_proposed(one, moment.now_s) for one in found.jobs],
+                'unknown': dict(found.unknown),
+                'offer': offer,
+                'left_out': max(0, queued - QUEUE_SHOWN),
             }
 
         return await self._ask(work, is_gone)
@@ -135,13 +164,13 @@ def _orders(plain: object) -> object:
 
 
 def _ends(jobs: Sequence[ExpectedJob], moment: Moment) -> list[Body]:
-    return [{'job': one.job, 'ends': _end(one, moment.now_s)} for one in jobs]
+    return [{'job': one.job, 'ends': _time(one.ends_s, moment.now_s)} for one in jobs]
 
 
 def _changed(job: JobChange, now_s: float) -> Body:
     """Return what becomes of a job; `before` and `after` stand where it is there."""
     here = {'before': job.before, 'after': job.after}
-    ends = {name: _end(one, now_s) for name, one in here.items() if one is not None}
+    ends = {name: _time(one.ends_s, now_s) for name, one in here.items() if one is not None}
     return {
         'job': job.job,
         'change': job.change,
@@ -153,8 +182,14 @@ def _changed(job: JobChange, now_s: float) -> Body:
     }
 
 
-def _end(job: ExpectedJob, now_s: float) -> float | None:
-    return None if job.ends_s is None else now_s + job.ends_s
+def _time(from_now_s: float | None, now_s: float) -> float | None:
+    return None if from_now_s is None else now_s + from_now_s
+
+
+def _proposed(one: ProposedJob, now_s: float) -> Body:
+    ends, new_ends = _time(one.ends_s, now_s), _time(one.new_ends_s, now_s)
+    plain = {name: value for name, value in one._asdict().items() if not name.endswith('_s')}
+    return {**plain, 'ends': ends, 'new_ends': new_ends}
 
 
 def _plain(found: CheckedOrder) -> Body:

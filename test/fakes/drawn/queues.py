@@ -5,7 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from random import Random
 
-from fakes.commands import Abort, Clear, MoveJob, Reset, Resume, RunNext, Start, Stop, StopAfter
+from fakes.commands import (
+    Abort,
+    Arrange,
+    Clear,
+    MoveJob,
+    Reset,
+    Resume,
+    RunNext,
+    Start,
+    Stop,
+    StopAfter,
+)
 from fakes.virtual_run import BY, VirtualRun, defaults
 
 from bt_orchestrator.model.belt_statement import believed, parse_slots
@@ -14,11 +25,12 @@ from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJ
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state.proposed import queue_digest
 from bt_orchestrator.runtime.job_queue import CONTROLS
 
 KINDS = (
     *('add', 'add', 'move', 'next', 'update', 'control', 'control', 'stop', 'cell', 'service'),
-    *('script', 'requeue', 'requeue'),
+    *('script', 'requeue', 'requeue', 'arrange'),
 )
 BY_RECIPE = RecipeChoice(('R-1',))
 CELL = (Reset, Start, Stop, Abort, Resume)
@@ -93,6 +105,8 @@ class QueueOperator:
             return run.ask(StopAfter(chance.choice(('item', 'job', 'never', 'never')), BY))
         if kind == 'cell':
             return self._cell(run)
+        if kind == 'arrange':
+            return self._arrange(run)
         name = f'Q{chance.randint(0, self._given)}'
         if kind == 'move':
             return run.ask(MoveJob(name, chance.randint(1, 3), BY))
@@ -103,6 +117,15 @@ class QueueOperator:
         if kind == 'update':
             return run.ask(UpdateJob(self._job(name), BY))
         return run.control(chance.choice(list(CONTROLS)), name)
+
+    def _arrange(self, run: VirtualRun) -> Answer:
+        """Put jobs whose places nobody chose into any order, now and then of another queue."""
+        jobs = run.state.jobs
+        free = [one.job.id for one in jobs.queue() if one.ranked]
+        others = iter(self._chance.sample(free, len(free)))
+        wanted = [next(others) if one.ranked else one.job.id for one in jobs.queue()]
+        digest = queue_digest(jobs) if self._chance.random() < 0.9 else ''
+        return run.ask(Arrange(wanted, digest, BY))
 
     def _requeue(self, run: VirtualRun) -> Answer:
         line = run.state.jobs.line

@@ -29,7 +29,7 @@ from bt_orchestrator.runtime.deciding import DECIDERS
 ANN = engineer('Ann', 'test', 'because')
 STATE = Line().begin().state
 
-OF_KIND: dict[Kind, object] = {Kind.TEXT: 'it', Kind.WHOLE: 2}
+OF_KIND: dict[Kind, object] = {Kind.TEXT: 'it', Kind.WHOLE: 2, Kind.TEXTS: ['it']}
 OF_ORDERS = ('queue.add', 'job.update')
 
 

@@ -55,6 +55,12 @@ def of_the_queue() -> Iterator[Step]:
     yield 'job.clear', {'job': 'C'}
 
 
+def of_a_proposal() -> Iterator[Step]:
+    yield 'queue.add', {'orders': orders('A', 'B', 'C'), 'held': True}
+    yield 'queue.arrange', {'queue_digest': 'e853b65b8501', 'jobs': ['C', 'A', 'B']}
+    yield 'queue.arrange', {'queue_digest': 'e853b65b8501', 'jobs': ['A', 'B', 'C']}
+
+
 def of_recipes() -> Iterator[Step]:
     yield 'queue.add', {'orders': [WorkOrder('', 'R', 3, {}, recipe=RecipeChoice(('BOX',)))]}
     yield 'script.release_script', {'script': 'boxes'}
@@ -96,6 +102,7 @@ def of_the_cell() -> Iterator[Step]:
 
 STORIES: Mapping[str, Sequence[Step]] = {
     'queue': tuple(of_the_queue()),
+    'proposal': tuple(of_a_proposal()),
     'recipes': tuple(of_recipes()),
     'cell': tuple(of_the_cell()),
     **{

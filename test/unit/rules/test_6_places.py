@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from fakes.commands import MoveJob, RunNext
+from fakes.commands import Arrange, MoveJob, RunNext
 from fakes.line import THREE, Line
 from fakes.queued_jobs import LINE, SCRIPT, begun, queue
 from fakes.virtual_run import BY, VirtualRun
@@ -16,8 +17,11 @@ from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import NO_TERMS, Job, Terms
 from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
+from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.state.proposed import queue_digest
 
+LATE = Terms(due=10.0)
 ADVISORY = replace(LINE.cell, start=Start.ADVISORY)
 
 
@@ -152,6 +156,80 @@ def test_6_7_jobs_of_an_older_program_keep_their_places() -> None:
     state = state_from_plain(ADVISORY, older)
     assert [job.ranked for job in state.jobs.queue()] == [False, False]
     assert state.jobs.place_for(Terms(9).urgency) == 3
+
+
+# --- an order that was proposed -------------------------------------------------------------
+
+
+def arrange(run: VirtualRun, order: str, digest: str | None = None) -> Answer:
+    told = queue_digest(run.state.jobs) if digest is None else digest
+    return run.ask(Arrange(order, told, BY))
+
+
+def test_6_7_a_proposed_order_is_one_record_and_the_line_begins_it() -> None:
+    run = line_with(*map(order, 'KLM'))
+    assert arrange(run, 'MKL').message == 'the order of the queue is M, K, L'
+    assert queue(run) == 'MKL'
+    (record,) = run.all('queue.arranged')
+    assert record['jobs'] == ['M', 'K', 'L']
+    (decided,) = run.all('operator.decided', answer='arrange')
+    assert (decided['who'], decided['seq']) == ('Ann', record['seq'] - 1)
+    run.go()
+    assert begun(run) == list('JMKL')
+
+
+def test_6_7_later_orders_are_compared_with_jobs_of_a_proposed_order() -> None:
+    run = line_with(order('K', 2), order('L'), order('M', 0, 60.0), order('N', 0, 90.0))
+    assert queue(run) == 'KMNL'
+    assert arrange(run, 'LKNM').accepted
+    give(run, order('A', 1), order('B', 0, 70.0), order('C'), order('D', 9))
+    assert queue(run) == 'DABLKNMC', 'before the first that is less urgent, else at the end'
+    assert run.ask(UpdateJob(order('M', 3), BY)).accepted
+    assert queue(run) == 'DMABLKNC'
+
+
+def test_6_7_an_order_is_refused_if_the_queue_has_changed_since_it_was_proposed() -> None:
+    changes: dict[str, Callable[[VirtualRun], object]] = {
+        'N came': lambda run: give(run, order('N')),
+        'K left it': lambda run: run.control('cancel', 'K'),
+        'an order, a hold or a place': lambda run: run.control('hold', 'L'),
+        'an order,': lambda run: run.ask(UpdateJob(replace(order('L'), quantity=2), BY)),
+        'an order, a': lambda run: run.ask(UpdateJob(replace(order('L'), terms=LATE), BY)),
+        'a place in it is another one': lambda run: run.ask(MoveJob('K', 1, BY)),
+        'another one; propose': lambda run: run.ask(MoveJob('K', 2, BY)),
+    }
+    for what, change in changes.items():
+        run = line_with(*map(order, 'KLM'))
+        digest = queue_digest(run.state.jobs)
+        change(run)
+        before = queue(run)
+        refused = arrange(run, 'MKL', digest)
+        assert not refused.accepted
+        assert refused.message.startswith('the queue has changed since: '), refused
+        assert what in refused.message
+        assert queue(run) == before
+
+
+def test_6_7_of_a_proposed_order_every_job_is_named_once_and_chosen_places_stay() -> None:
+    run = line_with(*map(order, 'KLM'))
+    assert arrange(run, 'MK').message == 'jobs are K, L, M, each once, in the new order'
+    assert arrange(run, 'MKK').message == 'jobs are K, L, M, each once, in the new order'
+    assert arrange(run, 'KLM').message == 'the queue is in this order'
+    run.ask(MoveJob('L', 2, BY))
+    assert arrange(run, 'LKM').message == 'L stays at place 2, which a person chose; use move'
+    assert arrange(run, 'MLK').accepted
+    assert queue(run) == 'MLK'
+    assert [job.ranked for job in run.state.queue] == [True, False, True]
+
+
+def test_6_7_of_a_long_queue_the_first_jobs_are_arranged() -> None:
+    run = line_with(*(order(f'Q{number:03}') for number in range(QUEUE_SHOWN + 3)))
+    first = [job.job.id for job in run.state.queue[:QUEUE_SHOWN]]
+    digest = queue_digest(run.state.jobs)
+    give(run, order('late'))
+    assert run.ask(Arrange(first[::-1], digest, BY)).accepted, 'behind them one may come'
+    names = [job.job.id for job in run.state.queue]
+    assert names == [*first[::-1], 'Q100', 'Q101', 'Q102', 'late']
 
 
 # --- start ----------------------------------------------------------------------------------

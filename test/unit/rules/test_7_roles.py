@@ -9,6 +9,7 @@ import pytest
 from fakes.commands import (
     Abort,
     AnswerHold,
+    Arrange,
     ControlJob,
     MoveJob,
     Pause,
@@ -46,6 +47,7 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
     'cell.stop_after_item': lambda by: StopAfter('item', by),
     'cell.stop_after_never': lambda by: StopAfter('never', by),
     'queue.add': lambda by: AddJobs((Job('K', SCRIPT, 1, {}),), by),
+    'queue.arrange': lambda by: Arrange('J', '', by),
     'job.move': lambda by: MoveJob('J', 1, by),
     'job.next': lambda by: RunNext('J', by),
     'job.update': lambda by: UpdateJob(Job('J', SCRIPT, 7, {}), by),

@@ -25,7 +25,12 @@ from bt_orchestrator.web.access import IDLE_S
 
 SUBJECTS = {About.JOB: 'WO-1', About.ITEM: 'WO-1/1', About.HOLD: '1'}
 
-VALUES = {Kind.WHOLE: 1, Kind.ORDERS: [{'order': 'WO-7', 'script': 'small', 'quantity': 1}]}
+VALUES = {
+    Kind.WHOLE: 1,
+    Kind.TEXT: 'd1ge57',
+    Kind.TEXTS: ['WO-1'],
+    Kind.ORDERS: [{'order': 'WO-7', 'script': 'small', 'quantity': 1}],
+}
 """Of parameters that a request cannot do without."""
 
 _tickets = itertools.count(1)

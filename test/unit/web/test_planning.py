@@ -27,6 +27,8 @@ from bt_orchestrator.ports import (
     Consequence,
     ExpectedJob,
     Moment,
+    Proposal,
+    ProposedJob,
     QueuePage,
     WrongField,
 )
@@ -42,12 +44,28 @@ ORDER = {'script': 'other', 'order': 'WO-9', 'quantity': 2, 'params': {'lot': '5
 SCRIPT = expanded(f'script: other\nparams: {{lot: {{type: str}}}}\n{THREE}')
 
 
+PROPOSAL = Proposal(
+    (
+        ProposedJob('B', 2, 1, 0, 1030.0, 40.0, 20.0),
+        ProposedJob('A', 1, 2, 0, None, 20.0, None, 'it is held in the queue'),
+    ),
+    'd1ge57',
+    10.0,
+    0.0,
+    looked_at=2,
+    orders=2,
+    is_best=True,
+    unknown={'A': 'A is held'},
+)
+
+
 class Planned:
     """Notes what was asked. Implements `ports.Planning`."""
 
     def __init__(self) -> None:
         self.asked: list[Sequence[Asked]] = []
         self.checked: list[Mapping[str, object]] = []
+        self.proposal = PROPOSAL
         self.why_not = ''
         self.is_closed = False
 
@@ -56,6 +74,10 @@ class Planned:
         self.asked.append(requests)
         before = [ExpectedJob('A', 10.0), ExpectedJob('B', None)]
         return Consequence(before, before[:1], ['job.next: no'], due_s={'A': 8.0})
+
+    def propose(self, moment: Moment) -> Proposal:
+        self._refuse(moment)
+        return self.proposal
 
     def check(self, moment: Moment, order: Mapping[str, object]) -> CheckedOrder:
         self._refuse(moment)
@@ -126,6 +148,41 @@ class Bench:
 def bench() -> Iterator[Bench]:
     with closing(Bench()) as one:
         yield one
+
+
+def test_a_proposed_order_comes_with_the_offer_that_applies_it(bench: Bench) -> None:
+    bench.queue.queued = QUEUE_SHOWN + 2
+    answer = bench.browser.post('/api/queue/propose', {})
+    assert answer.status == 200
+    found = answer.json
+    first, second = found['jobs']
+    assert first == {
+        'job': 'B',
+        'place': 2,
+        'new_place': 1,
+        'priority': 0,
+        'due': 1030.0,
+        'stays': '',
+        'ends': 1040.0,
+        'new_ends': 1020.0,
+    }
+    assert (second['ends'], second['new_ends']) == (1020.0, None)
+    assert (found['late_s'], found['new_late_s'], found['is_best']) == (10.0, 0.0, True)
+    assert found['unknown'] == {'A': 'A is held'}
+    assert found['left_out'] == 2
+    offer, order = found['offer'], {'jobs': ['B', 'A'], 'queue_digest': 'd1ge57'}
+    assert offer['path'] == '/api/requests/queue.arrange'
+    assert (offer['body'], offer['parameters']) == (order, [])
+    assert offer['foresee'] == {'name': 'queue.arrange', 'arguments': order}
+    assert offer['roles'] == ['operate', 'engineer']
+
+
+def test_a_queue_that_stands_best_as_it_is_has_no_offer(bench: Bench) -> None:
+    jobs = [one._replace(new_place=one.place) for one in reversed(PROPOSAL.jobs)]
+    bench.planned.proposal = PROPOSAL._replace(jobs=jobs)
+    assert bench.browser.post('/api/queue/propose', {}).json['offer'] is None
+    bench.planned.why_not = 'the state cannot be told'
+    assert bench.browser.post('/api/queue/propose', {}).status == 503
 
 
 def test_ends_are_told_as_times(bench: Bench) -> None:

@@ -14,7 +14,7 @@ from fakes.operator import engineer
 
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import Asked, ask
-from bt_orchestrator.ports import CheckedOrder, Consequence, Moment
+from bt_orchestrator.ports import CheckedOrder, Consequence, Moment, Proposal
 from bt_orchestrator.sim.virtual_link import VirtualLink
 from bt_orchestrator.sim.virtual_node import VirtualNode
 from bt_orchestrator.sim.what_if import EngineWhatIf
@@ -32,6 +32,9 @@ class PlanningHere:
 
     def what_if(self, moment: Moment, requests: Sequence[Asked]) -> Consequence:
         return EngineWhatIf(moment, self._types).ask(requests)
+
+    def propose(self, moment: Moment) -> Proposal:
+        return EngineWhatIf(moment, self._types).propose()
 
     def check(self, moment: Moment, order: Mapping[str, object]) -> CheckedOrder:
         return EngineWhatIf(moment, self._types).check(order)

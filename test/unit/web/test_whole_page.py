@@ -35,6 +35,13 @@ from bt_orchestrator.web.page import WebPage
 from bt_orchestrator.web.request_paths import ANY
 from bt_orchestrator.web.server import PageServer
 
+NEEDED = {
+    'position': 1,
+    'orders': [{'script': 'small'}],
+    'queue_digest': 'd1ge57',
+    'jobs': ['WO-1'],
+}
+"""Arguments that a request cannot do without."""
 ADDRESS = '10.0.0.1'
 
 
@@ -141,7 +148,7 @@ def test_bodies_are_json_schemas_and_every_request_fits_its_own(document: Any) -
         schema = schemas[ANY]
         body = {request.subject.name: 'x'} if request.subject is not None else {}
         needed = {
-            one.name: {'position': 1, 'orders': [{'script': 'small'}]}[one.name]
+            one.name: NEEDED[one.name]
             for one in request.parameters
             if one.is_required and one.name not in body
         }

@@ -25,14 +25,15 @@ import { clock } from '../core/store.js';
  * @param {string} [options.about] names what it is about
  * @param {Object} [options.values] parameters that are known already
  * @param {string} [options.hold] id of the hold that it answers
+ * @param {string} [options.said] what is to be known before, beside what it does
  * @returns {Promise<boolean>} whether it was accepted
  */
-export async function ask(offer, { about = '', values = {}, hold = '' } = {}) {
+export async function ask(offer, { about = '', values = {}, hold = '', said = '' } = {}) {
   if (isEmergency(offer)) return sendAtOnce(offer, titleOf(offer, about));
   if ((!who().role || who().is_locked) && !(await askToLogIn())) return false;
-  if (may(offer.name)) return openCommand(offer, titleOf(offer, about), values, hold);
+  if (may(offer.name)) return openCommand(offer, titleOf(offer, about), values, hold, said);
   const isOther = await askForAnother(offer, titleOf(offer, about));
-  return isOther ? ask(offer, { about, values, hold }) : false;
+  return isOther ? ask(offer, { about, values, hold, said }) : false;
 }
 
 /** Say who may do it; tell whether somebody else has logged in to do it. */

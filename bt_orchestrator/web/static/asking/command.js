@@ -21,18 +21,20 @@ import { whatIf } from './what_if.js';
  * @param {string} title
  * @param {Object} known parameters that are not asked for
  * @param {string} [hold] id of the hold that it answers: the dialog is closed when it is over
+ * @param {string} [said] what is to be known before, beside what it does
  * @returns {Promise<boolean>} whether the command was accepted, when the dialog is closed
  */
-export function openCommand(offer, title, known, hold = '') {
-  return new Promise((resolve) => new Command(offer, title, known, hold, resolve).open());
+export function openCommand(offer, title, known, hold = '', said = '') {
+  return new Promise((resolve) => new Command(offer, title, known, hold, said, resolve).open());
 }
 
 class Command {
-  constructor(offer, title, known, hold, done) {
+  constructor(offer, title, known, hold, said, done) {
     this.offer = offer;
     this.title = title;
     this.known = known;
     this.hold = hold;
+    this.said = said;
     this.done = done;
     this.form = parameterForm({ ...offer, body: { ...offer.body, ...known } });
     this.reason = reasonField(offer.name, offer.why === 'first');
@@ -47,6 +49,7 @@ class Command {
   open() {
     const content = [
       h('p', { class: 'effect' }, effectOf(this.offer)),
+      this.said ? h('p', { class: 'said-before' }, this.said) : '',
       this.form.element,
       this.ahead?.element ?? '',
       this.reason.element,

@@ -7,6 +7,7 @@ import { t } from '../core/text.js';
 import { jobRow } from './queue/job_row.js';
 import { moreJobs } from './queue/more_jobs.js';
 import { moving } from './queue/moving.js';
+import { proposing } from './queue/proposing.js';
 
 const GROUPS = ['line', 'queue', 'ended'];
 
@@ -17,10 +18,12 @@ export function mount(root, route) {
   const groups = Object.fromEntries(GROUPS.map((name) => [name, group(name, context)]));
   const more = moreJobs(update);
   groups.queue.element.append(more.element);
+  const proposal = proposing();
   const stops = h('p', { class: 'queue-stops warn', hidden: true });
   const toOrder = h('a', { class: 'button', href: '#/order' }, t('nav.order'));
   root.append(
-    h('div', { class: 'queue-head' }, h('h1', {}, t('queue.title')), stops, toOrder),
+    h('div', { class: 'queue-head' }, h('h1', {}, t('queue.title')), stops, proposal.button, toOrder),
+    proposal.words,
     ...GROUPS.map((name) => groups[name].element),
     move.tray,
   );
@@ -34,6 +37,7 @@ export function mount(root, route) {
     const queue = [...waiting, ...more.jobs()];
     const begun = listed.filter((job) => !job.position);
     move.update(queue, cell.queued);
+    proposal.update(cell.queued);
     groups.line.update(begun.filter((job) => !job.is_over));
     groups.queue.update(queue, cell.queued);
     groups.ended.update(begun.filter((job) => job.is_over).reverse());

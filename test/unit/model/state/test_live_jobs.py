@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 from fakes.line import THREE, Line, with_section
 from fakes.profiles import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.model.state.live_jobs import LiveJobs
 
@@ -22,8 +23,10 @@ SCRIPTS = {
 }
 
 
-def job(name: str, script: str, *, held: bool) -> JobState:
-    return JobState(Job(name, SCRIPTS[script], 1), script, held=held)
+def job(name: str, script: str, *, held: bool, priority: int | None = None) -> JobState:
+    """Return a job; with a priority its place follows from that."""
+    order = Job(name, SCRIPTS[script], 1, terms=Terms(priority or 0))
+    return JobState(order, script, held=held, ranked=priority is not None)
 
 
 class Plain:
@@ -67,7 +70,22 @@ class Plain:
             assert jobs.users(digest) == sum(one.digest == digest for one in self.every)
         flags = {d.flag for one in self.every for d in one.job.script.dependencies}
         assert jobs.names_flag('seen') is ('seen' in flags)
-        assert LiveJobs(self.every) == jobs
+        again = LiveJobs(self.every)
+        assert again == jobs
+        buts = ['', *(one.job.id for one in self.queue)]
+        for priority in range(4):
+            urgency = Terms(priority).urgency
+            places = [
+                self.place_for(urgency, but) for but in ('', *(n.job.id for n in self.queue))
+            ]
+            for each in (jobs, again):
+                assert places == [each.place_for(urgency, but) for but in buts]
+
+    def place_for(self, urgency: tuple[int, float], but: str = '') -> int:
+        """Return the place before the first ranked one that is less urgent."""
+        queue = [one for one in self.queue if one.job.id != but]
+        late = (n for n, one in enumerate(queue) if one.ranked and one.job.terms.urgency > urgency)
+        return next(late, len(queue)) + 1
 
 
 @examples(150, 2000)
@@ -75,18 +93,28 @@ class Plain:
 def test_it_is_as_in_a_list(data: st.DataObject) -> None:
     jobs, plain = LiveJobs(), Plain()
     for number in range(data.draw(st.integers(1, 25))):
-        acts = ['add', 'add', 'insert']
+        acts = ['add', 'add', 'insert', 'rank', 'rank', 'arrange']
         lasting = [one for one in plain.queue if not one.aborting]
         may_start = [one for one in lasting if not one.held]
         acts += ['hold', 'release', 'move', 'change'] if lasting else []
         acts += ['start'] if may_start else []
         acts += ['remove', 'abort'] if plain.every else []
         act = data.draw(st.sampled_from(acts))
-        if act in ('add', 'insert'):
+        if act == 'arrange':
+            names = [one.job.id for one in plain.queue]
+            first = data.draw(st.integers(0, len(names)))
+            wanted = data.draw(st.permutations(names[:first]))
+            jobs.arrange(wanted)
+            plain.queue[:first] = [jobs[name] for name in wanted]
+        elif act in ('add', 'insert', 'rank'):
             script = data.draw(st.sampled_from(sorted(SCRIPTS)))
-            new = job(f'J{number}', script, held=data.draw(st.booleans()))
+            priority = data.draw(st.integers(0, 3)) if act == 'rank' else None
+            held = data.draw(st.booleans())
+            new = job(f'J{number}', script, held=held, priority=priority)
             last = len(plain.queue) + 1
             place = data.draw(st.integers(1, last)) if act == 'insert' else None
+            if act == 'rank':
+                place = plain.place_for(new.job.terms.urgency)
             jobs.add(new, place)
             plain.queue.insert((place or last) - 1, new)
         else:
@@ -118,7 +146,8 @@ def _act(act: str, one: JobState, jobs: LiveJobs, plain: Plain, data: st.DataObj
     elif act == 'change':
         digest = data.draw(st.sampled_from(sorted(SCRIPTS)))
         with jobs.changing(name) as changed:
-            changed.job, changed.digest = Job(name, SCRIPTS[digest], 2), digest
+            changed.job = replace(changed.job, script=SCRIPTS[digest], quantity=2)
+            changed.digest = digest
         assert jobs[name].digest == digest
     elif act == 'abort':
         jobs.abort(name, 'why')

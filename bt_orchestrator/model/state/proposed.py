@@ -1,0 +1,49 @@
+"""An order that was proposed for the queue: which queue it is for, and whether it fits (6.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from bt_orchestrator.model.codec import digest_of, to_plain
+from bt_orchestrator.model.limits import QUEUE_SHOWN, listed
+from bt_orchestrator.model.state.jobs import JobState
+from bt_orchestrator.model.state.live_jobs import LiveJobs
+
+
+def queue_digest(jobs: LiveJobs) -> str:
+    """Return a digest of the first jobs of the queue, with what can be changed of them.
+
+    What passes by itself is no part of it, such as the wait for a start.
+    """
+    return digest_of([_facts(one) for one in jobs.queue(most=QUEUE_SHOWN)])
+
+
+def _facts(one: JobState) -> list[Any]:
+    job = one.job
+    order = [job.id, one.digest, job.quantity, to_plain(job.params), to_plain(job.terms)]
+    return [*order, one.held, one.ranked, one.aborting]
+
+
+def refused_order(jobs: LiveJobs, wanted: Sequence[str], digest: str) -> str | None:
+    """Say why the queue is not put into an order; None: it can be.
+
+    :param digest: of the queue that the order was proposed for
+    """
+    queue = jobs.queue(most=QUEUE_SHOWN)
+    names = [one.job.id for one in queue]
+    if digest != queue_digest(jobs):
+        return f'the queue has changed since: {_change(names, wanted)}; propose an order again'
+    if sorted(wanted) != sorted(names):
+        return f'jobs are {listed(names, "none")}, each once, in the new order'
+    for place, (job, name) in enumerate(zip(queue, wanted, strict=True), start=1):
+        if not job.ranked and job.job.id != name:
+            return f'{job.job.id} stays at place {place}, which a person chose; use move'
+    return 'the queue is in this order' if names == list(wanted) else None
+
+
+def _change(names: Sequence[str], wanted: Sequence[str]) -> str:
+    gone = [name for name in wanted if name not in names]
+    new = [name for name in names if name not in wanted]
+    told = [f'{listed(gone, "")} left it'] * bool(gone) + [f'{listed(new, "")} came'] * bool(new)
+    return ' and '.join(told) or 'an order, a hold or a place in it is another one'

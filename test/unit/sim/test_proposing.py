@@ -1,0 +1,264 @@
+"""An order for the queue: what is proposed, and that nothing better exists."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import permutations
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.commands import Arrange, ControlJob, MoveJob
+from fakes.line import THREE, Line
+from fakes.operator import engineer
+
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job, Terms
+from bt_orchestrator.model.keeping.snapshot import state_to_plain
+from bt_orchestrator.ports import Consequence, Moment, Proposal
+from bt_orchestrator.sim import proposing
+from bt_orchestrator.sim.queue_orders import FEW, GUESSES, KEPT, QueueOrders, Waiting
+from bt_orchestrator.sim.simulation import Simulation
+from bt_orchestrator.sim.what_if import EngineWhatIf
+from bt_orchestrator.store.memory import MemoryStore
+
+TYPES = FakeActionTypes()
+BY = engineer('Ann')
+LINE = Line(3, seconds={'a2': 5.0})
+SCRIPT = LINE.script(THREE)
+ITEM_S = 7.0
+"""An item each: the slowest section, and the move of the belt."""
+
+
+def order(name: str, quantity: int, due: float | None = None, priority: int = 0) -> Job:
+    return Job(name, SCRIPT, quantity, terms=Terms(priority, due=due))
+
+
+@contextmanager
+def line_with(*jobs: Job, until_s: float = 1.0) -> Iterator[Simulation]:
+    """Give a line on which a job runs, with others behind it."""
+    simulation = Simulation(LINE.cell, TYPES, MemoryStore())
+    simulation.submit([order('first', 2)])
+    for job in jobs:
+        assert simulation.orchestrator.ask(AddJobs((job,), BY)).accepted
+    go(simulation, until_s)
+    yield simulation
+    simulation.close()
+
+
+def go(simulation: Simulation, until_s: float = math.inf) -> None:
+    simulation.orchestrator.settle()
+    while simulation.state.jobs:
+        due = simulation.clock.next_deadline()
+        if due is None or due > until_s:
+            return
+        simulation.clock.advance()
+        simulation.orchestrator.settle()
+
+
+def what_if(simulation: Simulation) -> EngineWhatIf:
+    plain = json.loads(json.dumps(state_to_plain(simulation.state)))
+    return EngineWhatIf(Moment(simulation.state.cell, plain, simulation.clock.now()), TYPES)
+
+
+def proposed(simulation: Simulation) -> Proposal:
+    return what_if(simulation).propose()
+
+
+def late_s(found: Consequence, simulation: Simulation) -> float:
+    """Return how late jobs end together, of what would be."""
+    now_s = simulation.clock.now()
+    dues = {name: one.job.terms.due for name, one in simulation.state.jobs.items()}
+    ends = {one.job: one.ends_s for one in found.after}
+    return sum(
+        max(0.0, now_s + (ends[name] or 0.0) - due)
+        for name, due in dues.items()
+        if due is not None
+    )
+
+
+def after_moves(simulation: Simulation, names: Sequence[str]) -> Consequence:
+    """Return what would be if the queue were in an order, by moves of its jobs."""
+    moves = [MoveJob(name, place, BY) for place, name in enumerate(names, start=1)]
+    return what_if(simulation).ask(moves)
+
+
+MIXES = (
+    [('A', 6, 60.0), ('B', 1, 40.0), ('C', 2, 50.0), ('D', 3, None)],
+    [('A', 1, 200.0), ('B', 4, 30.0), ('C', 2, 60.0), ('D', 1, 45.0)],
+    [('A', 5, 90.0), ('B', 3, 91.0), ('C', 1, 92.0), ('D', 2, 70.0)],
+)
+
+
+@pytest.mark.parametrize('mix', MIXES)
+def test_6_7_of_few_orders_the_one_with_the_least_lateness_is_proposed(
+    mix: list[tuple[str, int, float | None]],
+) -> None:
+    with line_with(*(order(*one) for one in mix)) as simulation:
+        found = proposed(simulation)
+        names = [name for name, *_ in mix]
+        every = {
+            one: late_s(after_moves(simulation, one), simulation) for one in permutations(names)
+        }
+        least_s = min(every.values())
+        assert found.new_late_s == pytest.approx(least_s, abs=0.001 * len(mix))
+        assert every[tuple(found.order)] == pytest.approx(least_s, abs=0.001 * len(mix))
+        assert found.late_s == pytest.approx(every[tuple(names)], abs=0.001 * len(mix))
+        assert found.late_s > found.new_late_s
+        assert (found.is_best, found.orders) == (True, 24)
+        assert found.is_new
+        best = [one for one, late in every.items() if late < least_s + 0.0005]
+        moved = {one: sum(abs(one.index(n) - names.index(n)) for n in names) for one in best}
+        assert moved[tuple(found.order)] == min(moved.values()), 'the least is moved'
+
+
+def test_what_is_proposed_is_what_then_happens() -> None:
+    with line_with(*(order(*one) for one in MIXES[0])) as simulation:
+        found = proposed(simulation)
+        now_s = simulation.clock.now()
+        asked = Arrange(found.order, found.queue_digest, BY)
+        assert simulation.orchestrator.ask(asked).accepted
+        go(simulation)
+        ends = {name: one.ended_at for name, one in simulation.state.ended.items()}
+    assert {one.job: now_s + (one.new_ends_s or 0.0) for one in found.jobs} == pytest.approx(ends)
+    with line_with(*(order(*one) for one in MIXES[0])) as simulation:
+        go(simulation)
+        ends = {name: one.ended_at for name, one in simulation.state.ended.items()}
+    assert {one.job: now_s + (one.ends_s or 0.0) for one in found.jobs} == pytest.approx(ends)
+
+
+def test_6_7_priority_comes_before_lateness() -> None:
+    late = [order('A', 9, 300.0, priority=1), order('B', 1, 20.0), order('C', 1, 10.0)]
+    with line_with(*late) as simulation:
+        found = proposed(simulation)
+    assert found.order[0] == 'A'
+    assert found.orders == 2
+    assert found.new_late_s > 60.0
+
+
+def test_6_7_an_order_in_which_no_job_is_late_stays_as_it_is() -> None:
+    early = [order('A', 1, 900.0), order('B', 1), order('C', 1, 800.0), order('D', 1, 850.0)]
+    with line_with(*early) as simulation:
+        found = proposed(simulation)
+    assert (found.is_new, found.is_best, found.looked_at) == (False, True, 1)
+    assert (found.order, found.new_late_s) == (['A', 'B', 'C', 'D'], 0.0)
+
+
+Change = Callable[[Simulation], object]
+
+
+@pytest.mark.parametrize(
+    ('change', 'job', 'why'),
+    [
+        (lambda one: one.orchestrator.ask(MoveJob('A', 1, BY)), 'A', 'its place was chosen'),
+        (
+            lambda one: one.orchestrator.ask(ControlJob('hold', 'A', BY)),
+            'A',
+            'it is held in the queue',
+        ),
+    ],
+)
+def test_6_7_what_a_person_decided_stays(change: Change, job: str, why: str) -> None:
+    jobs = [order('A', 9, 500.0), order('B', 3, 35.0), order('C', 1, 25.0)]
+    with line_with(*jobs) as simulation:
+        assert proposed(simulation).order == ['C', 'B', 'A']
+        change(simulation)
+        found = proposed(simulation)
+    assert found.order == ['A', 'C', 'B']
+    assert {one.job: one.stays for one in found.jobs if one.stays} == {job: why}
+
+
+def test_a_job_without_an_end_says_why_and_hides_no_other() -> None:
+    jobs = [order('A', 9), order('B', 9, 500.0), order('C', 1, 25.0)]
+    with line_with(*jobs) as simulation:
+        simulation.orchestrator.ask(ControlJob('hold', 'A', BY))
+        found = proposed(simulation)
+    assert found.order == ['A', 'C', 'B']
+    assert list(found.unknown) == ['A']
+    assert {one.job for one in found.jobs if one.new_ends_s is None} == {'A'}
+
+
+def test_6_7_a_job_that_waits_for_its_start_is_passed_by_the_next() -> None:
+    """D is due first, but does not start before 60 s: nothing is gained by moving it."""
+    waits = Job('D', SCRIPT, 1, terms=Terms(start=60.0, due=80.0))
+    with line_with(order('B', 1, 40.0), order('C', 6, 78.0), waits) as simulation:
+        found = proposed(simulation)
+        every = {
+            one: late_s(after_moves(simulation, one), simulation) for one in permutations('BCD')
+        }
+    assert found.new_late_s == pytest.approx(min(every.values()), abs=0.003)
+
+
+def test_of_a_long_queue_the_best_of_those_looked_at_is_proposed_and_it_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Jobs alike: what is due first comes first, as no order is better then."""
+    monkeypatch.setattr(proposing, 'MOST_STEPS', 2000)
+    dues = [130.0, 40.0, 100.0, 60.0, 90.0, 50.0, 120.0, 80.0]
+    jobs = [order(f'J{number}', 2, due) for number, due in enumerate(dues)]
+    with line_with(*jobs) as simulation:
+        found, again = proposed(simulation), proposed(simulation)
+        by_due = sorted((due, job.id) for due, job in zip(dues, jobs, strict=True))
+        least = late_s(after_moves(simulation, [name for _, name in by_due]), simulation)
+    assert found == again
+    assert found.new_late_s == pytest.approx(least, abs=0.01)
+    assert (found.orders, found.is_best) == (math.factorial(8), False)
+    assert 1 < found.looked_at <= KEPT + 1
+
+
+def test_the_work_for_a_proposal_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(proposing, 'MOST_STEPS', 1)
+    with line_with(*(order(*one) for one in MIXES[0])) as simulation:
+        found = proposed(simulation)
+    assert (found.looked_at, found.is_best) == (2, False)
+    assert found.new_late_s < found.late_s
+
+
+def test_an_empty_queue_has_one_order() -> None:
+    with line_with() as simulation:
+        found = proposed(simulation)
+    assert [(one.job, one.place) for one in found.jobs] == [('first', 0)]
+    assert (found.orders, found.is_best, found.is_new) == (1, True, False)
+
+
+# --- what is looked at first ------------------------------------------------------------------
+
+
+def test_of_few_orders_all_are_told_and_none_moves_a_job_that_stays() -> None:
+    jobs = [Waiting(0, True, 5.0), Waiting(0, False, 1.0), Waiting(2, True, 9.0)]
+    orders = QueueOrders([*jobs, Waiting(0, True, 2.0)])
+    assert orders.count == 2
+    assert sorted(orders.promising()) == [(2, 1, 0, 3), (2, 1, 3, 0)]
+    assert orders.change((2, 1, 0, 3)) == 4
+
+
+def test_of_many_orders_bounded_many_are_told_and_the_guess_is_good() -> None:
+    works = [3.0, 9.0, 1.0, 7.0, 2.0, 8.0, 4.0, 6.0, 5.0]
+    jobs = [Waiting(0, True, 12.0 + at % 4 * 6, work_s=work) for at, work in enumerate(works)]
+    orders = QueueOrders(jobs)
+    assert orders.count > FEW
+    told = orders.promising()
+    assert len(set(told)) == len(told) == KEPT
+    assert all(sorted(one) == list(range(9)) for one in told)
+
+    def late(one: Sequence[int]) -> float:
+        now_s = total_s = 0.0
+        for at in one:
+            now_s += works[at]
+            total_s += max(0.0, now_s - jobs[at].due_s)
+        return total_s
+
+    least = [late(one) for one in told]
+    assert least == sorted(least)
+    assert least[0] == min(map(late, permutations(range(9))))
+
+
+def test_a_very_long_queue_is_guessed_within_bounds() -> None:
+    jobs = [Waiting(at % 3, True, at * 37 % 101, work_s=1.0 + at % 5) for at in range(100)]
+    orders = QueueOrders(jobs)
+    told = orders.promising()
+    assert len(told) == KEPT
+    assert len(orders._guesses) <= GUESSES + 3, 'and those that it begins with'
+    assert all([jobs[at].priority for at in one] == [2] * 33 + [1] * 33 + [0] * 34 for one in told)
