@@ -89,6 +89,7 @@ class GoalRequest:
     """Goal fields with plain values, references resolved."""
 
 
+@made_at_once
 @dataclass(frozen=True)
 class GoalEnd:
     """The end of a goal."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
@@ -87,7 +85,7 @@ class GoalFollower:
 
     def on_response(self, goal: RosGoal, response: Any) -> None:
         """Take the answer to the request."""
-        with self._failures_end(goal):
+        try:
             accepted = bool(response.accepted)
             if goal.end is not None:
                 self._on_late_response(goal, accepted)
@@ -97,6 +95,8 @@ class GoalFollower:
                 self.ask(goal, is_check=True)
             else:
                 self._on_accepted(goal)
+        except Exception as error:  # noqa: BLE001 - whatever it is, the other goals go on
+            self._on_failure(goal, error)
 
     def _on_accepted(self, goal: RosGoal) -> None:
         if goal.accepted or goal.end is not None:
@@ -113,14 +113,17 @@ class GoalFollower:
             self._client.request_cancel(goal.id)
 
     def _on_result(self, goal: RosGoal, is_check: bool, response: Any) -> None:
-        with self._failures_end(goal):
-            if goal.end is not None:
-                return
-            if response.status in _ENDS:
+        if goal.end is not None:
+            return
+        try:
+            status = response.status
+            if status in _ENDS:
                 goal.accepted = True
-                self._goals.end(goal, _ENDS[response.status], result=to_plain(response.result))
-            elif response.status == WireStatus.STATUS_UNKNOWN and is_check:
+                self._goals.end(goal, _ENDS[status], result=to_plain(response.result))
+            elif status == WireStatus.STATUS_UNKNOWN and is_check:
                 self._on_unknown(goal)
+        except Exception as error:  # noqa: BLE001 - as above
+            self._on_failure(goal, error)
 
     def _on_unknown(self, goal: RosGoal) -> None:
         goal.heard_s = time.monotonic()
@@ -155,13 +158,9 @@ class GoalFollower:
         there = self._client.status.publisher_id()
         return there if there == goal.denied_by else None
 
-    @contextmanager
-    def _failures_end(self, goal: RosGoal) -> Iterator[None]:
+    def _on_failure(self, goal: RosGoal, error: Exception) -> None:
         """End a goal after a message that cannot be handled: its real end is not known."""
-        try:
-            yield
-        except Exception as error:  # noqa: BLE001 - whatever it is, the other goals go on
-            report(self._logger)
-            if goal.end is None:
-                message = f'error while handling the answer of the server: {error}'
-                self._goals.end(goal, GoalStatus.LOST, message=message)
+        report(self._logger)
+        if goal.end is None:
+            message = f'error while handling the answer of the server: {error}'
+            self._goals.end(goal, GoalStatus.LOST, message=message)

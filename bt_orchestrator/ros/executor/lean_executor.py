@@ -98,13 +98,18 @@ class LeanExecutor(SingleThreadedExecutor):
         :raises TimeoutException: nothing came
         """
         assert nodes is None, 'it waits for the nodes that were added'
-        for _ in range(len(self._soon)):
-            yield _PlainTurn(self._soon.popleft()), None, None
-        tasks = self._open_tasks()
-        yield from tasks
-        if any(task.done() for task, _, _ in tasks):
-            return  # it may have made others, or what another one awaits
-        ready = self._wait(_deadline(timeout_sec), condition)
+        if self._soon:
+            yield _PlainTurn(self._call_soon), None, None
+        while True:
+            tasks = self._open_tasks()
+            yield from tasks
+            if any(task.done() for task, _, _ in tasks):
+                return  # it may have made others, or what another one awaits
+            ready = self._wait(_deadline(timeout_sec), condition)
+            if [one.kind for one in ready] != [PARTED] or not ready[0].may_run():
+                break
+            # What an answer asks for comes in its turn: to begin another one takes 0.03 ms.
+            yield _PlainTurn(ready[0].entity.run, self._call_soon), ready[0].entity, ready[0].node
         while ready:
             one = ready.pop(0)
             if one.may_run():
@@ -125,6 +130,10 @@ class LeanExecutor(SingleThreadedExecutor):
         if one.kind == PARTED:
             return _PlainTurn(one.entity.run)
         return self._make_handler(one.entity, one.node, self._take[one.kind])
+
+    def _call_soon(self) -> None:
+        for _ in range(len(self._soon)):
+            self._soon.popleft()()
 
     def _wait(self, until: float, condition: Callable[[], bool]) -> list[Member]:
         """Return what is ready; nothing if something else is to run.
@@ -161,13 +170,14 @@ class LeanExecutor(SingleThreadedExecutor):
 
 
 class _PlainTurn:
-    """A turn without a task of rclpy's: a call that awaits nothing and raises nothing."""
+    """A turn without a task of rclpy's: calls that await nothing and raise nothing."""
 
-    def __init__(self, call: Callable[[], None]) -> None:
-        self._call = call
+    def __init__(self, *calls: Callable[[], None]) -> None:
+        self._calls = calls
 
     def __call__(self) -> None:
-        self._call()
+        for call in self._calls:
+            call()
 
     def exception(self) -> None:
         """Return None: it raised nothing (rclpy asks after each turn)."""
