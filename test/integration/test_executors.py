@@ -389,6 +389,36 @@ def test_a_service_client_is_waited_for_while_it_awaits_an_answer(
     executor.shutdown()
 
 
+def test_what_an_answer_asks_for_comes_in_its_turn_and_what_that_asks_for_after_a_look(
+    context: Context, node: Node
+) -> None:
+    node.create_service(CancelGoal, 'cancel', lambda _, response: response)
+    client = Questions(node, CancelGoal, 'cancel')
+    PartedWaitable(node, node.get_logger(), [client])
+    counter = WaitCounter(node)
+    executor = LeanExecutor(context=context)
+    executor.add_node(node)
+    turn, seen = 0, []
+
+    def see(then: Callable[[], None] = lambda: None) -> None:
+        seen.append((turn, counter.waits))
+        then()
+
+    def soon(call: Callable[[], None]) -> Callable[[], None]:
+        return lambda: executor.soon(call)
+
+    spin_until(executor, client.is_served, 'the service')
+    client.ask(CancelGoal.Request(), lambda _: see(soon(lambda: see(soon(see)))))
+    until = time.monotonic() + PATIENCE_S
+    while len(seen) < 3 and time.monotonic() < until:
+        turn += 1
+        spin_once(executor, PATIENCE_S)
+    executor.shutdown()
+    answer, asked, further = seen
+    assert asked == answer
+    assert further == (answer[0] + 1, answer[1] + 1)
+
+
 class CountedRuns(PartedWaitable):
     """Counts its turns in which something came that was asked for."""
 

@@ -67,6 +67,8 @@ class ActionLink:
         self._server = SeenServer(self._clients)
         self._goals = OpenGoals(self._clients, news)
         self._prepared: dict[str, RosGoal] = {}
+        self._without_args: dict[str, Any] = {}
+        """Messages of goals without arguments by task: they are written out when they are sent."""
         self._rivals = Rivals(self._clients, partial(fresh_node, RIVALS_FRESH_S))
         self._strangers = Strangers(self._clients, self._goals)
         self._follower = GoalFollower(self._clients, self._goals, self._rivals, self._logger)
@@ -217,10 +219,14 @@ class ActionLink:
         goal.question = self._client.send(message, goal.id, answered)
 
     def _message(self, request: GoalRequest) -> Any:
+        if not request.args and request.task in self._without_args:
+            return self._without_args[request.task]
         message = self._class.Goal()
         fill(message, request.args)
         if self._type.has_task_field:
             fill(message, {TASK: self._task_value(request.task)})
+        if not request.args:
+            self._without_args[request.task] = message
         return message
 
     def _task_value(self, task: str) -> Any:
