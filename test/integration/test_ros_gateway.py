@@ -90,6 +90,20 @@ class TestAnyActionType:
         assert nested['byte_value'] == 200
         assert goal.end.result['nested_different_pkg'] == {'sec': 3, 'nanosec': 0}
 
+    def test_goals_with_and_without_arguments_keep_their_own(
+        self, bench: RosBench, servers: ThreadServers
+    ) -> None:
+        from test_msgs.action import NestedMessage
+
+        servers.serve('/nested', NestedMessage, echo_nested)
+        seen = []
+        for args in ({}, {'nested_field': {'int32_value': -7}}, {}):
+            goal = bench.gateway.send(goal_request('nested', '', **args))
+            assert ended(bench, goal) is GoalStatus.SUCCEEDED
+            assert goal.end is not None
+            seen.append(goal.end.result['nested_field']['int32_value'])
+        assert seen == [0, -7, 0]
+
 
 class TestRequest:
     def test_the_server_sees_the_uuid_and_the_task(self, cell: RosBench) -> None:
