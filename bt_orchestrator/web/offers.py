@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
-from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import About, Request, of_hold, requests_about
 from bt_orchestrator.model.requests.worthwhile import (
+    JobNow,
     worthwhile_for_cell,
     worthwhile_for_component,
     worthwhile_for_job,
@@ -77,58 +78,35 @@ def _component_offers(component: str, request: Request) -> Sequence[Offer]:
 
 def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
     """Return what can be asked of a job."""
-    return _job_offers(
-        job.id,
+    facts = JobFacts(
         job.state,
         job.ending,
-        awaits_start=job.awaits_start,
-        unreleased=job.unreleased,
-        unavailable=job.unavailable,
-        has_back=bool(back_for(job, status)),
-        is_held=job.held,
-        is_by_recipe=job.by_recipe,
+        job.awaits_start,
+        job.unreleased,
+        job.unavailable,
+        job.held,
+        job.by_recipe,
         left=min(job.to_begin, 1),  # whether any is left: the number changes too often
-        is_next=job.position == 1,
-        is_alone=status.queued <= 1,
-        is_cell_stopped=status.stop_reason is StopReason.OPERATOR,
+    )
+    return _job_offers(
+        job.id,
+        JobNow(
+            facts,
+            has_back=bool(back_for(job, status)),
+            is_next=job.position == 1,
+            is_alone=status.queued <= 1,
+            is_cell_stopped=status.stop_reason is StopReason.OPERATOR,
+        ),
     )
 
 
 @lru_cache(maxsize=1024)
-def _job_offers(
-    job: str,
-    state: JobWord,
-    ending: str,
-    *,
-    awaits_start: bool,
-    unreleased: str,
-    unavailable: tuple[str, ...],
-    has_back: bool,
-    is_held: bool,
-    is_by_recipe: bool,
-    left: int,
-    is_next: bool,
-    is_alone: bool,
-    is_cell_stopped: bool,
-) -> Sequence[Offer]:
-    """Return the offers of a job; cached for long queues: each status has 100 jobs."""
-    wanted = worthwhile_for_job(
-        state,
-        ending,
-        awaits_start=awaits_start,
-        unreleased=unreleased,
-        unavailable=unavailable,
-        has_back=has_back,
-        is_held=is_held,
-        is_by_recipe=is_by_recipe,
-        left=left,
-        is_next=is_next,
-        is_alone=is_alone,
-        is_cell_stopped=is_cell_stopped,
-    )
+def _job_offers(job: str, now: JobNow) -> Sequence[Offer]:
+    """Return the offers of a job, cached: each status tells 100 jobs of a long queue."""
+    unreleased = now.facts.unreleased
     of_script = requests_about(About.SCRIPT) if unreleased else ()
     release = (_offer(one, unreleased, without=('cell_digest',)) for one in of_script)
-    return [*release, *(_offer(request, job) for request in wanted)]
+    return [*release, *(_offer(request, job) for request in worthwhile_for_job(now))]
 
 
 def back_for(job: JobStatus, status: CellStatus) -> list[str]:

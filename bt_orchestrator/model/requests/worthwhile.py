@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 from bt_orchestrator.model.events import INDEX_KEY
 from bt_orchestrator.model.jobs import job_control
-from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
+from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests.possible import of_job
 from bt_orchestrator.model.requests.request import About, Request
@@ -66,41 +68,28 @@ def worthwhile_for_component(component: ComponentStatus) -> Request:
     return OUT_OF_SERVICE if component.out_of_service_since is None else IN_SERVICE
 
 
-def worthwhile_for_job(
-    word: JobWord,
-    ending: str,
-    *,
-    awaits_start: bool,
-    unreleased: str,
-    unavailable: Sequence[str],
-    has_back: bool,
-    is_held: bool,
-    is_by_recipe: bool,
-    left: int,
-    is_next: bool,
-    is_alone: bool,
-    is_cell_stopped: bool,
-) -> tuple[Request, ...]:
-    """Return the requests to a job that its state allows and that would change it.
+@dataclass(frozen=True)
+class JobNow:
+    """The facts that decide which requests to a job would change something."""
 
-    :param awaits_start: it waits for the start of its order
-    :param unreleased: digest of its script, if that is not released
-    :param unavailable: components out of service that it needs
-    :param has_back: it was made without a component that is in service again
-    :param is_held: a person keeps it from starting
-    :param is_by_recipe: its order named a recipe
-    :param left: how many of its items have not begun
-    :param is_next: it is the first one in the queue
-    :param is_alone: no other job is in the queue
-    :param is_cell_stopped: a person has stopped it; then every job on it has the word of a pause
-    """
+    facts: JobFacts
+    has_back: bool
+    """It was made without a component that is in service again."""
+    is_next: bool
+    """It is the first one in the queue."""
+    is_alone: bool
+    """No other job is in the queue."""
+    is_cell_stopped: bool
+    """A person has stopped it; then every job on it has the word of a pause."""
+
+
+def worthwhile_for_job(now: JobNow) -> tuple[Request, ...]:
+    """Return the requests to a job that its state allows and that would change it."""
+    facts = now.facts
     nothing_new = {
-        MOVE.word: is_alone,
-        NEXT.word: is_next and not is_held and not awaits_start,
-        job_control.RESUME.verb: is_cell_stopped,
-        job_control.REQUEUE.verb: not unavailable and not has_back,
+        MOVE.word: now.is_alone,
+        NEXT.word: now.is_next and not facts.is_held and not facts.awaits_start,
+        job_control.RESUME.verb: now.is_cell_stopped,
+        job_control.REQUEUE.verb: not facts.unavailable and not now.has_back,
     }
-    facts = job_control.JobFacts(
-        word, ending, awaits_start, unreleased, unavailable, is_held, is_by_recipe, left
-    )
     return tuple(one for one in of_job(facts) if not nothing_new.get(one.word, False))
