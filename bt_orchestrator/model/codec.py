@@ -85,7 +85,7 @@ def _text_of(value: Any) -> str:
     kind = type(value)
     if kind is int or (kind is float and math.isfinite(value)):
         return repr(value)
-    if kind is Script:
+    if kind in (Script, Cell):
         return text_of(value)
     return ''.join(_parts(to_plain(value), 0))
 
@@ -200,15 +200,15 @@ def event_types() -> Mapping[str, type[e.Event]]:
     return {c.event: c for c in classes if hasattr(c, 'event')}
 
 
-def text_of(script: Script) -> str:
-    """Return a script as JSON, on one line, that can be written as UTF-8.
+def text_of(definition: Script | Cell) -> str:
+    """Return a script or a cell as JSON, on one line, that can be written as UTF-8.
 
     It is computed once: a script of 10,000 tasks takes a second, and is written more than once. It
     is included when a script is sent to another process.
     """
-    known = vars(script)
+    known = vars(definition)
     if _TEXT not in known:
-        known[_TEXT] = json_of(script)
+        known[_TEXT] = json_of(definition)
     return str(known[_TEXT])
 
 

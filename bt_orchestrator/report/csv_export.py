@@ -18,8 +18,8 @@ COLUMNS = (
 )
 """New ones come at the end, before `more`: what has no column of its own, as JSON."""
 
-LEFT_OUT = ('definition',)
-"""The text of a script; it is in the jsonl export."""
+LEFT_OUT = ('definition', 'cell_definition')
+"""A whole script, a whole cell; they are in the jsonl export."""
 
 
 class CsvExport:

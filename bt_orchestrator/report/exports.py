@@ -8,7 +8,7 @@ from datetime import datetime
 from typing import IO, Any, Protocol
 
 from bt_orchestrator.model.codec import from_plain
-from bt_orchestrator.report.csv_export import CsvExport
+from bt_orchestrator.report.csv_export import LEFT_OUT, CsvExport
 from bt_orchestrator.report.xes_export import XesExport
 
 _SHOWN_FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
@@ -52,7 +52,7 @@ class Text(JsonLines):
         more = [
             f'{name}={shown(value)}'
             for name, value in record.items()
-            if name not in (*_SHOWN_FIRST, 'definition')
+            if name not in (*_SHOWN_FIRST, *LEFT_OUT)
         ]
         line = f'{moment}  #{record["seq"]:<6} {record["event"]:<21} {" ".join([*place, *more])}'
         super().write(line.rstrip())

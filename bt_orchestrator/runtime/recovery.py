@@ -221,6 +221,7 @@ def take_over(
         restored=found.is_copy,
         missing=found.missing,
         boot=boot,
+        cell_definition=state.cell,
     )
     yield from without_component(state)
     for name, component in state.cell.components.items():

@@ -28,11 +28,11 @@ from bt_orchestrator.report.account.booked import steady_time
 from bt_orchestrator.report.account.fold import AccountFold
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import US, us_of
+from bt_orchestrator.report.past_state import state_at
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.report.retrospect.course import CourseFold
 from bt_orchestrator.report.retrospect.retrospect import Retrospect
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
-from bt_orchestrator.sim.past import JournalPast
 from bt_orchestrator.sim.run_on import RunOn
 
 LOOK_BACK_US = 3600 * US
@@ -100,7 +100,7 @@ class LookingBack:
         :raises NotKept: that moment is not in the journal, or it was another cell then
         """
         span = self._span(job)
-        state = JournalPast(self._cell, self._reading.records).state_at(span.start.seq - 1)
+        state = state_at(self._reading.records, self._cell, span.start.seq - 1)
         _refuse_unfit(state)
         forecast = CourseFold(job, span.begin_us, self._account(span), span.known_us)
         real = CourseFold(job, span.begin_us, self._account(span))

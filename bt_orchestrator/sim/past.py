@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-from bt_orchestrator.errors import JournalMismatch, NotKept
+from bt_orchestrator.errors import NotKept
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest, from_record
-from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Goal, Records
+from bt_orchestrator.report.past_state import state_at
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.overview import Overview
-from bt_orchestrator.runtime.recovery import begin_with
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.tree.compile import CellTree
 
@@ -49,7 +48,13 @@ class JournalPast:
 
         :raises NotKept: the event is not in the journal, or it was another cell then
         """
-        state, rest_s = self._state_at(seq)
+        rest_s: float | None = None
+
+        def before(state: CellState, event: e.Event) -> None:
+            nonlocal rest_s
+            rest_s = _rest(state.time if rest_s is None else rest_s, event, state)
+
+        state = state_at(self._records, self._cell, seq, before)
         if state.cell_digest != digest(self._cell):
             raise NotKept(
                 f'at event {seq} the cell file was another one than that of cell '
@@ -63,59 +68,10 @@ class JournalPast:
         finally:
             engine.close()
 
-    def state_at(self, seq: int) -> CellState:
-        """Return the state after an event.
-
-        :raises NotKept: the event is not in the journal, or it was another cell then
-        """
-        return self._state_at(seq)[0]
-
-    def _state_at(self, seq: int) -> tuple[CellState, float]:
-        """Return the state after an event, and since when nothing happened on the line.
-
-        :raises NotKept: the event is not in the journal, or it was another cell then
-        """
-        _, first, last = self._records.extent()
-        if not 0 < seq <= last:
-            raise NotKept(f'event {seq} is not in the journal: it has events {first} to {last}')
-        start = self._records.state_before(seq)
-        try:
-            state = CellState(self._cell) if start is None else begin_with(self._cell, start)
-            if state.seq + 1 < first and state.seq < seq:
-                raise NotKept(
-                    f'event {seq} cannot be had any more: the journal begins with event {first}, '
-                    'and keeps no state before it'
-                )
-            rest_s = state.time
-            for event in self._events(state.seq, seq):
-                rest_s = _rest(rest_s, event, state)
-                apply(state, event)
-        except (AssertionError, KeyError, JournalMismatch) as error:
-            raise NotKept(
-                f'the journal does not fit cell {self._cell.name} at event {seq} ({error!r}): '
-                'name the cell file as it was then'
-            ) from error
-        return state, rest_s
-
     def _next_event(self, seq: int) -> float:
         """Return the time of the event after another one; infinity: there is none."""
         page = self._records.page(Wanted(after_seq=seq), 1)
         return next((from_record(json.loads(one.text)).time for one in page.records), math.inf)
-
-    def _events(self, after: int, until: int) -> Iterator[e.Event]:
-        """Yield the events between, all of them.
-
-        :raises NotKept: one is damaged, or not there
-        """
-        wanted = Wanted(after_seq=after, before_seq=until + 1)
-        while True:
-            page = self._records.page(wanted)
-            for damage in page.damage:
-                raise NotKept(f'event {until} cannot be had: {damage.what}')
-            yield from (from_record(json.loads(record.text)) for record in page.records)
-            if page.is_last:
-                return
-            wanted = page.rest
 
 
 def _rest(rest_s: float, event: e.Event, state: CellState) -> float:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, get_args, get_origin
 
 from bt_orchestrator.model import events
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import event_types, hints_of
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import RecipeChoice
@@ -56,6 +57,7 @@ KINDS: Mapping[Any, str] = {
     tuple: 'list of text',
     Mapping: 'object',
     Script: 'object',
+    Cell: 'object',
     RecipeChoice: 'object',
     MadeAnew: 'object',
     str: '',

@@ -20,6 +20,7 @@ from fakes.commands import (
 from fakes.full_tree import check_view
 from fakes.invariants import Invariants
 from fakes.operator import ann, engineer
+from fakes.told_waits import ToldWaits, told_of
 from fakes.tree_waits import waits_of
 
 from bt_orchestrator.model.cell import Cell
@@ -81,6 +82,8 @@ class VirtualRun:
         self._replay = CellState(cell)
         self._rebuild = rebuild
         self._settles = 0
+        self.told_waits: dict[float, ToldWaits] = {}
+        """What was told of each item after the last settle of each moment."""
 
     # --- going on ---------------------------------------------------------------------------
 
@@ -101,7 +104,7 @@ class VirtualRun:
             assert here < MOST_SETTLES_AT_ONCE, f'time stands still at {due!r}'
             clock.advance()
             orchestrator.settle()
-            self._check_reasons()
+            self.check_reasons()
             self._after_settle()
             self._check()
         self._check()
@@ -241,7 +244,7 @@ class VirtualRun:
             orchestrator.tree = CellTree(orchestrator._ledger, space)
             orchestrator._ledger._noticing.clear()
 
-    def _check_reasons(self) -> None:
+    def check_reasons(self) -> None:
         """Whoever does not work says why (semantics 7.4)."""
         waits, seen = self.waits(), self.sim.orchestrator.tree.recorder
         for item in self.state.items.values():
@@ -282,6 +285,10 @@ class VirtualRun:
             self._invariants.follow(event)
             apply(self._replay, read)
         assert snapshot(self._replay) == snapshot(self.state)
+        self.told_waits[self.now] = {
+            item.id: told_of(self.state, item, self.sim.orchestrator.tree.recorder)
+            for item in self.state.items.values()
+        }
 
 
 def defaults(script: Script) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events.base import Event
 
 
@@ -169,6 +170,8 @@ class OrchestratorStarted(Event):
     line is ahead of the journal; empty: none."""
     boot: str = ''
     """Boot id of its machine; empty: not known."""
+    cell_definition: Cell | None = None
+    """The cell, as its file said it; None: written by an older version."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -59,13 +59,17 @@ def state_to_text(state: CellState) -> str:
     return text_of_state(writer.fields_of(state), [text_of_objects(writer.objects)])
 
 
-def text_of_state(fields: Mapping[str, Any], pieces: Iterable[str]) -> str:
+def text_of_state(
+    fields: Mapping[str, Any], pieces: Iterable[str], cell: Cell | None = None
+) -> str:
     """Return a state as JSON.
 
     :param pieces: its objects, as `text_of_objects` writes them
+    :param cell: for a reader who has not got its file; None: he has
     """
     objects = ', '.join(piece for piece in pieces if piece)
-    return f'{{"objects": [{objects}], "state": {json.dumps(fields)}}}'
+    defined = '' if cell is None else f'"cell": {text_of(cell)}, '
+    return f'{{{defined}"objects": [{objects}], "state": {json.dumps(fields)}}}'
 
 
 def text_of_objects(objects: Iterable[Any]) -> str:

@@ -33,6 +33,7 @@ class StateText:
         :raises JournalFailed: the text would not restore the state
         """
         self.seq = state.seq
+        self._cell = state.cell
         self._writer = Writer()
         self._queued = deque(state.jobs.queue())
         near = copy.copy(state)
@@ -66,7 +67,7 @@ class StateText:
     @property
     def text(self) -> str:
         """The whole as JSON that can be written as UTF-8, once all is written."""
-        return text_of_state(self._fields, self._pieces)
+        return text_of_state(self._fields, self._pieces, self._cell)
 
     def _end_piece(self) -> None:
         piece = text_of_objects(self._writer.objects[self._written :])

@@ -6,7 +6,8 @@ same is told live, of a past moment, and in a record that was folded from a jour
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import NamedTuple
 
@@ -24,7 +25,7 @@ from bt_orchestrator.model.line import (
 )
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, ItemState, Phase, SectionState
-from bt_orchestrator.model.wait import BELT, INITIALIZATION, Wait, WaitKind
+from bt_orchestrator.model.wait import BELT, GRAVE, INITIALIZATION, Wait, WaitKind
 from bt_orchestrator.model.waits.starting import (
     Seen,
     before_attempt,
@@ -195,11 +196,44 @@ def of_item(state: CellState, item: ItemState, seen: Seen) -> Iterator[Waiting]:
     section = state.sections.get(item.section)
     if section is None or (section.cycle is not None and section.cycle.item == item.id):
         return
+    found: Iterable[Waiting]
     is_to_do = section.turn_beat < state.beat and task_list(state, item.job, section.number)
     if not is_to_do:
-        yield from of_belt(state, seen)
+        found = of_belt(state, seen)
     elif section.cycle is None:
-        yield from of_section(state, section, seen)
+        found = of_section(state, section, seen)
     else:
         what = f'waiting for section {section.number} to finish with {section.cycle.item}'
-        yield Waiting(Wait(what, WaitKind.TURN, sections=(section.number,)))
+        found = [Waiting(Wait(what, WaitKind.TURN, sections=(section.number,)))]
+    tasks = _next_tasks(state, item, section.number if is_to_do else section.number + 1)
+    yield from (one._replace(tasks=tasks) for one in found)
+
+
+def _next_tasks(state: CellState, item: ItemState, section: int) -> tuple[e.TaskKey, ...]:
+    """Return the first tasks of an item in a section, or in the next one that has any for it."""
+    lists = state.script(item.job).sections
+    number = min((number for number in lists if number >= section), default=None)
+    if number is None:
+        return ()
+    first = (track[0].id for track in lists[number].steps[0].tracks)
+    return tuple(e.TaskKey(item.job, number, item.id, task) for task in first)
+
+
+def at_bottom(state: CellState, wait: Wait, seen: Seen) -> Wait:
+    """Return what a wait comes to in the end.
+
+    From the belt to what it waits for, and from the turn of a section to what stops that section,
+    if somebody has to do something about that.
+    """
+    here, pending, passed = wait, deque([wait]), set[int | str]()
+    while pending:
+        one = pending.popleft()
+        if one.kind in GRAVE and one.kind is not WaitKind.RETRY_DELAY:
+            return one
+        here = one if here.kind is WaitKind.BELT else here
+        sections = one.sections if one.kind is WaitKind.TURN else ()
+        parts: Sequence[int | str] = (BELT,) if one.kind is WaitKind.BELT else sections
+        for part in (part for part in parts if part not in passed):
+            passed.add(part)
+            pending += (waiting.wait for waiting in by_part(state, seen)[part])
+    return here

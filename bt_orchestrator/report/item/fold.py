@@ -7,7 +7,8 @@ from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import held_words
-from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.script import index_task
+from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.task_spans import TaskSpans
 from bt_orchestrator.report.intervals import Span, gaps
 from bt_orchestrator.report.item.history import (
@@ -27,29 +28,36 @@ from bt_orchestrator.report.item.history import (
     Stay,
     Waited,
 )
-from bt_orchestrator.report.item.scene import Film
-from bt_orchestrator.report.item.why import Next, Scripts, waits
-
-
-def _no_script(_: str) -> Script | None:
-    return None
+from bt_orchestrator.report.item.waits import ItemWaits
 
 
 class ItemFold:
-    """Takes in all events from some time before an item on, in order.
+    """Takes in all events from the first of an item on, in order.
 
-    Those of its job alone are enough for what happened to it, without the reasons of its waits.
+    Those of its job alone are enough for what happened to it, without what it waited for.
     """
 
-    def __init__(self, item: str, job: str, scripts: Scripts = _no_script) -> None:
+    def __init__(self, item: str, job: str, state: CellState | None = None) -> None:
+        """Begin.
+
+        :param state: of the cell before, changed with the events; None: it is not known
+        """
         self.history = ItemHistory(item, job)
-        self._scripts = scripts
+        self._waits = ItemWaits(item, state)
         self._spans = TaskSpans()
-        self._film = Film()
         self._open: dict[e.TaskKey, Attempt] = {}
-        self._ends: list[tuple[e.TaskKey, float]] = []
-        """When tasks of the item ended, or were passed."""
+        self._running: dict[e.TaskKey, AtWork] = {}
+        self._slots: dict[str, int] = {}
+        """Sections of what stands on the belt."""
         self._time = 0.0
+        if state is not None:
+            tasks = ((key, state.task(key) or index_task(state.cell)) for key in state.running)
+            self._running = {
+                key: AtWork(task.component, task.name, key.item or '', key.section)
+                for key, task in tasks
+            }
+            standing = state.sections.values()
+            self._slots = {one.slot: one.number for one in standing if one.slot}
 
     @property
     def is_known(self) -> bool:
@@ -62,9 +70,9 @@ class ItemFold:
     def follow(self, event: e.Event) -> None:
         """Take in the next event."""
         history = self.history
+        self._waits.follow(event)
         if isinstance(event, e.OrderEvent):
-            if event.job == history.job:
-                _order(history, event)
+            self.note_order(event)
         elif isinstance(event, e.TaskEvent):
             self._others(event)
             if event.item == history.item:
@@ -73,8 +81,12 @@ class ItemFold:
             fold = _FOLDS.get(type(event))
             if fold is not None:
                 fold(self, event)
-        self._film.follow(event)
         self._time = event.time
+
+    def note_order(self, event: e.Event) -> None:
+        """Take in what an order says, if it is that of the item."""
+        if isinstance(event, e.OrderEvent) and event.job == self.history.job:
+            _order(self.history, event)
 
     @property
     def _is_there(self) -> bool:
@@ -92,6 +104,7 @@ class ItemFold:
             history.started = event.time
 
     def _stands(self, event: e.ItemPlaced | e.ItemMoved) -> None:
+        self._slots[event.item] = event.section
         if self._is_mine(event):
             self._end_stay(event.time)
             self.history.stays.append(Stay(event.section, event.time))
@@ -102,24 +115,25 @@ class ItemFold:
         self._end_stay(event.time)
 
     def _ended(self, event: e.ItemMissing | e.ItemRemoved) -> None:
+        if isinstance(event, e.ItemMissing):
+            self._slots[event.item] = event.section
         if self._is_mine(event):
             self._end_stay(event.time)
             self.history.ended = event.time
-            self.history.idle = self._idle(event.time)
+            self.history.idle = [*self._waits.rest(), *self._not_told(event.time)]
             self.history.how = event.how if isinstance(event, e.ItemRemoved) else 'missing'
 
-    def _idle(self, ended: float) -> list[Waited]:
-        """Return what the item waited for while it had no task to wait for, as once rejected."""
-        history = self.history
-        if history.started is None:
-            return []
-        told = [Span(w.start, w.end) for one in history.tasks for w in one.waited]
-        task = Next.none(history.job, history.item)
-        return [
-            waited
-            for gap in gaps(Span(history.started, ended), [*told, *history.work])
-            for waited in waits(self._film, gap.start, gap.end, task, self._scripts)
-        ]
+        if isinstance(event, e.ItemRemoved):
+            self._left(event)
+
+    def _left(self, event: e.ItemRemoved | e.PositionEnded) -> None:
+        self._slots.pop(event.item, None)
+
+    def _not_told(self, ended: float) -> list[Waited]:
+        """Return when it was not worked on, and the state of the cell is not known."""
+        begun = self.history.started
+        since = max(ended if begun is None else begun, self._waits.unknown_since)
+        return [Waited(*gap, '', '') for gap in gaps(Span(since, ended), self.history.work)]
 
     def _identified(self, event: e.ItemIdentified) -> None:
         if self._is_mine(event):
@@ -138,10 +152,8 @@ class ItemFold:
         if stay is None or stay.until is not None:
             return
         stay.until = time
-        others = self._film.now.slots.items()
-        stay.beside = tuple(
-            Neighbour(section, item) for section, item in others if item != self.history.item
-        )
+        others = sorted((section, item) for item, section in self._slots.items())
+        stay.beside = tuple(Neighbour(*one) for one in others if one[1] != self.history.item)
 
     # --- people, and the node ---------------------------------------------------------------
 
@@ -173,24 +185,25 @@ class ItemFold:
 
     def _others(self, event: e.TaskEvent) -> None:
         """Note at each attempt that runs what else runs."""
+        if isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
+            self._running.pop(event.key, None)
         if not isinstance(event, e.TaskStarted):
             return
+        at_work = AtWork(event.component, event.name, event.item or '', event.section)
         for key, attempt in self._open.items():
             if key != event.key:
-                attempt.beside.append(_at_work(event))
+                attempt.beside.append(at_work)
+        self._running.pop(event.key, None)
         if event.item == self.history.item:
-            running = self._film.now.running.values()
-            beside = [_at_work(one) for one in running if one.key != event.key]
-            self._open[event.key] = _begun(event, beside)
+            self._open[event.key] = _begun(event, list(self._running.values()))
+        self._running[event.key] = at_work
 
     def _task(self, event: e.TaskEvent) -> None:
         span = self._spans.follow(event)
         attempt = self._open.get(event.key)
         if isinstance(event, e.TaskStarted):
             assert attempt is not None
-            task = Next(event.key, event.component)
-            begin = self._ready(event)
-            attempt.waited = waits(self._film, begin, event.time, task, self._scripts)
+            attempt.waited = self._waits.before(event.key)
             self.history.tasks.append(attempt)
         elif isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
             self._open.pop(event.key, None)
@@ -200,35 +213,14 @@ class ItemFold:
             attempt.attempt, attempt.ended = event.attempt, event.time
             attempt.seconds = span.seconds if span else None
             _end(attempt, event)
-            self._ends.append((event.key, event.time))
         elif isinstance(event, (e.TaskSkipped, e.TaskMarkedDone, e.TaskContinued)):
-            self.history.tasks.append(_passed(event))
+            passed = _passed(event)
+            passed.waited = self._waits.before(event.key)
+            self.history.tasks.append(passed)
             if isinstance(event, e.TaskContinued) and event.nonconforming:
                 self.history.nonconforming.append(event.task)
-            self._ends.append((event.key, event.time))
         elif attempt is not None:
             _note(attempt, event)
-
-    def _ready(self, event: e.TaskStarted) -> float:
-        """Return when everything was done that comes before a task of the item."""
-        script = self._scripts(self.history.job)
-        before = [time for key, time in self._ends if not _is_beside(script, key, event.key)]
-        begun = self.history.started
-        return max(before or [event.time if begun is None else begun])
-
-
-def _is_beside(script: Script | None, one: e.TaskKey, other: e.TaskKey) -> bool:
-    """Tell whether two tasks are in different tracks of one step."""
-    if script is None or one.section != other.section:
-        return False
-    if one.task not in script.tasks or other.task not in script.tasks:
-        return False
-    tracks = script.step_of(other.task).tracks
-    places = [
-        next((n for n, track in enumerate(tracks) if any(t.id == key.task for t in track)), None)
-        for key in (one, other)
-    ]
-    return places[0] is not None and places[0] != places[1]
 
 
 def _order(history: ItemHistory, event: e.OrderEvent) -> None:
@@ -248,10 +240,6 @@ def _decision(event: e.OperatorDecided, *, of_cell: bool) -> Decision:
         event.known,
         of_cell,
     )
-
-
-def _at_work(event: e.TaskStarted) -> AtWork:
-    return AtWork(event.component, event.name, event.item or '', event.section)
 
 
 def _begun(event: e.TaskStarted, beside: list[AtWork]) -> Attempt:
@@ -306,6 +294,7 @@ _FOLDS: Mapping[type[e.Event], Callable[[ItemFold, Any], None]] = {
     e.BeltIndexStarted: ItemFold._belt_starts,  # noqa: SLF001
     e.ItemMissing: ItemFold._ended,  # noqa: SLF001
     e.ItemRemoved: ItemFold._ended,  # noqa: SLF001
+    e.PositionEnded: ItemFold._left,  # noqa: SLF001
     e.ItemIdentified: ItemFold._identified,  # noqa: SLF001
     e.ItemRejected: ItemFold._rejected,  # noqa: SLF001
     e.ItemNonconforming: ItemFold._nonconforming,  # noqa: SLF001

@@ -33,7 +33,7 @@ TASK, HOLD, DECISION, RESTART, END = 'task', 'hold', 'decision', 'restart', 'end
 CLOCK = 'clock'
 """Kinds of entries."""
 
-NOT_TOLD = 'something that the journal does not tell'
+NOT_TOLD = 'waiting, the journal does not tell for what'
 
 HOW: Mapping[str, str] = {
     'packed': 'packed',
@@ -116,7 +116,7 @@ def chapters(history: ItemHistory) -> list[Chapter]:
 
 def wait_words(waited: Waited) -> str:
     """Say what something waited for."""
-    return f'for {waited.words or NOT_TOLD}'
+    return waited.words or NOT_TOLD
 
 
 def duration(seconds: float) -> str:
@@ -144,7 +144,7 @@ def time_uses(history: ItemHistory) -> list[TimeUse]:
     for one in sorted(told, key=lambda w: w.start):
         span = Span(one.start, one.end)
         more_s = covered_s([*taken, span]) - covered_s(taken)
-        key = (f'waited {wait_words(one)}', one.kind)
+        key = (wait_words(one), one.kind)
         waited[key] = waited.get(key, 0.0) + more_s
         taken.append(span)
     uses = [TimeUse(*key, seconds) for key, seconds in waited.items() if seconds > 0]

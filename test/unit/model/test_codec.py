@@ -78,6 +78,7 @@ SAMPLES: dict[str, Any] = {
     'digest': '0123456789ab',
     'cell': 'test_line',
     'definition': SCRIPT,
+    'cell_definition': Line().cell,
     'job': 'WO-1',
     'quantity': 3,
     'params': {'lot': 'A7', 'depth': 2.5, 'many': True},

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from datetime import datetime
 from html.parser import HTMLParser
 from pathlib import Path
@@ -11,22 +13,23 @@ from xml.etree import ElementTree as ET
 import pytest
 from fakes.journal_reading import journal_reading
 from fakes.line import Line, with_section
+from fakes.long_journal import LongRun
 from fakes.profiles import examples
 from fakes.stepped import Steps, drawn_steps, stepped
 from fakes.told_item import BEGIN, ITEM, ToldItem
+from fakes.told_waits import recorded_as_told
 from fakes.virtual_run import VirtualRun
 from hypothesis import given
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.drawing.documents.item_page import Source, item_page
-from bt_orchestrator.model.events import CycleStarted, ScriptLoaded
+from bt_orchestrator.model.events import CycleStarted, Event, HoldReleased, OrchestratorStarted
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.model.wait import WaitKind
-from bt_orchestrator.report.causes import cause_of
+from bt_orchestrator.model.state import CellState
 from bt_orchestrator.report.item.fold import ItemFold
 from bt_orchestrator.report.item.history import Attempt, Decision, ItemHistory, plain_item
 from bt_orchestrator.report.item.reader import item_history
-from bt_orchestrator.report.item.story import CLOCK, Entry, chapters, time_uses
+from bt_orchestrator.report.item.story import CLOCK, NOT_TOLD, Entry, chapters, time_uses
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 
@@ -71,9 +74,12 @@ def test_every_attempt_stands_there_with_its_wait_and_how_it_ended(told: ItemHis
         ('press, attempt 3', 12.0, 'done'),
     ]
     assert [[(round(w.seconds, 3), w.words) for w in one.waited] for one in press] == [
-        [(3.0, 'the turn of section 2'), (2.0, 'the belt, which moves')],
-        [(2.0, 'the delay before a retry')],
-        [(41.0, 'an answer to hold 1')],
+        [
+            (3.0, 'waiting for section 2 to finish with WO-7/1'),
+            (2.0, 'waiting for the belt to rest'),
+        ],
+        [(2.0, 'waiting to retry, attempt 2')],
+        [(41.0, 'waiting for an answer to hold 1 (press: aborted)')],
     ]
     assert ('arguments', 'special_argument_1: deep') in press[0].details
 
@@ -168,36 +174,16 @@ def test_a_step_of_the_clock_is_an_entry_of_the_story(journal: Path) -> None:
 
 
 def test_what_an_item_waited_for_is_what_the_line_said_at_the_time() -> None:
-    """The second opinion is the tree, at every moment of a run with an arm, a flag and a zone."""
+    """At every moment of a run with an arm, a flag and a zone."""
     line = Line(3, seconds={'a2': 3.0, 'b3': 4.0, 'arm': 1.5})
-    script = line.script(WAITING)
     run = VirtualRun(line.cell, line.types)
-    run.submit('J', script, 4)
-    said: dict[int, list[tuple[float, set[str]]]] = {2: [], 3: []}
-    until = 0.0
-    while not run.ended:
-        run.go(until=until)
-        waits = run.sim.waits()
-        belt = [one.wait for one in waits if one.part == 'belt']
-        for section, found in said.items():
-            kinds = {w.wait.kind for w in waits if w.section == section}
-            kinds |= {w.kind for w in belt} if WaitKind.BELT in kinds else set()
-            found.append((run.now, {kind.value for kind in kinds}))
-            assert all(cause_of(wait, ()).text for wait in belt)
-        until = run.sim.clock.next_deadline() or until + 1.0
-    kinds_told = set()
-    for number in range(1, 5):
-        fold = ItemFold(f'J/{number}', 'J', lambda _: script)
-        for event in run.store.read():
-            fold.follow(event)
-        for attempt in fold.history.tasks:
-            for one in attempt.waited:
-                assert one.words, (fold.history.item, attempt)
-                kinds_told.add(one.kind)
-                if attempt.section in said and one.kind not in ('belt', 'turn'):
-                    then = [k for at, k in said[attempt.section] if one.start <= at < one.end]
-                    assert all(one.kind in kind for kind in then), (attempt, one, then)
-    assert kinds_told >= {'belt', 'turn', 'component', 'flag', 'zone'}
+    run.submit('J', line.script(WAITING), 4)
+    run.go()
+    assert recorded_as_told(run)
+    waited = [
+        w for n in range(1, 5) for one in history_of(run, f'J/{n}').tasks for w in one.waited
+    ]
+    assert {w.kind for w in waited} >= {'belt', 'turn', 'component', 'flag', 'zone'}
 
 
 DELAYED = """
@@ -209,12 +195,9 @@ sections:
 
 
 def history_of(run: VirtualRun, item: str = 'J/1') -> ItemHistory:
-    events = run.store.read()
-    (script,) = (one.definition for one in events if isinstance(one, ScriptLoaded))
-    fold = ItemFold(item, 'J', lambda _: script)
-    for event in events:
-        fold.follow(event)
-    return fold.history
+    history = item_history(Reading(MemoryRecords(run.store)), item)
+    assert history is not None
+    return history
 
 
 def test_a_retry_waits_for_its_delay_and_then_for_the_arm() -> None:
@@ -251,7 +234,75 @@ def test_a_rejected_item_waits_for_the_holds_that_stop_the_line() -> None:
     assert history.rejected
     uses = {use.words: use.seconds for use in time_uses(history)}
     assert 'neither worked on nor waiting for a task' not in uses
-    assert uses['waited for an answer to hold 1'] >= 100.0
+    assert uses['waiting for an answer to hold 1 (place: aborted)'] >= 100.0
+
+
+def without_cell(events: Iterable[Event]) -> list[Event]:
+    """Return events as programs wrote them that did not note the cell."""
+    return [
+        replace(one, cell_definition=None) if isinstance(one, OrchestratorStarted) else one
+        for one in events
+    ]
+
+
+def uses_in(events: Sequence[Event]) -> dict[str, float]:
+    store = MemoryStore()
+    store.append(events)
+    history = item_history(Reading(MemoryRecords(store)), ITEM)
+    assert history is not None
+    assert history.ended is not None
+    assert history.started is not None
+    uses = time_uses(history)
+    assert sum(u.seconds for u in uses) == pytest.approx(history.ended - history.started)
+    return {use.words: use.seconds for use in uses}
+
+
+def test_an_older_journal_says_that_it_does_not_tell(journal: Path) -> None:
+    with journal_reading(journal) as reading:
+        events = without_cell(reading.events(Wanted()))
+    uses = uses_in(events)
+    assert list(uses) == ['worked on', NOT_TOLD]
+    assert uses[NOT_TOLD] == pytest.approx(72.0)
+
+
+def test_a_later_start_tells_an_older_journal_which_cell_it_was(journal: Path) -> None:
+    with journal_reading(journal) as reading:
+        events = list(reading.events(Wanted()))
+    (first, second) = (one for one in events if isinstance(one, OrchestratorStarted))
+    older = [*without_cell(events[: second.seq - 1]), *events[second.seq - 1 :]]
+    assert first.cell_definition == second.cell_definition
+    assert uses_in(older) == uses_in(events)
+    assert NOT_TOLD not in uses_in(events)
+
+
+def test_behind_a_damaged_event_it_is_not_told_what_was_waited_for(journal: Path) -> None:
+    with journal_reading(journal) as reading:
+        events = list(reading.events(Wanted()))
+        whole = item_history(reading, ITEM)
+    lost = next(one.seq for one in events if isinstance(one, HoldReleased))
+    fold = ItemFold(ITEM, 'WO-7', CellState(ToldItem().line.cell))
+    for event in events:
+        if event.seq != lost:
+            fold.follow(event)
+    assert whole is not None
+    press = [one.waited for one in whole.tasks if one.task == 'press']
+    assert [one.waited for one in fold.history.tasks if one.task == 'press'] == press
+    told = [one.words for one in fold.history.idle]
+    assert told.count('') == len(told) > 0
+
+
+def test_the_cell_is_known_when_the_start_of_the_node_is_removed(tmp_path: Path) -> None:
+    run = LongRun(tmp_path / 'cell.sqlite3', keep_jobs=2)
+    for number in range(40):
+        run.job(f'J{number}')
+        run.rest(30)
+    run.close()
+    with journal_reading(tmp_path / 'cell.sqlite3') as reading:
+        assert reading.records.extent().first_seq > 1
+        history = item_history(reading, 'J39/2')
+    assert history is not None
+    assert [w.kind for one in history.tasks for w in one.waited]
+    assert NOT_TOLD not in {use.words for use in time_uses(history)}
 
 
 # --- the verb -----------------------------------------------------------------------------------
@@ -298,7 +349,9 @@ def test_json_has_the_same(words: list[str], capsys: pytest.CaptureFixture[str])
     assert main([*words, '--item', ITEM, '--record']) == 0
     record = json.loads(capsys.readouterr().out)
     assert (record['item'], record['how'], len(record['restarts'])) == (ITEM, 'rejected', 1)
-    assert record['tasks'][1]['waited'][0]['words'] == 'the turn of section 2'
+    assert (
+        record['tasks'][1]['waited'][0]['words'] == 'waiting for section 2 to finish with WO-7/1'
+    )
 
 
 def test_a_lot_has_a_list_and_a_record_of_each_item(
