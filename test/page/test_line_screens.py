@@ -17,6 +17,8 @@ from bt_orchestrator.model.requests import ask
 from bt_orchestrator.sim.virtual_link import VirtualLink
 
 FAIL = 'component_3b.TASK_A#2=abort'
+READABLE = 1.1
+"""Pixels a point of the picture, as in `static/parts/pan_zoom.js`."""
 HELD, ITEM = 'weigh', 'WO-1001/2'
 """The task and the item of that failure, in section 4."""
 
@@ -126,6 +128,29 @@ def test_the_picture_zooms_and_moves_by_keys_buttons_and_pointer(
     page.mouse.up()
     assert seen()[0] > before[0]
     assert page.locator('.reason[aria-expanded="true"]').count() == 0, 'a drag is no click'
+
+
+def test_the_picture_of_another_window_begins_anew_unless_somebody_chose_what_is_seen(
+    open_held: Callable[[str], Tab],
+) -> None:
+    tab = open_held('why')
+    page = tab.page
+    page.locator('.picture-room svg').wait_for()
+
+    def scale() -> float:
+        found = page.evaluate('() => document.querySelector(".picture-room svg").getScreenCTM().a')
+        return round(float(found), 2)
+
+    page.set_viewport_size({'width': 768, 'height': 1024})
+    tab.until(lambda: scale() == READABLE, 'text that can be read')
+    page.set_viewport_size({'width': 1600, 'height': 768})
+    tab.until(lambda: scale() > READABLE, 'a line that fills the window')
+    page.get_by_role('button', name='The whole line').click()
+    whole = scale()
+    assert whole < READABLE
+    page.set_viewport_size({'width': 1650, 'height': 768})
+    page.evaluate('() => new Promise(requestAnimationFrame)')
+    assert scale() == whole
 
 
 # --- tree --------------------------------------------------------------------------------------

@@ -24,6 +24,7 @@ export class PanZoom {
     this.area = null; // of the whole picture: {x, y, width, height}
     this.centre = { x: 0, y: 0 }; // of what is seen
     this.scale = 1; // pixels a point
+    this.isMoved = false; // by a person, from where it began
     this.pointers = new Map();
     frame.addEventListener('keydown', (event) => this.#key(event));
     frame.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
@@ -38,19 +39,29 @@ export class PanZoom {
     }
   }
 
-  /** Take a picture; one of the same size is seen as the one before it. Tells whether it is not. */
-  show(svg) {
+  /**
+   * Take a picture; one of the same size is seen as the one before it.
+   * @param {SVGGraphicsElement} [start] what to begin with where the whole cannot be read
+   */
+  show(svg, start) {
     const { x, y, width, height } = svg.viewBox.baseVal;
     const isSame = this.area?.width === width && this.area?.height === height;
     this.svg = svg;
     this.area = { x, y, width, height };
     if (isSame) this.#look(this.centre, this.scale);
-    else this.#begin();
-    return !isSame;
+    else this.#begin(start);
+  }
+
+  /** The frame has another size: begin anew, unless a person has chosen what is seen. */
+  resized(start) {
+    if (!this.svg || !this.frame.checkVisibility()) return;
+    if (this.isMoved) this.#look(this.centre, this.scale);
+    else this.#begin(start);
   }
 
   whole() {
     if (!this.svg) return;
+    this.isMoved = true;
     const { x, y, width, height } = this.area;
     this.#look({ x: x + width / 2, y: y + height / 2 }, this.#least());
   }
@@ -58,6 +69,7 @@ export class PanZoom {
   /** @param {{x: number, y: number}} [at] what stays where it is; else the middle */
   zoom(times, at = this.centre) {
     if (!this.svg) return;
+    this.isMoved = true;
     const scale = Math.min(Math.max(this.scale * times, this.#least()), CLOSEST);
     const share = this.scale / scale;
     const { x, y } = this.centre;
@@ -80,12 +92,15 @@ export class PanZoom {
     else if (this.scale > this.#least()) this.#look(centre, this.scale);
   }
 
-  /** What cannot be read as a whole begins at its upper left, as large as it has to be. */
-  #begin() {
+  /** What cannot be read as a whole begins as large as it has to be, at its start or upper left. */
+  #begin(start) {
     this.whole();
-    if (this.scale >= READABLE) return;
-    const { x, y, width } = this.area;
-    this.#look({ x, y }, Math.max(this.frame.clientWidth / width, READABLE));
+    if (this.scale < READABLE) {
+      const { x, y, width } = this.area;
+      this.#look({ x, y }, Math.max(this.frame.clientWidth / width, READABLE));
+      if (start) this.lookAt(start);
+    }
+    this.isMoved = false;
   }
 
   /** The scale at which the whole is seen. */
@@ -95,6 +110,7 @@ export class PanZoom {
   }
 
   #moveBy(right, down) {
+    this.isMoved = true;
     this.#look({ x: this.centre.x + right, y: this.centre.y + down }, this.scale);
   }
 

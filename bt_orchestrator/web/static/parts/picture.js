@@ -33,7 +33,11 @@ class Picture {
     this.start = '';
     this.onShown = () => !document.hidden && this.show(this.digest);
     document.addEventListener('visibilitychange', this.onShown);
-    addEventListener('resize', this.onShown); // a telephone that is turned has room for it
+    this.onResized = () => {
+      this.panZoom.resized(this.#start());
+      this.onShown(); // a telephone that is turned has room for it
+    };
+    addEventListener('resize', this.onResized);
   }
 
   #buttons() {
@@ -87,7 +91,7 @@ class Picture {
   end() {
     clearTimeout(this.timer);
     document.removeEventListener('visibilitychange', this.onShown);
-    removeEventListener('resize', this.onShown);
+    removeEventListener('resize', this.onResized);
   }
 
   async #fetch(digest) {
@@ -127,7 +131,11 @@ class Picture {
     svg.removeAttribute('width');
     svg.removeAttribute('height');
     this.room.replaceChildren(svg);
-    if (this.panZoom.show(svg) && this.start) this.lookAt(this.start);
+    this.panZoom.show(svg, this.#start());
+  }
+
+  #start() {
+    return this.parts.get(this.start)?.element;
   }
 }
 
