@@ -41,6 +41,11 @@ SENTENCES: Mapping[str, str] = {
     # why the line stands still
     'stopped': 'the cell was stopped',
     'starved': '{task} waits for {topic}',
+    # why the end of a job is unknown
+    'job_paused': '{job} is paused',
+    'job_held': '{job} is held in the queue',
+    'job_unreleased': '{job} waits for the release of its script',
+    'job_needs': '{job} needs {names}, which is out of service',
     # ends of attempts
     'no_end': 'no end came within {seconds} s of the cancel request ({cause})',
     'after_restart': 'after a restart of the orchestrator: {words}',

@@ -38,8 +38,9 @@ class Unknown:
             if job.paused and job.cycles_left:
                 return f'{name} is paused'
             return f'{name} needs {lacks}, which is out of service' if lacks else ''
-        found = [words for cause, words in obstacles(job) if cause not in _KNOWN]
-        return f'{name} {" and ".join(found)}' if found else ''
+        return '; '.join(
+            f'{name} {words}' for cause, words in obstacles(job) if cause not in _KNOWN
+        )
 
     def _of_those_before(self, job: JobState) -> str:
         """Say what keeps a job on the line before this one."""

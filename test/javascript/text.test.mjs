@@ -31,8 +31,16 @@ test('durations have two units at most', () => {
   assert.deepEqual([text.duration(null), text.seconds(null), text.at(null)], ['', '', '']);
 });
 
+test('a difference has a sign only where it has seconds', () => {
+  const said = [12.2, 0.4, -0.4, -0.6, -90].map(text.difference);
+  assert.deepEqual(said, ['12 s', '0 s', '0 s', '−1 s', '−1 min 30 s']);
+});
+
 test('numbers and words are German on a German page', async () => {
   await text.useLanguage('de');
+  assert.equal(text.person('somebody who claims to be ann: worn'), 'ann (Name ungeprüft): worn');
+  assert.equal(text.person('ann: worn'), 'ann: worn');
+  assert.equal(text.quoted('Nein'), '„Nein“');
   assert.equal(text.seconds(1.25), '1,3 s');
   assert.equal(text.said({ en: 'done', de: 'fertig' }), 'fertig');
 });

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 from page.browsing import Person
 from page.conftest import Sit
 from page.stands import Stand, stand
+
+from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 
 SCREENS = ('overview', 'queue', 'section/3', 'section/4', 'component/component_3a', 'job/WO-1001')
 FREE = ('aborted by the simulated controller', 'its grip is worn')
@@ -92,6 +95,14 @@ def test_the_tree_is_german(held: Stand, sit: Sit) -> None:
     assert 'wartet auf Antwort auf Störung 1 (mark: ' in said
     assert len(said.splitlines()) > 100
     assert not english_lines(said)
+
+
+def test_the_tree_of_a_script_with_rounds_is_german(tmp_path: Path, sit: Sit) -> None:
+    with stand(tmp_path, jobs=1, quantity=1, fail=['component_3b.TASK_B#2=abort']) as one:
+        order = WorkOrder('rework_by_weight', 'WO-7', 2, {}, Terms())
+        assert one.cell.queue(order).accepted
+        tab = sit(one.port, locale='de-DE').open('tree')
+        tab.page.locator('[role="tree"]').get_by_text('bis zu 2 weitere Runden').first.wait_for()
 
 
 def test_english_words_are_found(held: Stand, sit: Sit) -> None:

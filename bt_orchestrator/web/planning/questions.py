@@ -21,6 +21,7 @@ from bt_orchestrator.ports import (
 )
 from bt_orchestrator.script.orders.plain_order import order_from
 from bt_orchestrator.web.offers import arrange_offer
+from bt_orchestrator.web.wording import said_in_each
 
 MOST_WAITING = 8
 """Questions at a time; a browser that goes on asking withdraws the ones before."""
@@ -68,7 +69,7 @@ class Questions:
                 'after': _ends(found.after, moment),
                 'jobs': [_changed(one, moment.now_s) for one in found.changes],
                 'refusals': list(found.refusals),
-                'unknown': dict(found.unknown),
+                'unknown': {job: said_in_each(why) for job, why in found.unknown.items()},
                 'notes': list(found.notes),
                 'left_out': max(0, queued - QUEUE_SHOWN),
                 'computed_s': round(time.monotonic() - began, 1),

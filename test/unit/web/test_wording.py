@@ -6,6 +6,7 @@ import asyncio
 import re
 
 import pytest
+from fakes.line import THREE, Line
 from fakes.long_line import LONG, long_line
 from fakes.page_parts import status_of
 
@@ -102,3 +103,15 @@ def test_messages_of_the_engine_are_german_on_a_german_page() -> None:
     why = 'no reject or abort_job: it is not known whether J/1 was placed in section 2'
     known = 'kein reject oder abort_job: es ist nicht bekannt, ob J/1 in Station 2 eingelegt wurde'
     assert GERMAN.message(why) == known
+
+
+def test_reasons_of_unknown_ends_are_german_each_in_its_sentence() -> None:
+    line = Line()
+    run = line.begin(THREE, 3)
+    run.submit('K', line.script(THREE), 2)
+    run.control('hold', 'K')
+    run.go(until=1.0)
+    run.service('a2', out=True)
+    why = run.sim.status().jobs[1].end_unknown
+    held = 'K ist in der Warteschlange zurückgehalten'
+    assert GERMAN.message(why) == f'{held}; K braucht a2, außer Betrieb'

@@ -1,7 +1,7 @@
 /** What became of a hold that a dialog is about, where somebody else has ended it. */
 
 import { part, recentEvents, subscribe } from '../core/store.js';
-import { sentence, t, tOr } from '../core/text.js';
+import { quoted, sentence, t, tOr } from '../core/text.js';
 import { note } from './notes.js';
 
 /** Its events come a moment after the cell without it. */
@@ -38,6 +38,6 @@ function endWords(decision) {
     who: who || t('stands.somebody'),
     answer: tOr(`word.hold.${answer}`, tOr(`word.cell.${answer}`, answer)),
   };
-  const why = reason ? ` “${reason}”` : '';
+  const why = reason ? ` ${quoted(reason)}` : '';
   return `${sentence(t('ask.decided_elsewhere', values))}${why} ${t('ask.nothing_sent')}`;
 }

@@ -3,7 +3,9 @@
 import { Refused, post } from '../core/api.js';
 import { children, h } from '../core/dom.js';
 import { withButtons } from '../core/requests.js';
-import { about, duration, t } from '../core/text.js';
+import { whyItStands } from '../core/stands.js';
+import { part } from '../core/store.js';
+import { about, duration, said, t } from '../core/text.js';
 import { shape } from '../core/shape.js';
 
 const WITHIN_MS = 75000;
@@ -72,6 +74,7 @@ export function whatIf(command) {
     const rows = found.jobs;
     const changed = rows.filter((row) => !UNCHANGED.includes(row.change));
     const same = rows.filter((row) => UNCHANGED.includes(row.change));
+    const isKnown = !rows.every((row) => row.change === 'never');
     children(
       element,
       heading(),
@@ -79,8 +82,10 @@ export function whatIf(command) {
         h('p', { class: 'what-if-refusal' }, shape('triangle'), t('whatif.refused', { why: one })),
       ),
       h('p', { class: 'what-if-words' }, summary(rows)),
-      changed.length || same.length <= FEW ? table(same.length <= FEW ? rows : changed) : null,
-      same.length > FEW
+      isKnown && (changed.length || same.length <= FEW)
+        ? table(same.length <= FEW ? rows : changed)
+        : null,
+      isKnown && same.length > FEW
         ? h(
             'details',
             {},
@@ -105,9 +110,15 @@ function heading() {
 
 /** Why ends are unknown: the same reason is said once, with the jobs that it is of. */
 function reasons({ unknown }) {
-  const jobs = Object.groupBy(Object.keys(unknown), (job) => unknown[job]);
+  const names = Object.keys(unknown);
+  const ofJob = (why) => names.some((job) => why.startsWith(`${job} `));
+  // What keeps all jobs is why the cell stands: the page says it in its own words.
+  const cell = part('cell');
+  const isOfAll = (why) => why.en === cell?.stands?.reason || !ofJob(why.en);
+  const words = (why) => (cell && isOfAll(why) && whyItStands(cell)) || said(why);
+  const jobs = Object.groupBy(names, (job) => words(unknown[job]));
   return Object.entries(jobs).map(([why, names]) =>
-    t('whatif.why', { jobs: names.join(', '), why: withButtons(why) }),
+    t('whatif.why', { jobs: names.join(', '), why: withButtons(why.replace(/\.$/, '')) }),
   );
 }
 

@@ -1,6 +1,6 @@
 /** Requests in words. The page sends them in English; the words of other languages stand here. */
 
-import { sentence, t, tOr } from './text.js';
+import { quoted, sentence, t, tOr } from './text.js';
 
 /** The word on a button. */
 export function wordOf(offer) {
@@ -32,7 +32,7 @@ export function withButtons(message) {
   return message.replace(VERB, (said, verb, item, answer, plain) => {
     const name = (verb ?? item ?? answer ?? plain).replaceAll('-', '_');
     const kind = KINDS.find((one) => tOr(`word.${one}.${name}`, ''));
-    return kind ? `“${t(`word.${kind}.${name}`)}”` : said;
+    return kind ? quoted(t(`word.${kind}.${name}`)) : said;
   });
 }
 

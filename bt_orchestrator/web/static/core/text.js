@@ -63,6 +63,19 @@ export function said(words) {
   return words[language];
 }
 
+/**
+ * Words that begin with a person. The node says in English that a name is only claimed.
+ * @param {string} key of the words for such a name
+ */
+export function person(words, key = 'login.claims') {
+  return words.replace(/^somebody who claims to be ([^:]+)/, (_, name) => t(key, { name }));
+}
+
+/** Words in quotation marks. */
+export function quoted(words) {
+  return t('unit.quoted', { words });
+}
+
 /** Words as a sentence begins. */
 export function sentence(words) {
   return words.charAt(0).toLocaleUpperCase(LOCALES[language]) + words.slice(1);
@@ -139,6 +152,11 @@ export function duration(seconds) {
   const minutes = Math.floor(whole / 60);
   if (minutes < 1440) return t('time.h', { h: Math.floor(minutes / 60), min: two(minutes % 60) });
   return t('time.d', { d: Math.floor(minutes / 1440), h: Math.floor((minutes % 1440) / 60) });
+}
+
+/** Say how much longer something took; less has a minus, and what is no whole second has no sign. */
+export function difference(seconds) {
+  return `${seconds <= -0.5 ? '−' : ''}${duration(Math.abs(seconds))}`;
 }
 
 /** Say how long something takes so far, as a stopwatch does: narrow, and to the second. */

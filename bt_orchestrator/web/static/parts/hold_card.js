@@ -6,7 +6,7 @@ import { shownMoment } from '../core/store.js';
 import { at, duration, said, t, tOr } from '../core/text.js';
 import { offers } from './offers.js';
 import { reshape, shape } from '../core/shape.js';
-import { holdPlace } from './stands.js';
+import { holdPlace } from '../core/stands.js';
 import { jsonValues } from './values.js';
 
 /** Make a card: an element, `update(hold)`, `tick()`, `end()`. */

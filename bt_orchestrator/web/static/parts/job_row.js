@@ -11,14 +11,14 @@ const MADE = ['done', 'marked_done', 'skipped', 'continued'];
 
 /** Make a row: an element and `update(job)`. */
 export function jobRow() {
-  const link = h('a', { class: 'job-link one-line' });
-  const script = h('span', { class: 'job-script one-line' });
+  const link = h('a', { class: 'job-link' });
+  const script = h('span', { class: 'job-script' });
   const state = h('span', { class: 'job-word' });
   const count = h('span', { class: 'job-count' });
   const ends = h('span', { class: 'job-ends' });
   const bar = jobBar();
   const making = h('p', { class: 'job-making' });
-  const preparing = h('p', { class: 'job-preparing one-line' });
+  const preparing = h('p', { class: 'job-preparing' });
   const element = h(
     'li',
     { class: 'job' },

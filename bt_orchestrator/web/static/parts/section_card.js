@@ -45,9 +45,10 @@ export function sectionCard() {
       tasks(section.tasks);
       show(finished, section.finished);
       text(finished, section.finished ? t('section.finished', section.finished) : '');
-      attribute(wait, 'data-ordinary', !foremost || isQuiet(foremost, isHeld));
+      const isQuiet = !foremost || isSaidElsewhere(foremost, isHeld);
+      attribute(wait, 'data-ordinary', isQuiet);
       attribute(wait, 'title', section.waits.map(waitWords).join('\n'));
-      text(wait, foremost ? waitWords(foremost) : '');
+      text(wait, foremost ? cardWords(foremost, isQuiet) : '');
     },
   };
 }
@@ -55,8 +56,14 @@ export function sectionCard() {
 /** For an answer somewhere else all sections wait; the hold and the bar say it once. */
 const SAID_ELSEWHERE = ['hold', 'pause', 'cell_state'];
 
-function isQuiet(wait, isHeld) {
+function isSaidElsewhere(wait, isHeld) {
   return wait.is_ordinary || (!isHeld && SAID_ELSEWHERE.includes(wait.kind));
+}
+
+/** The story of a hold stands on its card; others name its number. */
+function cardWords(wait, isQuiet) {
+  const isBrief = isQuiet && wait.kind === 'hold' && !wait.holds?.length;
+  return isBrief ? t('wait.hold', wait) : waitWords(wait);
 }
 
 function keepRow(rows, id) {

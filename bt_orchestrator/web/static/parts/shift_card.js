@@ -2,7 +2,7 @@
 
 import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { part, shownMoment } from '../core/store.js';
-import { about, duration, number, ratio, seconds, t } from '../core/text.js';
+import { about, difference, duration, number, ratio, seconds, t } from '../core/text.js';
 
 const REPORT = '/api/shift/report.html';
 const FACTORS = ['availability', 'performance', 'quality'];
@@ -121,8 +121,7 @@ function lossRow({ loss }) {
   return {
     element,
     update(one) {
-      const sign = one.seconds < 0 ? '-' : '';
-      text(lost, `${sign}${duration(Math.abs(one.seconds))}`);
+      text(lost, difference(one.seconds));
       share(full, one.share);
     },
   };

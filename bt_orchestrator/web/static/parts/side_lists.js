@@ -2,7 +2,7 @@
 
 import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { part, partsOf } from '../core/store.js';
-import { about, said, t } from '../core/text.js';
+import { about, person, said, t } from '../core/text.js';
 import { shape } from '../core/shape.js';
 
 /** Make the list of components in trouble: an element and `update()`; without any it is not shown. */
@@ -45,7 +45,7 @@ function troubleRow() {
 /** Say why a component cannot work. */
 export function troubleWords(component) {
   const { out_of_service: reason, out_of_service_since: since } = component;
-  if (since !== null) return t('trouble.out_of_service', { reason, time: about(since) });
+  if (since !== null) return t('trouble.out_of_service', { reason: person(reason), time: about(since) });
   if (!component.available) return t('trouble.away', { action: component.action });
   if (component.contested) return said(component.contested_said);
   return component.state ? t('trouble.state', { state: component.state }) : t('trouble.no_state');

@@ -1,6 +1,6 @@
 /** The record of an item told as a story: what happened to it, in order of time. */
 import { h } from '../core/dom.js';
-import { at, duration, said, seconds, t, tOr } from '../core/text.js';
+import { at, duration, person, quoted, said, seconds, t, tOr } from '../core/text.js';
 import { againWords } from './again.js';
 import { componentLink, sectionLink } from './links.js';
 import { shape } from '../core/shape.js';
@@ -78,7 +78,7 @@ const TOLD = {
       {},
       shape('square'),
       ' ',
-      t('item.decided', { who: who || t('item.somebody'), what: decisionWord(what) }),
+      t('item.decided', { who: who ? person(who) : t('item.somebody'), what: decisionWord(what) }),
     ),
     reason ? h('p', { class: 'quote' }, reason) : null,
   ],
@@ -115,7 +115,7 @@ function task(entry) {
 function outcomeWords({ outcome, seconds: took, reason, said: message }) {
   if (outcome === 'continued') return t(`item.policy_${reason}`);
   const word = t(`item.outcome_${outcome}`, { took: took === null ? '' : seconds(took) });
-  const why = [reason && reasonWords(outcome, reason), said(message) && `“${said(message)}”`]
+  const why = [reason && reasonWords(outcome, reason), said(message) && quoted(said(message))]
     .filter(Boolean)
     .join(' ');
   return why ? `${word}: ${why}` : word;

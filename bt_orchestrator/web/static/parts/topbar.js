@@ -9,7 +9,7 @@ import { newsLine, newsTrouble } from './news_line.js';
 import { offers } from './offers.js';
 import { personMenu } from './person_menu.js';
 import { reshape, shape } from '../core/shape.js';
-import { standsSilently, whyItStands } from './stands.js';
+import { standsSilently, whyItStands } from '../core/stands.js';
 
 const SHAPES = { working: 'play', quiet: 'ring', stopped: 'square', trouble: 'triangle' };
 const LATER = /^cell\.stop_after_/;

@@ -23,6 +23,7 @@ const NAMES = Object.entries({
   flag: /^flag (?<name>.+ [<>].*)$/,
   zone: /^zone (?<name>.+) free$/,
   retry: /^retry up to (?<name>\d+) times?$/,
+  rounds: /^up to (?<number>\d+) more rounds?$/,
   unless: /^fails unless (?<name>.+)$/,
   when: /^when (?<name>.+)$/,
   except: /^unless (?<name>.+)$/,
@@ -79,7 +80,7 @@ function said(words, english) {
     const found = pattern.exec(english);
     if (!found) continue;
     const { name = '', number = '', reason = '' } = found.groups ?? {};
-    return t(`twig.${key}`, { name, number, reason: tOr(`reason.${reason}`, reason) });
+    return t(`twig.${key}`, { name, number, count: number, reason: tOr(`reason.${reason}`, reason) });
   }
   return english;
 }

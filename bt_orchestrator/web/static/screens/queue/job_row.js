@@ -27,7 +27,7 @@ export function jobRow(id, context) {
     place,
   );
   const name = h('a', { href: `#/job/${id}`, class: 'job-id' }, id);
-  const script = h('span', { class: 'quiet one-line' });
+  const script = h('span', { class: 'quiet' });
   const making = h('span', { class: 'job-making' });
   const state = h('span', { class: 'job-state' });
   const bar = jobBar();

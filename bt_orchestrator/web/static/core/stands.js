@@ -1,7 +1,7 @@
 /** Why the line stands still, or soon will: one sentence for the top of the page. */
 
-import { part } from '../core/store.js';
-import { at, said, t, tOr } from '../core/text.js';
+import { part } from './store.js';
+import { at, person, said, t, tOr } from './text.js';
 
 /** Say why the cell does not work as it should; empty: it does. */
 export function whyItStands(cell) {
@@ -60,7 +60,9 @@ function reasonWords(cell) {
       .join(': ');
     const more =
       cell.holds.length > 1 ? ` ${t('stands.more_holds', { count: cell.holds.length - 1 })}` : '';
-    return `${word}: ${what}${hold.message ? ` (${said(hold.said)})` : ''}.${more}`;
+    // The card of a task has its message, which may be long.
+    const isSaid = hold.message && !hold.task;
+    return `${word}: ${what}${isSaid ? ` (${said(hold.said)})` : ''}.${more}`;
   }
   // What a person said is told by their wish.
   return cell.stop_message && !cell.wish ? `${word}: ${said(cell.stop_said)}.` : `${word}.`;
@@ -75,7 +77,7 @@ export function holdPlace(hold) {
 function wishWords(wish) {
   if (!wish) return '';
   const values = {
-    who: wish.who || t('stands.somebody'),
+    who: wish.who ? person(wish.who, 'stands.claims') : t('stands.somebody'),
     command: tOr(`word.cell.${wish.command}`, wish.command),
     time: wish.time ? at(wish.time) : '',
   };
