@@ -174,9 +174,10 @@ def _options(sheet: Sheet, task: Task) -> Iterator[str]:
     if task.once:
         yield say('once, until the cell stops')
     if task.condition is not None:
-        yield str(task.condition)
+        yield sheet.wording.condition(str(task.condition))
     if task.fails_unless is not None:
-        yield say('fails unless {condition}', condition=task.fails_unless.words)
+        verdict = sheet.wording.condition(task.fails_unless.words)
+        yield say('fails unless {condition}', condition=verdict)
     if task.identifies:
         yield say('reads the serial: {result}', result='.'.join(task.identifies))
     if task.runs_for is not RunsFor.GOOD:
@@ -256,9 +257,11 @@ def _details(sheet: Sheet, task: Task, belt: str) -> Iterator[str]:
         yield say('runs for: {items}', items=say(RUNS_FOR[task.runs_for]))
         yield say('belt: {how}', how=say(belt or AT_REST))
     if task.condition is not None:
-        yield say('condition: {condition}', condition=task.condition)
+        when = sheet.wording.condition(str(task.condition))
+        yield say('condition: {condition}', condition=when)
     if task.fails_unless is not None:
-        yield say('verdict: fails unless {condition}', condition=task.fails_unless.words)
+        verdict = sheet.wording.condition(task.fails_unless.words)
+        yield say('verdict: fails unless {condition}', condition=verdict)
     if task.identifies:
         yield say('serial of the item: {result}', result='.'.join(task.identifies))
     yield say('nominal time: {seconds} s', seconds=f'{component.duration_s(task.name):g}')

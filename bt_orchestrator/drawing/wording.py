@@ -42,6 +42,10 @@ class Wording:
         """Say a message of the node, which is in English."""
         return message
 
+    def condition(self, words: str) -> str:
+        """Say a condition, which is in English; its names and values stay."""
+        return words
+
     def failure(
         self, reason: str, message: str, controller_said: str = '', topic_says: str = ''
     ) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
-from functools import cache
+from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +33,22 @@ _NAMED = {
 """Kinds of waits that say more when they name somebody."""
 
 _SKIPPED = 'skip_'
+
+_COMPARED = {
+    'when': re.compile(r'^when (?P<value>.)'),
+    'except': re.compile(r'^unless (?P<value>.)'),
+    'between': re.compile(r' from (?P<low>\S+) to (?P<high>\S+)'),
+    'at_least': re.compile(r' at least (?P<value>\S+)'),
+    'at_most': re.compile(r' at most (?P<value>\S+)'),
+    'one_of': re.compile(r' one of (?P<value>\S)'),
+    'is_not': re.compile(r' is not (?P<value>\S)'),
+    'and': re.compile(r' and (?P<value>\S)'),
+    'or': re.compile(r' or (?P<value>\S)'),
+}
+"""The words of a condition (`Condition.words`); `parts/twig_words.js` has the same."""
+
+WANTED = 'wanted'
+"""Place of a condition in a sentence of the node."""
 
 
 @cache
@@ -97,7 +115,20 @@ class PageWording(Wording):
     def message(self, message: str) -> str:
         """Say a message of the node, which is in English."""
         known = self._strings['message']
-        return text_of(facts_of(message), message, known, known['or'])
+        facts = [
+            replace(one, values={**one.values, WANTED: self.condition(one.values[WANTED])})
+            if WANTED in one.values
+            else one
+            for one in facts_of(message)
+        ]
+        return text_of(facts, message, known, known['or'])
+
+    def condition(self, words: str) -> str:
+        """Say a condition, which is in English; its names and values stay."""
+        known = self._strings['condition']
+        for name, pattern in _COMPARED.items():
+            words = pattern.sub(partial(_said, known[name]), words)
+        return words
 
     def failure(
         self, reason: str, message: str, controller_said: str = '', topic_says: str = ''
@@ -145,6 +176,10 @@ class PageWording(Wording):
     def _word(self, group: str, name: str, otherwise: str | None = None) -> str:
         """Return a word; an unknown one stays unchanged."""
         return str(self._strings[group].get(name, name if otherwise is None else otherwise))
+
+
+def _said(words: str, found: re.Match[str]) -> str:
+    return words.format(**found.groupdict())
 
 
 class EnglishWording(PageWording):

@@ -137,20 +137,25 @@ def test_the_picture_of_another_window_begins_anew_unless_somebody_chose_what_is
     page = tab.page
     page.locator('.picture-room svg').wait_for()
 
-    def scale() -> float:
-        found = page.evaluate('() => document.querySelector(".picture-room svg").getScreenCTM().a')
-        return round(float(found), 2)
+    def seen() -> tuple[float, float]:
+        """Return the scale of the picture, and the width that is seen of it."""
+        scale, width = page.evaluate("""() => {
+          const svg = document.querySelector('.picture-room svg');
+          return [svg.getScreenCTM().a, svg.viewBox.baseVal.width];
+        }""")
+        return round(float(scale), 2), float(width)
 
     page.set_viewport_size({'width': 768, 'height': 1024})
-    tab.until(lambda: scale() == READABLE, 'text that can be read')
-    page.set_viewport_size({'width': 1600, 'height': 768})
-    tab.until(lambda: scale() > READABLE, 'a line that fills the window')
+    tab.until(lambda: seen()[0] == READABLE, 'text that can be read')
+    narrow = seen()[1]
+    page.set_viewport_size({'width': 1366, 'height': 768})
+    tab.until(lambda: seen()[0] >= READABLE and seen()[1] > 1.5 * narrow, 'more of the line')
     page.get_by_role('button', name='The whole line').click()
-    whole = scale()
+    whole = seen()[0]
     assert whole < READABLE
-    page.set_viewport_size({'width': 1650, 'height': 768})
+    page.set_viewport_size({'width': 1400, 'height': 768})
     page.evaluate('() => new Promise(requestAnimationFrame)')
-    assert scale() == whole
+    assert seen()[0] == whole
 
 
 # --- tree --------------------------------------------------------------------------------------

@@ -115,3 +115,23 @@ def test_reasons_of_unknown_ends_are_german_each_in_its_sentence() -> None:
     why = run.sim.status().jobs[1].end_unknown
     held = 'K ist in der Warteschlange zurückgehalten'
     assert GERMAN.message(why) == f'{held}; K braucht a2, außer Betrieb'
+
+
+@pytest.mark.parametrize(
+    ('words', 'german'),
+    [
+        ('${results.a.x} from 4.8 to ${params.most}', '${results.a.x} von 4.8 bis ${params.most}'),
+        ('when ${results.a.x} at least 5', 'wenn ${results.a.x} mindestens 5'),
+        ('unless ${results.a.b} is not 3', 'außer ${results.a.b} nicht 3'),
+        ('(${a} at most 5 and ${b}) or ${c} = 2', '(${a} höchstens 5 und ${b}) oder ${c} = 2'),
+        ('${results.a.x} one of 1, 2', '${results.a.x} eines von 1, 2'),
+    ],
+)
+def test_conditions_are_said_and_their_values_stay(words: str, german: str) -> None:
+    assert GERMAN.condition(words) == german
+    assert wordings()['en'].condition(words) == words
+
+
+def test_what_a_verdict_expected_is_german() -> None:
+    said = sentence('refused_result', wanted='${results.a.x} at least 5', found='4.2')
+    assert GERMAN.message(said) == 'erwartet: ${results.a.x} mindestens 5; gefunden: 4.2'

@@ -52,6 +52,20 @@ const MESSAGES = Object.entries({
   failed: /^failed: (?<reason>\w+)$/,
   next_beat: /^next beat begins, the belt is empty$/,
 });
+/** The words of a condition; `web/wording.py` has the same. */
+const COMPARED = Object.entries({
+  when: /^when (?<value>.)/,
+  except: /^unless (?<value>.)/,
+  between: / from (?<low>\S+) to (?<high>\S+)/g,
+  at_least: / at least (?<value>\S+)/g,
+  at_most: / at most (?<value>\S+)/g,
+  one_of: / one of (?<value>\S)/g,
+  is_not: / is not (?<value>\S)/g,
+  and: / and (?<value>\S)/g,
+  or: / or (?<value>\S)/g,
+});
+/** Names that have a condition. */
+const CONDITIONS = ['unless', 'when', 'except'];
 const BETWEEN = '; ';
 const AND = ', ';
 
@@ -75,11 +89,21 @@ export function messageWords() {
     known.has(message) ? say(message) : message.split(BETWEEN).map(say).join(BETWEEN);
 }
 
+/** Say a condition, which is in English; its names and values stay. */
+export function conditionWords(english) {
+  return COMPARED.reduce(
+    (words, [key, pattern]) =>
+      words.replace(pattern, (...found) => t(`condition.${key}`, found.at(-1))),
+    english,
+  );
+}
+
 function said(words, english) {
   for (const [key, pattern] of words) {
     const found = pattern.exec(english);
     if (!found) continue;
-    const { name = '', number = '', reason = '' } = found.groups ?? {};
+    const { name: told = '', number = '', reason = '' } = found.groups ?? {};
+    const name = CONDITIONS.includes(key) ? conditionWords(told) : told;
     return t(`twig.${key}`, { name, number, count: number, reason: tOr(`reason.${reason}`, reason) });
   }
   return english;
