@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from bench.rows import Row, percentile
-from bt_orchestrator.drawing.box import Box
-from bt_orchestrator.drawing.style import ALARM, SLOT_FILL
-from bt_orchestrator.drawing.svg import Svg
+from bt_orchestrator.view.drawing.box import Box
+from bt_orchestrator.view.drawing.style import ALARM, SLOT_FILL
+from bt_orchestrator.view.drawing.svg import Svg
 
 WIDTH, ROW, LEFT, RIGHT, TOP = 760.0, 30.0, 210.0, 20.0, 50.0
 SHORTEST_MS, LONGEST_MS = 0.5, 500.0

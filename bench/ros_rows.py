@@ -21,7 +21,7 @@ from bench.rows import Row, percentile
 from bench.stamped import FILE as STAMPS
 from bench.stand import TASKS_A_CYCLE, WARM_UP, Measured, Stand, stand
 from bench.tail import until
-from bt_orchestrator.node_parameters import EVENTS, SINGLE
+from bt_orchestrator.ros.node_parameters import EVENTS, SINGLE
 
 OURS, NORMAL, WATCHED = 'ours FULL', 'ours NORMAL', 'ours watched'
 CHAIN, CHAIN_LEAN = 'rclpy chain', 'rclpy chain, our executor'

@@ -14,11 +14,11 @@ from rclpy.node import Node
 
 from bench.line_files import SECTIONS, cell_text, script_text
 from bt_orchestrator.cli.bootstrap import installed_types
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
 from bt_orchestrator.store.memory import MemoryStore

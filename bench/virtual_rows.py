@@ -19,15 +19,15 @@ from bench.recipe_lines import drawn_line
 from bench.rows import Row
 from bench.whole_start import process_s
 from bt_orchestrator.cli.bootstrap import installed_types
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.engine.runtime.recovery import stamp
+from bt_orchestrator.extensions.recipes.planning.generate import generate
 from bt_orchestrator.model.events import TaskSucceeded
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.planning.generate import generate
-from bt_orchestrator.proof.deadlock import deadlock
-from bt_orchestrator.proof.pace import PacedLine, pace
+from bt_orchestrator.model.proof.deadlock import deadlock
+from bt_orchestrator.model.proof.pace import PacedLine, pace
 from bt_orchestrator.ros.types.status_messages import StatusWriter
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.runtime.recovery import stamp
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.script_file import parse_script, read_script
 from bt_orchestrator.sim.clock import VirtualClock

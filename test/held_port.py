@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.doors.listening import LOOPBACK, bound
+from bt_orchestrator.ports.doors.listening import LOOPBACK, bound
 
 
 class HeldPort:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from web.stand_cell import StandCell
 
-    from bt_orchestrator.opcua.server import OpcUaServer
+    from bt_orchestrator.extensions.opcua.server.server import OpcUaServer
     from bt_orchestrator.ports import EventStore
 
 PATIENCE_S = 120.0
@@ -55,8 +55,8 @@ def served(stand: StandCell, port: int = 0) -> Iterator[OpcUaServer]:
     from fakes.opcua_access import access_in, with_login
     from fakes.shipped import RECIPES, TREES
 
-    from bt_orchestrator.opcua.bridge import Bridge, Sources
-    from bt_orchestrator.opcua.server import OpcUaServer
+    from bt_orchestrator.extensions.opcua.server.bridge import Bridge, Sources
+    from bt_orchestrator.extensions.opcua.server.server import OpcUaServer
 
     class WithLogin(OpcUaServer):
         @property
@@ -79,7 +79,7 @@ def main() -> int:
     args = _arguments()
     from stand_serving import serve
 
-    from bt_orchestrator.stop_signals import StopSignals
+    from bt_orchestrator.base.stop_signals import StopSignals
 
     with (
         tempfile.TemporaryDirectory() as folder,

@@ -10,8 +10,8 @@ from __future__ import annotations
 import sys
 
 from bt_orchestrator.cli.main import main
+from bt_orchestrator.engine.runtime import flights
 from bt_orchestrator.ros import node
-from bt_orchestrator.runtime import flights
 
 if __name__ == '__main__':
     node.FAREWELL_S = flights.GRACE_S = 3600.0

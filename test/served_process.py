@@ -9,7 +9,7 @@ from held_port import HeldPort
 from program_process import ProgramProcess
 
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.users.file import UsersFile
+from bt_orchestrator.script.users.file import UsersFile
 
 PASSWORD = 'a long password of tests'
 """Of every user; there is one of each role, whose name is that of the role."""

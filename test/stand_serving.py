@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from web.stand_cell import StandCell
 
-    from bt_orchestrator.doors.server_thread import ServerThread
-    from bt_orchestrator.stop_signals import StopSignals
+    from bt_orchestrator.base.stop_signals import StopSignals
+    from bt_orchestrator.ports.doors.server_thread import ServerThread
 
 
 def serve(stand: StandCell, server: ServerThread, stop: StopSignals) -> None:

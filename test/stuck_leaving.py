@@ -10,7 +10,7 @@ import threading
 
 import rclpy
 
-from bt_orchestrator import leaving
+from bt_orchestrator.base import leaving
 from bt_orchestrator.cli.main import main
 
 

@@ -8,10 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
+from bt_orchestrator.base.errors import Finding, NotRead, Refused
+from bt_orchestrator.base.extending import RECIPES
 from bt_orchestrator.cli.bookkeeping.process import BooksProcess
 from bt_orchestrator.cli.processes.foresight_process import ForesightProcess
-from bt_orchestrator.errors import Finding, NotRead, Refused
-from bt_orchestrator.extending import RECIPES
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.recipe import Recipe

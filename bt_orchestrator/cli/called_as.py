@@ -8,7 +8,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from bt_orchestrator.screen.advice import PROGRAM
+from bt_orchestrator.view.screen.advice import PROGRAM
 
 WRAPPER = 'BT_ORCHESTRATOR_CALLED_AS'
 """Variable in which a script that calls a verb says how it was called itself."""

@@ -12,6 +12,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bt_orchestrator.base.errors import Finding, Refused, counted
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.folders import (
     add_recipes_option,
@@ -20,18 +21,17 @@ from bt_orchestrator.cli.folders import (
     script_folders,
 )
 from bt_orchestrator.cli.here import add_cell_option
-from bt_orchestrator.errors import Finding, Refused, counted
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.report.pace_text import script_pace
 from bt_orchestrator.script.checks.timeless import of_recipe, of_scripts, timeless
 from bt_orchestrator.script.checks.warnings import ReadScript, warnings
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.orders.by_recipe import is_recipe
 from bt_orchestrator.script.orders.order_file import is_order
+from bt_orchestrator.view.report.pace_text import script_pace
 
 DESCRIPTION = """\
 Read scripts, recipes and work orders against the cell they are for, and print every mistake in

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from bt_orchestrator.screen.advice import PROGRAM
+from bt_orchestrator.view.screen.advice import PROGRAM
 
 SHELLS = ('bash', 'zsh', 'fish')
 

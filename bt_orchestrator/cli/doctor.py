@@ -12,17 +12,17 @@ from dataclasses import asdict
 from importlib import util
 from pathlib import Path
 
+from bt_orchestrator.base.diagnosis import machine
+from bt_orchestrator.base.diagnosis.check import Check, Verdict, fail, ok, warn, worst
+from bt_orchestrator.base.diagnosis.domain import domain, domain_id, other_domains, reach
+from bt_orchestrator.base.diagnosis.journal_folder import journal_folder
+from bt_orchestrator.base.diagnosis.security import security
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.numbers import seconds
-from bt_orchestrator.diagnosis import machine
-from bt_orchestrator.diagnosis.check import Check, Verdict, fail, ok, warn, worst
-from bt_orchestrator.diagnosis.domain import domain, domain_id, other_domains, reach
-from bt_orchestrator.diagnosis.journal_folder import journal_folder
-from bt_orchestrator.diagnosis.security import security
-from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.screen.advice import DEFAULT_NODE
 from bt_orchestrator.store.sqlite.keeping import readable_by_others
+from bt_orchestrator.view.screen.advice import DEFAULT_NODE
 
 DESCRIPTION = """\
 Look at this machine, and with --cell at everything a cell needs on the ROS graph. Each line says

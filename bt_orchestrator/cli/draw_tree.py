@@ -11,19 +11,19 @@ from py_trees.behaviour import Behaviour
 from py_trees.composites import Parallel, Selector, Sequence
 from py_trees.decorators import Decorator
 
-from bt_orchestrator.drawing.card import Sheet, details
-from bt_orchestrator.drawing.label import Entry, Label, Text
-from bt_orchestrator.drawing.picture import TreePicture
-from bt_orchestrator.drawing.style import FAINT, FONT, INK, PAPER
-from bt_orchestrator.drawing.svg import xml_text
+from bt_orchestrator.engine.tree.compile import CellTree
+from bt_orchestrator.engine.tree.leaf import ActionLeaf
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.tree.compile import CellTree
-from bt_orchestrator.tree.leaf import ActionLeaf
+from bt_orchestrator.view.drawing.card import Sheet, details
+from bt_orchestrator.view.drawing.label import Entry, Label, Text
+from bt_orchestrator.view.drawing.picture import TreePicture
+from bt_orchestrator.view.drawing.style import FAINT, FONT, INK, PAPER
+from bt_orchestrator.view.drawing.svg import xml_text
 
 JOB = 'JOB'
 """Placeholder for the order that the script is run for."""

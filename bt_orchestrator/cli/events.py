@@ -12,6 +12,8 @@ from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+from bt_orchestrator.base.extending import PARQUET, of_others
+from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.moments import add_period_options
@@ -20,15 +22,13 @@ from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.output import opened
 from bt_orchestrator.cli.parquet_folder import tables_in
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.extending import PARQUET, of_others
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.report.account.booked import steady_time
-from bt_orchestrator.report.exports import OUTPUTS
-from bt_orchestrator.report.reading import Reading, removed
-from bt_orchestrator.report.xes_export import XesExport
-from bt_orchestrator.stop_signals import StopSignals
+from bt_orchestrator.view.report.account.booked import steady_time
+from bt_orchestrator.view.report.exports import OUTPUTS
+from bt_orchestrator.view.report.reading import Reading, removed
+from bt_orchestrator.view.report.xes_export import XesExport
 
 POLL_S = 0.2
 """Time between two looks into a journal that is followed."""

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.base.errors import Finding, Refused
 
 PACKAGE = 'bt_orchestrator'
 

@@ -7,13 +7,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.base.ordinary_file import read_ordinary
+from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
-from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.ordinary_file import read_ordinary
-from bt_orchestrator.screen.machine import read_status
-from bt_orchestrator.stop_signals import StopSignals
+from bt_orchestrator.view.screen.machine import read_status
 
 LARGEST_FILE = 100_000_000
 """Bytes; a status of 100 jobs and sections has some 200,000."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from bt_orchestrator.errors import Refused, counted
+from bt_orchestrator.base.errors import Refused, counted
 
 MOST_ON_TERMINAL = 50
 """Mistakes that a person is shown at once; a file or a pipe gets all of them."""

@@ -8,7 +8,7 @@ import socket
 
 from bt_orchestrator.cli.numbers import node_name, seconds
 from bt_orchestrator.cli.user_name import user_name
-from bt_orchestrator.screen.advice import DEFAULT_NODE, PROGRAM
+from bt_orchestrator.view.screen.advice import DEFAULT_NODE, PROGRAM
 
 
 def add_node_options(parser: argparse.ArgumentParser) -> None:

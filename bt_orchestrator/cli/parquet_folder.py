@@ -7,13 +7,13 @@ from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 
+from bt_orchestrator.base.extending import PARQUET
 from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.extending import PARQUET
 from bt_orchestrator.model.events import OrchestratorStarted
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.report.account.booked import steady_time
-from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.view.report.account.booked import steady_time
+from bt_orchestrator.view.report.reading import Reading
 
 
 @contextmanager
@@ -29,7 +29,7 @@ def tables_in(folder: Path | None, reading: Reading) -> Iterator[Callable[[str],
     started = reading.events(Wanted(events=(OrchestratorStarted.event,)))
     starts = [event.seq for event in started]
     try:
-        export = import_module('bt_orchestrator.report.parquet.export').ParquetExport(
+        export = import_module(f'{PARQUET.room}.export').ParquetExport(
             folder, reading.records.extent().history, steady_time(reading), starts
         )
     except OSError as error:

@@ -9,12 +9,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
+from bt_orchestrator.base.errors import NotKept
 from bt_orchestrator.cli.moments import moment
-from bt_orchestrator.errors import NotKept
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Records
-from bt_orchestrator.screen.words import status_lines
+from bt_orchestrator.view.screen.words import status_lines
 
 
 def event_or_moment(text: str) -> int | float:

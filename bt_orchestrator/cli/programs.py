@@ -12,7 +12,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
 
 FAREWELL_S = 15.0
 """Longest time that a program has to end by itself; longer than the node takes at most."""

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Protocol
 
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.cli.action import Action
 from bt_orchestrator.cli.asked.derived import of_request
 from bt_orchestrator.cli.asked.words import in_one_line, what_to_know
@@ -16,7 +17,6 @@ from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.numbers import whole_32
 from bt_orchestrator.cli.ordering import proposal
 from bt_orchestrator.cli.ordering.order_request import give_orders
-from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import OVER
@@ -24,7 +24,7 @@ from bt_orchestrator.model.requests import About, requests_about
 from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.model.status_words import script_words
 from bt_orchestrator.ports import QueuePage
-from bt_orchestrator.screen.words import job_terms
+from bt_orchestrator.view.screen.words import job_terms
 
 DESCRIPTION = """\
 List the queue of a running tree node, add work orders to it, or propose an order for it. `job`

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options
 from bt_orchestrator.cli.draw_tree import draw_tree
@@ -14,14 +15,13 @@ from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.drawing.line import draw_line
-from bt_orchestrator.drawing.picture import DOT, FORMATS, Picture
-from bt_orchestrator.drawing.status_marks import line_state
-from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.view.drawing.line import draw_line
+from bt_orchestrator.view.drawing.picture import DOT, FORMATS, Picture
+from bt_orchestrator.view.drawing.status_marks import line_state
 
 DESCRIPTION = """\
 Draw a script: the belt with its sections, every task with its arguments and policies, flags, zones

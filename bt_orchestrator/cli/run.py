@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from bt_orchestrator.base.extending import of_others
+from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.folders import (
     add_recipes_option,
     add_trees_option,
@@ -15,10 +17,8 @@ from bt_orchestrator.cli.folders import (
     script_folders,
 )
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.extending import of_others
-from bt_orchestrator.node_parameters import NodeParameters, Words, described
 from bt_orchestrator.ports import EventSink
-from bt_orchestrator.stop_signals import StopSignals
+from bt_orchestrator.ros.node_parameters import NodeParameters, Words, described
 
 DESCRIPTION = """\
 Run the tree node of a cell: it takes orders, ticks the tree, sends goals, and publishes events and

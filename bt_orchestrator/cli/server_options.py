@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from bt_orchestrator.cli.numbers import port
-from bt_orchestrator.users.file import default_file
+from bt_orchestrator.script.users.file import default_file
 
 
 def add_server_options(

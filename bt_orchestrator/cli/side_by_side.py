@@ -11,10 +11,10 @@ from bt_orchestrator.cli.virtual_run import Run, lines_of, plain
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.report.comparison import changes, comparison_lines
 from bt_orchestrator.script.file_kind import FileKind, file_kind
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Outcome
+from bt_orchestrator.view.report.comparison import changes, comparison_lines
 
 
 class OrderFiles(NamedTuple):

@@ -7,11 +7,11 @@ import re
 import sys
 from pathlib import Path
 
+from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.here import add_cell_option
 from bt_orchestrator.cli.mistakes import print_mistakes
 from bt_orchestrator.cli.numbers import factor, seconds
-from bt_orchestrator.errors import Refused
-from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
 Start a real ROS 2 action server for every component of a cell file and for its conveyor. They have

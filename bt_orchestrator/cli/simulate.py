@@ -7,6 +7,7 @@ import json
 import time
 from pathlib import Path
 
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options, as_json
 from bt_orchestrator.cli.folders import add_recipes_option, recipe_folders, script_folders
@@ -15,7 +16,6 @@ from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.side_by_side import OrderFiles, change_lines, plain_change, what_if_jobs
 from bt_orchestrator.cli.virtual_run import ROWS, Run, RunOptions, lines_of, plain, run_jobs
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.errors import Refused
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.sim.fault_options import WrongFaults
 from bt_orchestrator.sim.simulation import Outcome

@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.ports import ActionTypes

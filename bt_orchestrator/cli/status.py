@@ -9,9 +9,9 @@ from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.past_status import add_past_options, past_lines, status_at
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.screen.advice import Shell
-from bt_orchestrator.screen.machine import plain_status
-from bt_orchestrator.screen.words import status_lines
+from bt_orchestrator.view.screen.advice import Shell
+from bt_orchestrator.view.screen.machine import plain_status
+from bt_orchestrator.view.screen.words import status_lines
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

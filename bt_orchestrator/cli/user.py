@@ -12,8 +12,8 @@ from pathlib import Path
 
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.users.file import UsersFile, default_file
-from bt_orchestrator.users.passwords import BadPassword, check
+from bt_orchestrator.script.users.file import UsersFile, default_file
+from bt_orchestrator.script.users.passwords import BadPassword, check
 
 DESCRIPTION = """\
 Users of pages and OPC UA servers, each with a role (docs/security.md). Passwords are asked for on

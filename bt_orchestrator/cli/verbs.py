@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from types import ModuleType
 from typing import NamedTuple, cast
 
+from bt_orchestrator.base.extending import EXTENSIONS, Extension, of_others
 from bt_orchestrator.cli.action import Action
 from bt_orchestrator.cli.asked.words import in_one_line
 from bt_orchestrator.cli.command_parser import CommandParser
-from bt_orchestrator.extending import EXTENSIONS, of_others
 from bt_orchestrator.model.requests import TABLE, About, Request, words_about
 
 PROGRAM = 'bt-orchestrator'
@@ -31,8 +31,8 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         ),
         'sim-cell': ('sim_cell', 'serve each component as a simulated ROS 2 action server'),
         'run': ('run', 'run the tree node of a cell: it takes orders and carries them out'),
-        'page': ('page.verb', 'serve the operator page of a node, for any browser'),
-        'opcua': ('opcua.verb', 'serve a node over OPC UA, for an MES or a SCADA'),
+        'page': ('cli.verb', 'serve the operator page of a node, for any browser'),
+        'opcua': ('cli.verb', 'serve a node over OPC UA, for an MES or a SCADA'),
     },
     'give it work': {
         'submit': ('submit', 'give work orders to a node'),
@@ -74,6 +74,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
 }
 """The aims of a person: module and one line of help of each verb.
 
+The module of an extension is looked for in its room.
 A module has `add_arguments` and `run`, or `ACTIONS` with those of each. A verb without a line of
 help is a request of the table.
 """
@@ -212,9 +213,19 @@ def module_of(verb: str) -> ModuleType:
 
     :raises ExtensionMissing: it is that of an extension, which is not there
     """
-    extension = next((one for one in EXTENSIONS if one.verb == verb), None)
-    if extension is not None:
+    if (extension := _extension(verb)) is not None:
         extension.demand(with_packages=False)
     if verb not in VERBS:
         return cast('ModuleType', of_others('verbs')[verb].load())
-    return importlib.import_module(f'bt_orchestrator.cli.{VERBS[verb][0]}')
+    return importlib.import_module(module_name(verb))
+
+
+def module_name(verb: str) -> str:
+    """Return the module of a verb of this program."""
+    extension = _extension(verb)
+    room = 'bt_orchestrator.cli' if extension is None else extension.room
+    return f'{room}.{VERBS[verb][0]}'
+
+
+def _extension(verb: str) -> Extension | None:
+    return next((one for one in EXTENSIONS if one.verb == verb), None)

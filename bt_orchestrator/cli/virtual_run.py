@@ -15,24 +15,24 @@ from bt_orchestrator.cli.cost_watch import CostWatch
 from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.standing_results import standing_results
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.drawing.gantt import Gantt, GanttFold
-from bt_orchestrator.drawing.gantt_page import gantt_svg
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.wait import PartWait
 from bt_orchestrator.ports import ActionTypes, EventSink
-from bt_orchestrator.report.forecast import Forecast
-from bt_orchestrator.report.forecast_fold import ForecastFold
-from bt_orchestrator.report.forecast_text import detail_lines, job_lines, summary_lines
-from bt_orchestrator.report.pace_text import ScriptPace, script_pace
-from bt_orchestrator.report.wait_log import WaitLog
 from bt_orchestrator.sim.fault_options import with_faults
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.sim.standing_answers import StandingAnswers
 from bt_orchestrator.sim.standstill import standstill
 from bt_orchestrator.store.trace import TraceFile
+from bt_orchestrator.view.drawing.gantt import Gantt, GanttFold
+from bt_orchestrator.view.drawing.gantt_page import gantt_svg
+from bt_orchestrator.view.report.forecast import Forecast
+from bt_orchestrator.view.report.forecast_fold import ForecastFold
+from bt_orchestrator.view.report.forecast_text import detail_lines, job_lines, summary_lines
+from bt_orchestrator.view.report.pace_text import ScriptPace, script_pace
+from bt_orchestrator.view.report.wait_log import WaitLog
 
 ROWS = ('sections', 'components')
 """The kinds of rows of a chart."""

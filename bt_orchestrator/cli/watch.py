@@ -8,17 +8,17 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, TypeVar
 
+from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.screen.advice import Shell
-from bt_orchestrator.screen.tree_view import printable
-from bt_orchestrator.screen.viewer import Viewer
-from bt_orchestrator.stop_signals import StopSignals
+from bt_orchestrator.view.screen.advice import Shell
+from bt_orchestrator.view.screen.tree_view import printable
+from bt_orchestrator.view.screen.viewer import Viewer
 
 if TYPE_CHECKING:  # it needs rich, which takes its time
-    from bt_orchestrator.screen.live import LiveView
+    from bt_orchestrator.view.screen.live import LiveView
 
 Lines = TypeVar('Lines', bound=Viewer)
 
@@ -93,8 +93,8 @@ class Watching(Ignoring):
 @contextmanager
 def live_or(other: Callable[[], Lines], shell: Shell) -> Iterator[LiveView | Lines]:
     """Open the live view if the standard output is a terminal, otherwise another one."""
-    from bt_orchestrator.screen.live import LiveView
-    from bt_orchestrator.screen.terminal.second_screen import second_screen
+    from bt_orchestrator.view.screen.live import LiveView
+    from bt_orchestrator.view.screen.terminal.second_screen import second_screen
 
     # A name that the terminal cannot encode must not end the view.
     sys.stdout.reconfigure(errors='replace')  # type: ignore[union-attr]
@@ -105,8 +105,8 @@ def live_or(other: Callable[[], Lines], shell: Shell) -> Iterator[LiveView | Lin
 @contextmanager
 def _viewer(args: argparse.Namespace, node: str) -> Iterator[Viewer]:
     """Open the view that was asked for."""
-    from bt_orchestrator.screen.machine import JsonView
-    from bt_orchestrator.screen.plain import PlainView
+    from bt_orchestrator.view.screen.machine import JsonView
+    from bt_orchestrator.view.screen.plain import PlainView
 
     shell = Shell(node)
     if args.json:

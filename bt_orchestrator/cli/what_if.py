@@ -10,6 +10,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from typing import NoReturn
 
+from bt_orchestrator.base.errors import counted
 from bt_orchestrator.cli.door import instead_of_a_door, open_door
 from bt_orchestrator.cli.folders import (
     add_recipes_option,
@@ -21,12 +22,11 @@ from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.cli.verbs import command_of, is_verb
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.errors import counted
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.ports import Consequence, ExpectedJob, JobChange
-from bt_orchestrator.report.tables import table
+from bt_orchestrator.view.report.tables import table
 
 DESCRIPTION = """\
 Work out when the jobs of a running cell would end after some requests, with the engine itself in

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.state import CellState, Hold, ItemState, Phase
 

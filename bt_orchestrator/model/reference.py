@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from bt_orchestrator.errors import MissingResult
+from bt_orchestrator.base.errors import MissingResult
 from bt_orchestrator.model.frozen import made_at_once
 
 Source = Literal['params', 'order', 'item', 'results']

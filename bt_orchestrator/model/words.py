@@ -1,6 +1,7 @@
 """Sentences of the node as facts, from which each language can word them.
 
-This is the catalogue of their English; `web/static/strings` has it in the languages of the page.
+This is the catalogue of their English; `extensions/page/web/static/strings` has it in the
+languages of the page.
 A sentence is made of its facts, and `facts_of` reads them out of it again: records keep sentences.
 """
 

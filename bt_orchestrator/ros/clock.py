@@ -8,7 +8,7 @@ from typing import Any, cast
 
 from rclpy.node import Node
 
-from bt_orchestrator.deadlines import NS_PER_S, Deadline, instant_ns
+from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, instant_ns
 from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.ros.executor.alarms import Alarms
 from bt_orchestrator.ros.uptime import MachineUptime

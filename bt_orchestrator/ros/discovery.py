@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.ros.actions.endpoints import names
 from bt_orchestrator.ros.diagnosis.graph import SETTLE_S, Graph
 from bt_orchestrator.script.starter.starter_plan import FoundServer

@@ -16,16 +16,22 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from bt_orchestrator.asking.anew import QueueAnew
-from bt_orchestrator.asking.handler import RequestHandler
-from bt_orchestrator.asking.recipes import RecipeOrders
-from bt_orchestrator.diagnosis.ros_says import ros_says
-from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.leaving import leaving
+from bt_orchestrator.base.diagnosis.ros_says import ros_says
+from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.base.leaving import leaving
+from bt_orchestrator.base.replies import begin
+from bt_orchestrator.base.stop_signals import StopSignals
+from bt_orchestrator.engine.asking.anew import QueueAnew
+from bt_orchestrator.engine.asking.handler import RequestHandler
+from bt_orchestrator.engine.asking.recipes import RecipeOrders
+from bt_orchestrator.engine.runtime.housekeeping import Housekeeping
+from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations, last_events
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.engine.runtime.overview import Overview
+from bt_orchestrator.engine.runtime.writers import WriterThread
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ports import (
     Bookkeeping,
     EventSink,
@@ -34,7 +40,7 @@ from bt_orchestrator.ports import (
     Generating,
     Journal,
 )
-from bt_orchestrator.replies import begin
+from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.executor.executors import make_executor, soon, spin_once
@@ -44,6 +50,7 @@ from bt_orchestrator.ros.identity import Presence
 from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.large_blocks import give_back
+from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.parameters import declare
 from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.receive_buffers import widen
@@ -65,14 +72,7 @@ from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.services.services import Services
 from bt_orchestrator.ros.services.state_service import StateService
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
-from bt_orchestrator.runtime.housekeeping import Housekeeping
-from bt_orchestrator.runtime.observed_durations import ObservedDurations, last_events
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.runtime.overview import Overview
-from bt_orchestrator.runtime.writers import WriterThread
 from bt_orchestrator.script.cell_file import CELL_FILE, read_cell
-from bt_orchestrator.spare_log import SpareLog
-from bt_orchestrator.stop_signals import StopSignals
 
 NODE_NAME = 'bt_orchestrator'
 

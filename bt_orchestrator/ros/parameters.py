@@ -18,7 +18,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from bt_orchestrator.model.limits import NAME, cut
-from bt_orchestrator.node_parameters import NodeParameters, Words, described
+from bt_orchestrator.ros.node_parameters import NodeParameters, Words, described
 from bt_orchestrator.script.report import did_you_mean
 
 CLOCK = 'use_sim_time'

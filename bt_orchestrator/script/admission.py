@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.proof.deadlock import deadlock
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import START, Place, Report
 from bt_orchestrator.script.script_file import parse_script

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from bt_orchestrator.errors import UnknownActionType
+from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Component, StateTopic
 from bt_orchestrator.model.fault import Fault, parse_fault

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import chain
 from typing import cast
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.script.composing import MERGE, compose
 from bt_orchestrator.script.keys import Key, Kind, Table
 from bt_orchestrator.script.report import Place, Report, did_you_mean, listing, nearest

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from pathlib import Path
 
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import START, Report

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.limits import REQUEST_BYTES, RESULTS_TEXT
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import Report

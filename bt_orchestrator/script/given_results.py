@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType, MessageType
 from bt_orchestrator.model.limits import RESULTS_TEXT
 from bt_orchestrator.script.checks.arguments import MessageReader

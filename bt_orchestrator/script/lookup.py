@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.script.report import START, Place, did_you_mean
 from bt_orchestrator.script.source_text import ENDINGS
 from bt_orchestrator.script.yaml_nodes import quoted

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from bt_orchestrator.extending import RECIPES
+from bt_orchestrator.base.extending import RECIPES
 from bt_orchestrator.script.declared import Declared, declared, script_files
 from bt_orchestrator.script.orders.by_recipe import DeclaredRecipe, recipes
 from bt_orchestrator.script.read_once import ReadOnce

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 
 T = TypeVar('T')
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.base.errors import Finding, Refused
 
 
 @dataclass(frozen=True, order=True)

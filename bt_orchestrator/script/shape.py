@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence, Set
 
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.keys import Table
 from bt_orchestrator.script.orders.recipe_keys import OVERRIDES, RECIPE

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bt_orchestrator.errors import Finding, Refused
-from bt_orchestrator.ordinary_file import NotOrdinary, open_ordinary
+from bt_orchestrator.base.errors import Finding, Refused
+from bt_orchestrator.base.ordinary_file import NotOrdinary, open_ordinary
 from bt_orchestrator.script.report import START, did_you_mean
 
 ENDINGS = ('.yaml', '.yml')

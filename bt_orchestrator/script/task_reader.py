@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.errors import UnknownActionType
+from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import CONVEYOR, DEFAULT_TIMEOUT_S, Cell, Component
 from bt_orchestrator.model.script import INDEX, Task

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from bt_orchestrator.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
+from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
 from bt_orchestrator.model.uptime import Uptime
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model.cell import CONVEYOR, Cell, Component
 from bt_orchestrator.model.fault import Fault, parse_fault
 from bt_orchestrator.ports import ActionTypes

@@ -14,7 +14,8 @@ from dataclasses import replace
 from datetime import datetime
 from typing import NamedTuple
 
-from bt_orchestrator.errors import NotKept, OrchestratorError
+from bt_orchestrator.base.errors import NotKept, OrchestratorError
+from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
@@ -23,17 +24,16 @@ from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes, EventSink
-from bt_orchestrator.report.account.beginning import fold_at
-from bt_orchestrator.report.account.booked import steady_time
-from bt_orchestrator.report.account.fold import AccountFold
-from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.planned import US, us_of
-from bt_orchestrator.report.past_state import state_at
-from bt_orchestrator.report.reading import Reading
-from bt_orchestrator.report.retrospect.course import CourseFold
-from bt_orchestrator.report.retrospect.retrospect import Retrospect
-from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.sim.run_on import RunOn
+from bt_orchestrator.view.report.account.beginning import fold_at
+from bt_orchestrator.view.report.account.booked import steady_time
+from bt_orchestrator.view.report.account.fold import AccountFold
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.planned import US, us_of
+from bt_orchestrator.view.report.past_state import state_at
+from bt_orchestrator.view.report.reading import Reading
+from bt_orchestrator.view.report.retrospect.course import CourseFold
+from bt_orchestrator.view.report.retrospect.retrospect import Retrospect
 
 LOOK_BACK_US = 3600 * US
 """A task at work when the job starts is found if it began within this time before."""

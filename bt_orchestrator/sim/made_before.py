@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from bt_orchestrator.errors import NotRead, Refused
+from bt_orchestrator.base.errors import NotRead, Refused
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.ports import MadeScript
 

@@ -6,7 +6,10 @@ import json
 import math
 from collections.abc import Sequence
 
-from bt_orchestrator.errors import NotKept
+from bt_orchestrator.base.errors import NotKept
+from bt_orchestrator.engine.runtime.ledger import Ledger
+from bt_orchestrator.engine.runtime.overview import Overview
+from bt_orchestrator.engine.tree.compile import CellTree
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest, from_record
@@ -16,11 +19,8 @@ from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Goal, Records
-from bt_orchestrator.report.past_state import state_at
-from bt_orchestrator.runtime.ledger import Ledger
-from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.tree.compile import CellTree
+from bt_orchestrator.view.report.past_state import state_at
 
 MOST_TICKS = 1000
 """More than this is a defect of the rules, and not a moment in the middle of a settle."""

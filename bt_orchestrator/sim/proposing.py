@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from typing import NamedTuple
 
+from bt_orchestrator.engine.runtime.stands import obstacles
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import ask
@@ -15,7 +16,6 @@ from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.model.state.proposed import queue_digest
 from bt_orchestrator.ports import Proposal, ProposedJob
-from bt_orchestrator.runtime.stands import obstacles
 from bt_orchestrator.sim.queue_orders import FEW, Order, QueueOrders, Waiting, too_late_ms
 from bt_orchestrator.sim.run_on import RunOn
 

@@ -14,6 +14,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from bt_orchestrator.engine.runtime.ends_unknown import Unknown
+from bt_orchestrator.engine.runtime.observed_durations import as_observed
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
@@ -22,9 +25,6 @@ from bt_orchestrator.model.judging.sealed_ids import text_of
 from bt_orchestrator.model.pauses import RESTARTED
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes, EventSink, Snapshot
-from bt_orchestrator.runtime.ends_unknown import Unknown
-from bt_orchestrator.runtime.observed_durations import as_observed
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.sim.virtual_goal import VirtualGoal

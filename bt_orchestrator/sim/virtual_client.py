@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from bt_orchestrator.deadlines import has_come, instant_ns
+from bt_orchestrator.base.deadlines import has_come, instant_ns
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.contest import Contest
@@ -21,8 +21,8 @@ from bt_orchestrator.model.goal import (
     StateReading,
 )
 from bt_orchestrator.model.words import sentence
-from bt_orchestrator.news import News
 from bt_orchestrator.ports import Clock, Timer
+from bt_orchestrator.ports.news import News
 from bt_orchestrator.sim.carrier import Verdict
 from bt_orchestrator.sim.controller import Controller
 from bt_orchestrator.sim.results import not_ready_value, ready_value

@@ -5,8 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 
-from bt_orchestrator.errors import CommandRefused
-from bt_orchestrator.following import Follower
+from bt_orchestrator.base.errors import CommandRefused
+from bt_orchestrator.base.replies import begin
+from bt_orchestrator.engine.runtime import listed_jobs
+from bt_orchestrator.engine.runtime.overview import description_of
+from bt_orchestrator.engine.tree.branches import branch_of
 from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
@@ -15,11 +18,8 @@ from bt_orchestrator.model.limits import EVENTS_PAGE, QUEUE_PAGE
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.status import CellDescription, CellStatus, ListedJob
 from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
-from bt_orchestrator.replies import begin
-from bt_orchestrator.runtime import listed_jobs
-from bt_orchestrator.runtime.overview import description_of
+from bt_orchestrator.ports.following import Follower
 from bt_orchestrator.sim.virtual_node import VirtualNode
-from bt_orchestrator.tree.branches import branch_of
 
 
 class VirtualLink:

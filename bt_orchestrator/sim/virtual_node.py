@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
 
-from bt_orchestrator.asking.desk_here import DeskHere
-from bt_orchestrator.asking.handler import RequestHandler
-from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.base.errors import NodeUnreachable
+from bt_orchestrator.engine.asking.desk_here import DeskHere
+from bt_orchestrator.engine.asking.handler import RequestHandler
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.engine.runtime.overview import Overview
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.ports import ActionTypes, EventStore
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
 

@@ -10,11 +10,12 @@ from itertools import chain
 from pathlib import Path
 from typing import Any, cast
 
-from bt_orchestrator.asking.anew import WHO, QueueAnew
-from bt_orchestrator.asking.desk_here import DeskHere
-from bt_orchestrator.asking.handler import RequestHandler
-from bt_orchestrator.asking.recipes import RecipeOrders
-from bt_orchestrator.errors import Refused, counted
+from bt_orchestrator.base.errors import Refused, counted
+from bt_orchestrator.base.replies import begin
+from bt_orchestrator.engine.asking.anew import WHO, QueueAnew
+from bt_orchestrator.engine.asking.desk_here import DeskHere
+from bt_orchestrator.engine.asking.handler import RequestHandler
+from bt_orchestrator.engine.asking.recipes import RecipeOrders
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
@@ -34,7 +35,6 @@ from bt_orchestrator.ports import (
     Proposal,
     WrongField,
 )
-from bt_orchestrator.replies import begin
 from bt_orchestrator.script.lookup import find_below
 from bt_orchestrator.script.orders.by_recipe import recipes
 from bt_orchestrator.script.orders.desk import ANY_PATH

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.base.errors import JournalFailed
 from bt_orchestrator.model.events import Event
 
 

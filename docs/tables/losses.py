@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from bt_orchestrator.report.account.losses import WORDS
+from bt_orchestrator.view.report.account.losses import WORDS
 from tables.markdown import cell, code, table
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from bt_orchestrator.mes.packml import COMMANDS, STATE_NUMBERS, WITHOUT
-from bt_orchestrator.mes.stop_ids import STOP_IDS
-from bt_orchestrator.opcua import simple
-from bt_orchestrator.opcua.packml_meanings import VALUES
+from bt_orchestrator.extensions.opcua.mes.packml import COMMANDS, STATE_NUMBERS, WITHOUT
+from bt_orchestrator.extensions.opcua.mes.stop_ids import STOP_IDS
+from bt_orchestrator.extensions.opcua.server import simple
+from bt_orchestrator.extensions.opcua.server.packml_meanings import VALUES
 from tables.markdown import cell, table
 
 

@@ -13,7 +13,7 @@ from bt_orchestrator.cli.verbs import (
     command_of,
     help_line,
 )
-from bt_orchestrator.node_parameters import MOST_JOBS, NodeParameters, Words, described
+from bt_orchestrator.ros.node_parameters import MOST_JOBS, NodeParameters, Words, described
 from tables.markdown import cell, table
 
 

@@ -20,12 +20,12 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.cli.main import main
+from bt_orchestrator.engine.runtime.flights import Flights
+from bt_orchestrator.engine.runtime.ledger import Ledger
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.services.outputs import EventsTopic
-from bt_orchestrator.runtime.flights import Flights
-from bt_orchestrator.runtime.ledger import Ledger
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 CRASHES = 'crashes.jsonl'

@@ -11,8 +11,8 @@ from bt_orchestrator_interfaces.srv import AnswerHold, Command, SubmitOrder
 from chaos.truth import Controllers, attempts, journal
 from node_watcher import NodeWatcher
 
+from bt_orchestrator.engine.runtime.cell_commands import RESUME
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.runtime.cell_commands import RESUME
 
 ANSWERED_S = 2.0
 """An operator who hears nothing for that long asks again."""

@@ -15,7 +15,7 @@ import pytest
 from contract.store_contract import EventStoreContract
 from contract.written_events import events
 
-from bt_orchestrator.errors import DamagedRecord, JournalFailed, JournalUnusable
+from bt_orchestrator.base.errors import DamagedRecord, JournalFailed, JournalUnusable
 from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.events import Event, JobQueued
 from bt_orchestrator.model.judging.sealed_ids import SealedIds, text_of

@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
+from bt_orchestrator.engine.runtime.recovery import restore, stamp
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.keeping.state_text import StateText
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import CellLink, Snapshot
-from bt_orchestrator.runtime.recovery import restore, stamp
 from bt_orchestrator.store.sqlite.restoring import bring_back
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

@@ -21,7 +21,7 @@ from contract.link_doors import (
 )
 from contract.link_following import FollowingContract
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.model.keeping.snapshot import state_from_plain

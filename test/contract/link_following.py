@@ -6,7 +6,7 @@ import pytest
 from contract.link_bench import LinkBench, Seen, forget_events, restored_copy
 from contract.link_doors import DoorTests, add, asked_of, happen, new_id, turn_until
 
-from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.ports import CellLink

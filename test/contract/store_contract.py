@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from contract.written_events import events
 
-from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.base.errors import JournalFailed
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.ports import EventStore
 

@@ -16,11 +16,11 @@ from fakes.journal_reading import journal_reading
 from fakes.line import Line
 from fakes.operator import ann
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.engine.runtime.recovery import restore
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.store.sqlite.store import SqliteStore

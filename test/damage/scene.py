@@ -12,13 +12,13 @@ from pathlib import Path
 from fakes.line import THREE, Line
 from fakes.long_journal import LongRun
 
+from bt_orchestrator.engine.runtime import housekeeping
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.runtime import housekeeping
 
 NAME = 'journal.sqlite3'
 ENDINGS = ('', '-wal', '-mark')

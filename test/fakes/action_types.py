@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from bt_orchestrator.errors import UnknownActionType
+from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 
 BOOL = FieldType('bool', 'bool')

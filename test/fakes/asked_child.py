@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 
-from bt_orchestrator.child_process import ChildProcess, be_modest, serve
+from bt_orchestrator.base.child_process import ChildProcess, be_modest, serve
 
 
 def answer(question: bytes) -> bytes:

@@ -7,8 +7,8 @@ from typing import Any
 
 from py_trees.blackboard import Blackboard
 
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 _left: list[str] = []
 """The places of cells that nobody knows any more."""

@@ -8,14 +8,14 @@ from functools import cache
 from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, ROOT
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.extensions.recipes.reading.overrides_file import parse_overrides
+from bt_orchestrator.extensions.recipes.reading.recipe_file import parse_recipe, read_recipe
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.orders.order_file import bind_order, parse_order
-from bt_orchestrator.script.recipes.overrides_file import parse_overrides
-from bt_orchestrator.script.recipes.recipe_file import parse_recipe, read_recipe
 from bt_orchestrator.script.script_file import parse_script, read_script
 
 SCRIPTS = (

@@ -8,11 +8,11 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 from py_trees.composites import Composite
 
+from bt_orchestrator.engine.runtime.ledger import Ledger
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.engine.tree.compile import CellTree
 from bt_orchestrator.model.events import Event, TaskKey
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.runtime.ledger import Ledger
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.tree.compile import CellTree
 
 
 class FullTree(CellTree):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from bt_orchestrator.runtime.writers import Writing
+from bt_orchestrator.engine.runtime.writers import Writing
 
 
 class HeldWriter:

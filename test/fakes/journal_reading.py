@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.store.sqlite.records import SqliteRecords
+from bt_orchestrator.view.report.reading import Reading
 
 log = logging.getLogger(__name__)
 

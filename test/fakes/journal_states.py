@@ -8,11 +8,11 @@ from pathlib import Path
 
 from fakes.line import Line
 
+from bt_orchestrator.engine.runtime import recovery
+from bt_orchestrator.engine.runtime.recovery import restore
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.runtime import recovery
-from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 LINE = Line()

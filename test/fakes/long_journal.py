@@ -9,11 +9,11 @@ from pathlib import Path
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line
 
+from bt_orchestrator.engine.runtime.housekeeping import Housekeeping
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.ports import Bookkeeping
-from bt_orchestrator.runtime.housekeeping import Housekeeping
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.store.sqlite.store import SqliteStore

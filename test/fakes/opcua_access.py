@@ -15,10 +15,10 @@ from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption,
 from cryptography.x509.oid import NameOID
 from fakes.quick_users import PASSWORD, write_users
 
+from bt_orchestrator.extensions.opcua.server.access import Access
+from bt_orchestrator.extensions.opcua.server.overrides.security import Security
+from bt_orchestrator.extensions.opcua.server.pki import Pki, own
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.opcua.access import Access
-from bt_orchestrator.opcua.overrides.security import Security
-from bt_orchestrator.opcua.pki import Pki, own
 
 ROLES = {
     'stand': Role.ENGINEER, 'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES,

@@ -5,9 +5,9 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-import bt_orchestrator.web
+import bt_orchestrator.extensions.page.web
 
-STATIC = Path(bt_orchestrator.web.__file__).parent / 'static'
+STATIC = Path(bt_orchestrator.extensions.page.web.__file__).parent / 'static'
 LANGUAGES = ('en', 'de')
 
 _KEY = re.compile(r'\b(?:t|tOr|has)\(\s*(?:[^()\'`]*\?\s*)?[\'`]([\w.]*(?:\$\{)?)')

@@ -7,11 +7,11 @@ from typing import Any, cast
 
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.engine.runtime.overview import Overview, description_of
+from bt_orchestrator.extensions.page.web.parts import parts_of
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.runtime.overview import Overview, description_of
-from bt_orchestrator.web.parts import parts_of
 
 NODE = '/cell_1/bt_orchestrator'
 

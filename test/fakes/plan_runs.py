@@ -34,10 +34,10 @@ from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJ
 from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
 from bt_orchestrator.model.packml import VERBS, possible_in
+from bt_orchestrator.model.proof.deadlock import deadlock
 from bt_orchestrator.model.requests.possible import of_job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.wish import AFTER, NEVER
-from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
 

@@ -8,14 +8,14 @@ from typing import Any
 
 from fakes.action_types import FakeActionTypes
 
+from bt_orchestrator.extensions.recipes.planning.generate import generate
+from bt_orchestrator.extensions.recipes.planning.outcome import LIMITS, Generated, Judge, Limits
+from bt_orchestrator.extensions.recipes.reading.overrides_file import parse_overrides
+from bt_orchestrator.extensions.recipes.reading.recipe_file import parse_recipe
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.planning.generate import generate
-from bt_orchestrator.planning.outcome import LIMITS, Generated, Judge, Limits
 from bt_orchestrator.script.cell_file import parse_cell
-from bt_orchestrator.script.recipes.overrides_file import parse_overrides
-from bt_orchestrator.script.recipes.recipe_file import parse_recipe
 from bt_orchestrator.sim.pace_judge import PaceJudge
 from bt_orchestrator.store.memory import MemoryStore
 

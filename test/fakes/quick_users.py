@@ -8,8 +8,8 @@ from pathlib import Path
 import yaml
 
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.users.file import User, _plain
-from bt_orchestrator.users.passwords import Cost, hashed
+from bt_orchestrator.script.users.file import User, _plain
+from bt_orchestrator.script.users.passwords import Cost, hashed
 
 PASSWORD = 'long enough'
 """Of everybody."""

@@ -9,17 +9,17 @@ from fakes.action_types import FakeActionTypes
 from fakes.operator import ann
 from fakes.script_texts import LINE, cell
 
-from bt_orchestrator.asking.desk_here import DeskHere
-from bt_orchestrator.asking.handler import RequestHandler
-from bt_orchestrator.asking.recipes import RecipeOrders
-from bt_orchestrator.errors import NotRead, Refused
+from bt_orchestrator.base.errors import NotRead, Refused
+from bt_orchestrator.base.replies import Reply, begin
+from bt_orchestrator.engine.asking.desk_here import DeskHere
+from bt_orchestrator.engine.asking.handler import RequestHandler
+from bt_orchestrator.engine.asking.recipes import RecipeOrders
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event, JobQueued
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.ports import MadeScript
-from bt_orchestrator.replies import Reply, begin
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 

@@ -6,11 +6,11 @@ from functools import cache
 
 from fakes.action_types import FakeActionTypes
 
+from bt_orchestrator.extensions.recipes.reading.overrides_file import parse_overrides
+from bt_orchestrator.extensions.recipes.reading.recipe_file import parse_recipe
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.script.cell_file import parse_cell
-from bt_orchestrator.script.recipes.overrides_file import parse_overrides
-from bt_orchestrator.script.recipes.recipe_file import parse_recipe
 
 CELL = """\
 cell: able_cell

@@ -9,17 +9,17 @@ from typing import Any
 from fakes.line import TYPES, Line, expanded
 from fakes.operator import engineer
 
-from bt_orchestrator.asking.desk_here import DeskHere
-from bt_orchestrator.asking.handler import RequestHandler
-from bt_orchestrator.asking.recipes import RecipeOrders
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.base.replies import begin
+from bt_orchestrator.engine.asking.desk_here import DeskHere
+from bt_orchestrator.engine.asking.handler import RequestHandler
+from bt_orchestrator.engine.asking.recipes import RecipeOrders
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.ports import MadeScript
-from bt_orchestrator.replies import begin
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 

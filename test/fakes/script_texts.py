@@ -7,7 +7,7 @@ from functools import cache
 
 from fakes.action_types import FakeActionTypes
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell

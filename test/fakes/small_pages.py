@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from bt_orchestrator.tree import pages
+from bt_orchestrator.engine.tree import pages
 
 
 @contextmanager

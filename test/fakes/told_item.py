@@ -12,10 +12,10 @@ from fakes.line import Line
 from fakes.operator import ann, engineer
 from fakes.world import World
 
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 ITEM = 'WO-7/2'

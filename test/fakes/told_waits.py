@@ -12,7 +12,7 @@ from bt_orchestrator.model.state import CellState, ItemState
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.model.waits.starting import Seen
 from bt_orchestrator.model.waits.waiting import Waiting, at_bottom, of_item
-from bt_orchestrator.report.item.waits import ItemWaits
+from bt_orchestrator.view.report.item.waits import ItemWaits
 
 if TYPE_CHECKING:
     from fakes.virtual_run import VirtualRun

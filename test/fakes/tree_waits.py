@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from bt_orchestrator.engine.tree.waiter import Waiter
 from bt_orchestrator.model.wait import Wait
-from bt_orchestrator.tree.waiter import Waiter
 
 
 def waits_of(behaviour: Behaviour) -> tuple[Wait, ...]:

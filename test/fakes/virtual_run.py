@@ -23,6 +23,7 @@ from fakes.operator import ann, engineer
 from fakes.told_waits import ToldWaits, told_of
 from fakes.tree_waits import waits_of
 
+from bt_orchestrator.engine.tree.compile import CellTree
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest, from_record, to_record
 from bt_orchestrator.model.commands import Answer, Command
@@ -43,7 +44,6 @@ from bt_orchestrator.model.waits.waiting import (
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.tree.compile import CellTree
 
 BY = engineer('Ann', 'the test', 'it was time')
 

@@ -8,13 +8,13 @@ from fakes.action_types import FakeActionTypes
 from fakes.clocks import SetClock
 from fakes.dying_gateway import DyingGateway
 
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import EventStore
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.store.memory import MemoryStore
 
 TYPES = FakeActionTypes()

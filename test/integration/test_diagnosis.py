@@ -16,8 +16,8 @@ from std_msgs.msg import Bool, String
 from test_msgs.action import Fibonacci
 from thread_servers import ThreadServers
 
+from bt_orchestrator.base.diagnosis.check import Check, Verdict
 from bt_orchestrator.cli import doctor
-from bt_orchestrator.diagnosis.check import Check, Verdict
 from bt_orchestrator.ros.diagnosis.cell import cell_on_graph
 from bt_orchestrator.ros.diagnosis.exchange import exchange
 from bt_orchestrator.ros.diagnosis.graph import Graph

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, TREES
 
-from bt_orchestrator.child_process import framed
+from bt_orchestrator.base.child_process import framed
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.processes.foresight_process import ForesightProcess
 from bt_orchestrator.model.codec import to_plain

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from bt_orchestrator.errors import UnknownActionType
+from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.model.action_type import FieldType
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.ros.types.interface_classes import message_class

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from bt_orchestrator_interfaces.msg import Event
 
-from bt_orchestrator.errors import CommandRefused, NodeUnreachable
+from bt_orchestrator.base.errors import CommandRefused, NodeUnreachable
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import TABLE, BadArguments, Kind, Parameter, ask

@@ -16,10 +16,10 @@ from action_caller import ActionCaller
 from rcl_interfaces.srv import GetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.qos import create_client
 from bt_orchestrator.ros.services import patient_service
 from bt_orchestrator.ros.services.patient_service import create_patient_service, make_all_patient
-from bt_orchestrator.spare_log import SpareLog
 
 pytestmark = pytest.mark.every_distro
 

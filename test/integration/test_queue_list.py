@@ -13,21 +13,21 @@ from bt_orchestrator_interfaces.srv import ListJobs, QueueList
 from fakes.line import THREE, Line
 from fakes.virtual_run import BY, VirtualRun
 
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.cli.asked.derived import given, of_request
 from bt_orchestrator.cli.queue import others
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.engine.runtime.overview import Overview
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.keeping.snapshot import nearest, state_from_plain, state_to_plain
 from bt_orchestrator.model.requests import UPDATE
 from bt_orchestrator.ports import QueuePage
-from bt_orchestrator.report.pace import expected_ends_s
 from bt_orchestrator.ros.services.job_lists import list_jobs, list_queue
 from bt_orchestrator.ros.types.status_messages import job_message, job_status, listed_job
-from bt_orchestrator.runtime.overview import Overview
-from bt_orchestrator.screen import words
-from bt_orchestrator.screen.advice import Shell
-from bt_orchestrator.screen.view import cell_view
+from bt_orchestrator.view.report.pace import expected_ends_s
+from bt_orchestrator.view.screen import words
+from bt_orchestrator.view.screen.advice import Shell
+from bt_orchestrator.view.screen.view import cell_view
 
 
 def long_queue(number: int) -> VirtualRun:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from ros_domain import discover_fast
 
-from bt_orchestrator.extending import EXTENSIONS, Extension
+from bt_orchestrator.base.extending import EXTENSIONS, Extension
 
 SCISSORS = Path(__file__).parents[1] / 'scissors'
 CORE = ('test/unit/rules/test_3_belt.py', 'test/unit/model/test_fold.py')
@@ -23,7 +23,7 @@ def test_the_core_works_without(extension: Extension, tmp_path: Path) -> None:
     path = [str(SCISSORS / 'blocker'), os.environ.get('PYTHONPATH', '')]
     environment = {
         **os.environ,
-        'WITHOUT': ' '.join([*extension.rooms, *extension.packages]),
+        'WITHOUT': ' '.join([extension.room, *extension.packages]),
         'PYTHONPATH': os.pathsep.join(filter(None, path)),
         'ROS_LOG_DIR': str(tmp_path / 'log'),
         'XDG_STATE_HOME': str(tmp_path),

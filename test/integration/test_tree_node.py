@@ -20,6 +20,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
+from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.bootstrap import (
     build_bookkeeping,
     build_foresight,
@@ -28,10 +29,9 @@ from bt_orchestrator.cli.bootstrap import (
     open_journal,
 )
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
+from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.services.outputs import StatusTopic
-from bt_orchestrator.stop_signals import StopSignals
 
 pytestmark = pytest.mark.every_distro
 

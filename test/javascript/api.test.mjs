@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 
-import { newTicket, send } from '../../bt_orchestrator/web/static/core/api.js';
+import { newTicket, send } from '../../bt_orchestrator/extensions/page/web/static/core/api.js';
 
 const OFFER = { path: '/api/requests/cell.pause', body: { a: 1 } };
 let asked;

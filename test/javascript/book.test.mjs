@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { Book } from '../../bt_orchestrator/web/static/core/book.js';
+import { Book } from '../../bt_orchestrator/extensions/page/web/static/core/book.js';
 
 function begun(after = 5) {
   const book = new Book();

@@ -3,10 +3,10 @@ import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
 
-import { withButtons } from '../../bt_orchestrator/web/static/core/requests.js';
-import * as text from '../../bt_orchestrator/web/static/core/text.js';
+import { withButtons } from '../../bt_orchestrator/extensions/page/web/static/core/requests.js';
+import * as text from '../../bt_orchestrator/extensions/page/web/static/core/text.js';
 
-const STATIC = new URL('../../bt_orchestrator/web', import.meta.url);
+const STATIC = new URL('../../bt_orchestrator/extensions/page/web', import.meta.url);
 globalThis.document = { documentElement: {} };
 globalThis.fetch = async (path) => {
   const file = await readFile(`${STATIC.pathname}${path}`, 'utf-8');

@@ -17,8 +17,8 @@ from typing import NoReturn
 from mixes.drawn import Mix, mix
 from mixes.exact import solve
 
+from bt_orchestrator.extensions.recipes.planning.generate import generate
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.planning.generate import generate
 
 
 class NeverAsked:

@@ -18,7 +18,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 PACKAGE = 'bt_orchestrator'
-TESTS = ('test/unit/rules', 'test/unit/runtime', 'test/unit/planning')
+TESTS = ('test/unit/rules', 'test/unit/engine/runtime', 'test/unit/extensions/recipes/planning')
 
 TESTS_FAILED = 1
 """Exit code of pytest; every other one but 0 is a mistake of the caller."""

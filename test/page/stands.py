@@ -12,9 +12,9 @@ from fakes.operator import engineer
 from web.stand_cell import StandCell
 from web.stand_page import stand_page
 
+from bt_orchestrator.extensions.page.web.server import PageServer
 from bt_orchestrator.model.codec import to_record
 from bt_orchestrator.model.requests import ask
-from bt_orchestrator.web.server import PageServer
 
 
 class Stand:

@@ -13,11 +13,11 @@ from page.browsing import Person, Tab
 from page.conftest import Sit
 from page.stands import Stand, stand
 
-from bt_orchestrator.report.account.account import account
-from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.words import percent
-from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
+from bt_orchestrator.view.report.account.account import account
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.words import percent
+from bt_orchestrator.view.report.reading import Reading
 
 SCREENS = (
     'overview',

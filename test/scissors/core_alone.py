@@ -15,8 +15,8 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from bt_orchestrator.base.extending import EXTENSIONS, Extension
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.extending import EXTENSIONS, Extension
 
 ROOT = Path(__file__).parents[2]
 PATIENCE_S = 60.0

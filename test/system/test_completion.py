@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from bt_orchestrator.cli.completion import SHELLS
-from bt_orchestrator.screen.advice import PROGRAM
+from bt_orchestrator.view.screen.advice import PROGRAM
 
 FOLDER = Path(sys.executable).parent
 

@@ -8,8 +8,8 @@ import pytest
 from cell_processes import SMALL_CELL, STATELESS_CELL, CellProcesses, StartCell
 from worker_state import SAYS_NOTHING, WorkerState
 
+from bt_orchestrator.engine.runtime.flights import GRACE_S
 from bt_orchestrator.model.goal import SERVER_LEASE_S
-from bt_orchestrator.runtime.flights import GRACE_S
 
 
 def start(

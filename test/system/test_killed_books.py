@@ -16,11 +16,11 @@ from cell_processes import CellProcesses, StartCell
 from fakes.line import Line
 from fakes.long_journal import make_long_journal
 
-from bt_orchestrator.report.account.account import Account, account
-from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.plain import account_plain
-from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.store.sqlite.records import SqliteRecords
+from bt_orchestrator.view.report.account.account import Account, account
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.plain import account_plain
+from bt_orchestrator.view.report.reading import Reading
 
 LINE = Line()
 EVENTS = 8_000

@@ -20,10 +20,10 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from node_watcher import NodeWatcher
 from rcl_interfaces.srv import DescribeParameters, GetParameters
 
+from bt_orchestrator.engine.runtime.overview import description_of
 from bt_orchestrator.ros.qos import LATCHED
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.ros.types.status_messages import cell_description
-from bt_orchestrator.runtime.overview import description_of
 from bt_orchestrator.script.cell_file import read_cell
 
 pytestmark = pytest.mark.every_distro

@@ -29,7 +29,7 @@ from bt_orchestrator.model.requests import ask
 LONG = 5000
 """Items of a job that does not end before the node was killed and asked again."""
 
-MODULE = 'bt_orchestrator.cli.generating.process'
+MODULE = 'bt_orchestrator.extensions.recipes.generating.process'
 
 ABLE = {
     'feeder': 'feed: {task: TASK_A, qty_change: 1}',

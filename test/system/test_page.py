@@ -18,10 +18,10 @@ from web.sse_client import Message, SseClient
 
 from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.moments import moment
-from bt_orchestrator.report.account.account import account
-from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.plain import account_plain
-from bt_orchestrator.report.reading import Reading as RecordsReading
+from bt_orchestrator.view.report.account.account import account
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.plain import account_plain
+from bt_orchestrator.view.report.reading import Reading as RecordsReading
 
 
 class Reading:

@@ -13,7 +13,7 @@ from cell_processes import CellProcesses, StartCell
 from program_process import DEMO_PACKED, ProgramProcess
 from pseudo_terminal import PseudoTerminal
 
-from bt_orchestrator.screen.blocks import NARROW
+from bt_orchestrator.view.screen.blocks import NARROW
 
 OpenTerminal = Callable[..., PseudoTerminal]
 

@@ -15,8 +15,8 @@ from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, ROOT
 
 from bt_orchestrator.cli import bootstrap, main, run, sim_cell
-from bt_orchestrator.screen.advice import DEFAULT_NODE
 from bt_orchestrator.script.cell_file import read_cell
+from bt_orchestrator.view.screen.advice import DEFAULT_NODE
 
 
 class Described:

@@ -15,18 +15,18 @@ from fakes.schemas import refusals
 from fakes.shipped import REFERENCE_CELL, ROOT, TREES
 from fakes.yaml_parts import laid_over
 
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.cli.main import parsed, without_ros_arguments
 from bt_orchestrator.cli.verbs import PROGRAM, VERBS, command_of, is_verb
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.extensions.recipes.reading.overrides_file import parse_overrides
+from bt_orchestrator.extensions.recipes.reading.recipe_file import parse_recipe
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.proof.deadlock import deadlock
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.json_schema import SCHEMA_FILES
 from bt_orchestrator.script.orders.order_file import bind_order, parse_order
-from bt_orchestrator.script.recipes.overrides_file import parse_overrides
-from bt_orchestrator.script.recipes.recipe_file import parse_recipe
 from bt_orchestrator.script.script_file import parse_script, read_script
 from bt_orchestrator.script.script_keys import SCRIPT
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
@@ -321,7 +321,7 @@ def is_there(name: str) -> bool:
 
 def test_files_that_the_architecture_names_exist() -> None:
     named = named_files(text_of('docs/architecture.md'))
-    assert {'runtime/orchestrator.py', 'model/events/', 'routes.js'} <= named
+    assert {'engine/runtime/orchestrator.py', 'model/events/', 'routes.js'} <= named
     assert [name for name in sorted(named) if not is_there(name)] == []
 
 

@@ -11,7 +11,7 @@ import yaml
 from fakes.shipped import ROOT
 
 from bt_orchestrator.model.codec import event_types
-from bt_orchestrator.node_parameters import NodeParameters, described
+from bt_orchestrator.ros.node_parameters import NodeParameters, described
 
 
 def text_of(name: str) -> str:

@@ -8,7 +8,7 @@ from contextlib import closing
 import pytest
 from held_port import HeldPort
 
-from bt_orchestrator.doors.listening import LOOPBACK, bound
+from bt_orchestrator.ports.doors.listening import LOOPBACK, bound
 
 
 def test_a_held_port_is_its_servers_alone() -> None:

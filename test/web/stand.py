@@ -22,7 +22,7 @@ def main() -> int:
     from stand_serving import serve
     from web.stand_page import stand_page
 
-    from bt_orchestrator.stop_signals import StopSignals
+    from bt_orchestrator.base.stop_signals import StopSignals
 
     with tempfile.TemporaryDirectory() as folder, StopSignals() as stop:
         stand, server = stand_page(Path(folder), args)

@@ -11,14 +11,14 @@ from fakes.shipped import RECIPES, TREES
 from web.stand_cell import StandCell
 
 from bt_orchestrator.cli.processes.planning_process import PlanningProcess
+from bt_orchestrator.extensions.page.web.access import Access
+from bt_orchestrator.extensions.page.web.page import WebPage
+from bt_orchestrator.extensions.page.web.seams import Plant, Sources
+from bt_orchestrator.extensions.page.web.server import PageServer
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.model.plant.shifts import DAY_MIN, Hours, Shift, Shifts
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.web.access import Access
-from bt_orchestrator.web.page import WebPage
-from bt_orchestrator.web.seams import Plant, Sources
-from bt_orchestrator.web.server import PageServer
 
 USERS = {'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES, 'vic': Role.VIEW}
 """All with `quick_users.PASSWORD`."""

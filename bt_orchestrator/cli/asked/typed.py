@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from bt_orchestrator.base.ordinary_file import read_ordinary
 from bt_orchestrator.cli.ordering.order_request import script_name
 from bt_orchestrator.model.jobs.order import Terms
-from bt_orchestrator.ordinary_file import read_ordinary
 from bt_orchestrator.script.field_types import Misfit
 from bt_orchestrator.script.instants import instant
 from bt_orchestrator.script.orders.asked import NONE

@@ -11,9 +11,15 @@ import os
 import threading
 from pathlib import Path
 
-from bt_orchestrator.child_process import FAREWELL_S, ChildFailed, ChildProcess, be_modest, serve
+from bt_orchestrator.base.child_process import (
+    FAREWELL_S,
+    ChildFailed,
+    ChildProcess,
+    be_modest,
+    serve,
+)
+from bt_orchestrator.engine.runtime.writers import Writing
 from bt_orchestrator.model.books import Books
-from bt_orchestrator.runtime.writers import Writing
 
 log = logging.getLogger(__name__)
 
@@ -89,7 +95,7 @@ def _next_books(journal: Path) -> Books:
     from contextlib import closing
 
     from bt_orchestrator.cli.journal_file import open_records
-    from bt_orchestrator.report.account.bookkeeper import next_books
+    from bt_orchestrator.view.report.account.bookkeeper import next_books
 
     with closing(open_records(journal)) as records:
         return next_books(records, log.warning)

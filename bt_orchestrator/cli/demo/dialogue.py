@@ -8,8 +8,8 @@ import sys
 from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.screen.advice import Choice, Shell, hold_choices, next_choices
-from bt_orchestrator.screen.terminal.keys import Keys
+from bt_orchestrator.view.screen.advice import Choice, Shell, hold_choices, next_choices
+from bt_orchestrator.view.screen.terminal.keys import Keys
 
 REASON = 'decided in the demo'
 

@@ -12,9 +12,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import IO
 
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.programs import FAREWELL_S
-from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.users.folders import own_folder
+from bt_orchestrator.script.users.folders import own_folder
 
 
 class DemoUnusable(OrchestratorError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.users.file import UsersFile
+from bt_orchestrator.script.users.file import UsersFile
 
 NAME, PASSWORD = 'demo', 'only-for-demos'
 

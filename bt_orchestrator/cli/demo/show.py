@@ -7,13 +7,14 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from bt_orchestrator.base.errors import NodeUnreachable
+from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.demo.dialogue import Dialogue
 from bt_orchestrator.cli.demo.programs import READY_S, DemoPrograms
 from bt_orchestrator.cli.door import STEP_S, Ignoring
 from bt_orchestrator.cli.node_options import origin
 from bt_orchestrator.cli.ordering.order_request import for_node
 from bt_orchestrator.cli.programs import ProgramFailed
-from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.events import Event, JobAborted, JobCompleted
 from bt_orchestrator.model.jobs.isa95 import OVER
@@ -23,11 +24,10 @@ from bt_orchestrator.model.requests import ask
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.ports import CellLink
-from bt_orchestrator.screen.plain import EventLines
-from bt_orchestrator.stop_signals import StopSignals
+from bt_orchestrator.view.screen.plain import EventLines
 
 if TYPE_CHECKING:  # it needs rich, which takes its time
-    from bt_orchestrator.screen.live import LiveView
+    from bt_orchestrator.view.screen.live import LiveView
 
 
 class Interrupted(Exception):

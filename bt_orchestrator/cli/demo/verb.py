@@ -14,6 +14,8 @@ from itertools import dropwhile
 from pathlib import Path
 from typing import Any
 
+from bt_orchestrator.base.extending import OPCUA, PAGE
+from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.bootstrap import installed_types, load_cell
 from bt_orchestrator.cli.called_as import called_as, verb_as
 from bt_orchestrator.cli.demo.dialogue import Dialogue
@@ -26,23 +28,21 @@ from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.numbers import factor, port
 from bt_orchestrator.cli.watch import live_or, say
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.extending import OPCUA, PAGE
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import JobQueued
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.report.forecast_fold import forecast
-from bt_orchestrator.report.forecast_text import detail_lines, summary_lines
-from bt_orchestrator.report.reading import Reading
-from bt_orchestrator.screen.advice import DEFAULT_NODE, Shell
-from bt_orchestrator.screen.plain import EventLines
-from bt_orchestrator.screen.terminal.keys import keys_of_person
-from bt_orchestrator.screen.words import hold_text
 from bt_orchestrator.script.orders.order_file import read_order
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.sim.controllers.selection import WrongSelection, select
-from bt_orchestrator.stop_signals import StopSignals
+from bt_orchestrator.view.report.forecast_fold import forecast
+from bt_orchestrator.view.report.forecast_text import detail_lines, summary_lines
+from bt_orchestrator.view.report.reading import Reading
+from bt_orchestrator.view.screen.advice import DEFAULT_NODE, Shell
+from bt_orchestrator.view.screen.plain import EventLines
+from bt_orchestrator.view.screen.terminal.keys import keys_of_person
+from bt_orchestrator.view.screen.words import hold_text
 
 DESCRIPTION = """\
 Show the whole path on this machine: two processes of simulated controllers, the tree node, one

@@ -7,18 +7,18 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 from typing import NamedTuple
 
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.history.choosing import no_job
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.drawing.gantt import Gantt, GanttFold
-from bt_orchestrator.drawing.gantt_page import gantt_svg
-from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.report.account.account import of_job
-from bt_orchestrator.report.account.booked import steady_time
-from bt_orchestrator.report.account.planned import US, us_of
-from bt_orchestrator.report.account.steady_time import SteadyTime, Step
-from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.view.drawing.gantt import Gantt, GanttFold
+from bt_orchestrator.view.drawing.gantt_page import gantt_svg
+from bt_orchestrator.view.report.account.account import of_job
+from bt_orchestrator.view.report.account.booked import steady_time
+from bt_orchestrator.view.report.account.planned import US, us_of
+from bt_orchestrator.view.report.account.steady_time import SteadyTime, Step
+from bt_orchestrator.view.report.reading import Reading
 
 MOST_TASKS = 20_000
 """A chart of more attempts is a file of some 10 MB, which browsers show slowly."""

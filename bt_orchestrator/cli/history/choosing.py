@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
-from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.view.report.reading import Reading
 
 
 def jobs_meant(reading: Reading, args: argparse.Namespace) -> list[JobRecord]:

@@ -8,15 +8,15 @@ from pathlib import Path
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.history.chart import refuse_too_many
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.drawing.gantt import End, GanttFold
-from bt_orchestrator.drawing.gantt_page import gantt_svg
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.report.account.planned import US
-from bt_orchestrator.report.reading import Reading
-from bt_orchestrator.report.retrospect.plain import retrospect_plain
-from bt_orchestrator.report.retrospect.retrospect import Retrospect
-from bt_orchestrator.report.retrospect.text import period_of, retrospect_text
 from bt_orchestrator.sim.looking_back import LookingBack, Watchers
+from bt_orchestrator.view.drawing.gantt import End, GanttFold
+from bt_orchestrator.view.drawing.gantt_page import gantt_svg
+from bt_orchestrator.view.report.account.planned import US
+from bt_orchestrator.view.report.reading import Reading
+from bt_orchestrator.view.report.retrospect.plain import retrospect_plain
+from bt_orchestrator.view.report.retrospect.retrospect import Retrospect
+from bt_orchestrator.view.report.retrospect.text import period_of, retrospect_text
 
 _NOT_WITH = (
     'script',

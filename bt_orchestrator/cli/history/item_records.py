@@ -6,13 +6,13 @@ import time
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.drawing.documents.item_page import Source, item_page
-from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.report.item.history import ItemHistory, plain_item
-from bt_orchestrator.report.item.reader import item_history
-from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.view.drawing.documents.item_page import Source, item_page
+from bt_orchestrator.view.report.item.history import ItemHistory, plain_item
+from bt_orchestrator.view.report.item.reader import item_history
+from bt_orchestrator.view.report.reading import Reading
 
 MOST_ITEMS = 500
 """More than this in one document is too slow for a browser and too long for a reader."""

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.script.writing.script_text import Comments, write_script
+from bt_orchestrator.view.report.reading import Reading
 
 
 class NoScript(OrchestratorError):

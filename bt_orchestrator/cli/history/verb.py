@@ -27,9 +27,9 @@ from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.output import opened
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, job_to_plain
-from bt_orchestrator.report.isa95.job_response import b2mml, response_of_record
-from bt_orchestrator.report.job_text import job_text
-from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.view.report.isa95.job_response import b2mml, response_of_record
+from bt_orchestrator.view.report.job_text import job_text
+from bt_orchestrator.view.report.reading import Reading
 
 __all__ = ['add_arguments', 'run']
 

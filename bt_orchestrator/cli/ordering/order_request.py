@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from bt_orchestrator.base.errors import CommandRefused, Finding, NodeUnreachable, Refused
 from bt_orchestrator.cli.door import answer_within_s, asked, open_door
-from bt_orchestrator.errors import CommandRefused, Finding, NodeUnreachable, Refused
 from bt_orchestrator.model.commands import Answer, OrderAnswer
 from bt_orchestrator.model.jobs.order import NO_TERMS, WorkOrder
 from bt_orchestrator.script.lookup import is_path

@@ -13,7 +13,13 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
-from bt_orchestrator.child_process import FAREWELL_S, ChildFailed, ChildProcess, be_modest, serve
+from bt_orchestrator.base.child_process import (
+    FAREWELL_S,
+    ChildFailed,
+    ChildProcess,
+    be_modest,
+    serve,
+)
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, to_plain
 

@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bt_orchestrator.child_process import ChildFailed, ChildProcess, be_modest, serve
-from bt_orchestrator.errors import NotKept
-from bt_orchestrator.extending import RECIPES
+from bt_orchestrator.base.child_process import ChildFailed, ChildProcess, be_modest, serve
+from bt_orchestrator.base.errors import NotKept
+from bt_orchestrator.base.extending import RECIPES
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.requests import Asked

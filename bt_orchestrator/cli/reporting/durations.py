@@ -11,8 +11,11 @@ from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.durations.durations import (
+from bt_orchestrator.script.cell_file import parse_cell
+from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.writing.duration_edits import NotEditable, with_durations
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.durations.durations import (
     Durations,
     durations,
     lines,
@@ -20,10 +23,7 @@ from bt_orchestrator.report.durations.durations import (
     proposals,
     sentence,
 )
-from bt_orchestrator.report.reading import Reading
-from bt_orchestrator.script.cell_file import parse_cell
-from bt_orchestrator.script.source_text import read_text
-from bt_orchestrator.script.writing.duration_edits import NotEditable, with_durations
+from bt_orchestrator.view.report.reading import Reading
 
 
 def add_duration_options(parser: argparse.ArgumentParser) -> None:

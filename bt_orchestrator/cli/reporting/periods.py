@@ -8,12 +8,14 @@ from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.plant.shifts import DAYS, Shifts
-from bt_orchestrator.report.account.account import of_job, whole
-from bt_orchestrator.report.account.calendar import (
+from bt_orchestrator.script.report import did_you_mean, listing
+from bt_orchestrator.script.shifts.shifts_file import read_shifts
+from bt_orchestrator.view.report.account.account import of_job, whole
+from bt_orchestrator.view.report.account.calendar import (
     changed_breaks,
     day_on,
     last_begun,
@@ -21,11 +23,9 @@ from bt_orchestrator.report.account.calendar import (
     shift_on,
     zone_of,
 )
-from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.planned import Planned, us_of
-from bt_orchestrator.report.reading import Reading
-from bt_orchestrator.script.report import did_you_mean, listing
-from bt_orchestrator.script.shifts.shifts_file import read_shifts
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.planned import Planned, us_of
+from bt_orchestrator.view.report.reading import Reading
 
 
 class NoShift(OrchestratorError):

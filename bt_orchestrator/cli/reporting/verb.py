@@ -20,12 +20,12 @@ from bt_orchestrator.cli.reporting.durations import (
 from bt_orchestrator.cli.reporting.following import add_follow_options, follow
 from bt_orchestrator.cli.reporting.periods import add_which_options, period_of
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.report.account.account import Account, account
-from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.plain import account_plain
-from bt_orchestrator.report.account.rows import write_csv
-from bt_orchestrator.report.account.text import account_text
-from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.view.report.account.account import Account, account
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.plain import account_plain
+from bt_orchestrator.view.report.account.rows import write_csv
+from bt_orchestrator.view.report.account.text import account_text
+from bt_orchestrator.view.report.reading import Reading
 
 DESCRIPTION = """\
 Print the account of a shift, a day, a job, or of a whole journal. It has quantities, the rate
@@ -94,7 +94,7 @@ def _tell_durations(
 
 def _write(made: Account, args: argparse.Namespace, file: IO[str]) -> None:
     if args.html:
-        from bt_orchestrator.drawing.account.page import account_page
+        from bt_orchestrator.view.drawing.account.page import account_page
 
         file.write(account_page(made))
     elif args.csv:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bt_orchestrator.errors import MissingResult
+from bt_orchestrator.base.errors import MissingResult
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.limits import SERIAL, cut
 from bt_orchestrator.model.reference import Scope, as_text, look_up, resolve

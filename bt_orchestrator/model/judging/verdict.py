@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from bt_orchestrator.errors import MissingResult
+from bt_orchestrator.base.errors import MissingResult
 from bt_orchestrator.model.condition import Condition, holds
 from bt_orchestrator.model.reference import Scope, as_text, look_up, references, resolve
 from bt_orchestrator.model.script import Task

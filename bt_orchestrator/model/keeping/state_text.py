@@ -6,7 +6,7 @@ import copy
 import json
 from collections import deque
 
-from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.base.errors import JournalFailed
 from bt_orchestrator.model.keeping.snapshot import (
     Reader,
     Writer,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from bt_orchestrator.errors import MissingResult
+from bt_orchestrator.base.errors import MissingResult
 from bt_orchestrator.model import effects
 from bt_orchestrator.model.condition import Condition, holds
 from bt_orchestrator.model.contest import NO_CONTEST, Contest

@@ -16,7 +16,7 @@ from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import WITHDRAWN, GoalEnd, GoalRequest, GoalStatus, SeenContest
 from bt_orchestrator.model.words import sentence
-from bt_orchestrator.news import News
+from bt_orchestrator.ports.news import News
 from bt_orchestrator.ros.actions.fresh_participant import KEPT_FRESH_S
 from bt_orchestrator.ros.actions.goal import RosGoal
 from bt_orchestrator.ros.actions.goal_client import GoalClient

@@ -9,8 +9,8 @@ from rclpy.timer import Timer
 
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, GoalRequest
-from bt_orchestrator.news import News
 from bt_orchestrator.ports import ActionTypes, Told
+from bt_orchestrator.ports.news import News
 from bt_orchestrator.ros.actions.action_link import ActionLink
 from bt_orchestrator.ros.actions.fresh_participant import FreshParticipants
 from bt_orchestrator.ros.actions.goal import RosGoal

@@ -6,7 +6,7 @@ from collections import deque
 from typing import Any
 
 from bt_orchestrator.model.goal import GoalEnd, GoalStatus
-from bt_orchestrator.news import News
+from bt_orchestrator.ports.news import News
 from bt_orchestrator.ros.actions.goal import RosGoal
 from bt_orchestrator.ros.actions.questions import Question
 from bt_orchestrator.ros.actions.renewable_client import RenewableClient

@@ -12,13 +12,13 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from bt_orchestrator.model.cell import Component, StateTopic
 from bt_orchestrator.model.goal import StateReading
-from bt_orchestrator.news import News
+from bt_orchestrator.ports.news import News
+from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.actions.state_flow import StateFlow
 from bt_orchestrator.ros.executor.callbacks import guarded, report
 from bt_orchestrator.ros.executor.timers import steady_timer
 from bt_orchestrator.ros.types.interface_classes import message_class
 from bt_orchestrator.ros.types.messages import field_value
-from bt_orchestrator.spare_log import SpareLog
 
 _WAITING_S = 0.1
 """Between two looks for a value that had to wait."""

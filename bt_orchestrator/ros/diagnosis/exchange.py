@@ -10,7 +10,7 @@ import uuid
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from bt_orchestrator.diagnosis.check import Check, fail, ok, warn
+from bt_orchestrator.base.diagnosis.check import Check, fail, ok, warn
 
 NAME = 'discovery'
 PATIENCE_S = 10.0

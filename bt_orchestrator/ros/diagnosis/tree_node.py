@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from bt_orchestrator_interfaces.msg import Status
 from rcl_interfaces.srv import GetParameters
 
-from bt_orchestrator.diagnosis.check import Check, fail, ok, warn
+from bt_orchestrator.base.diagnosis.check import Check, fail, ok, warn
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ros.actions.endpoints import names
 from bt_orchestrator.ros.diagnosis.graph import Graph

@@ -6,8 +6,8 @@ import subprocess
 import sys
 from importlib import metadata, util
 
-from bt_orchestrator.diagnosis.check import Check, fail, ok, warn
-from bt_orchestrator.diagnosis.machine import number
+from bt_orchestrator.base.diagnosis.check import Check, fail, ok, warn
+from bt_orchestrator.base.diagnosis.machine import number
 
 TRIED = 'rmw_fastrtps_cpp'
 """The middleware that the tests run on."""

@@ -8,7 +8,7 @@ from functools import partial
 
 from rclpy.node import Node
 
-from bt_orchestrator.deadlines import NS_PER_S, Deadline, Deadlines
+from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, Deadlines
 from bt_orchestrator.ros.executor.callbacks import guarded
 from bt_orchestrator.ros.executor.timers import MakeTimer, steady_timer
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.task import Future
 
-from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.node_parameters import SINGLE
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.ros.executor.lean_executor import LeanExecutor
+from bt_orchestrator.ros.node_parameters import SINGLE
 
 MOMENT_S = 0.1
 """Longest time for which an EventsExecutor spins without looking up."""

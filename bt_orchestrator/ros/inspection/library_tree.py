@@ -9,7 +9,7 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.ros.executor.callbacks import Logger, guarded
 
 LIBRARY = 'py_trees_ros'

@@ -9,6 +9,8 @@ from typing import Any
 from py_trees_ros_interfaces import srv
 from rclpy.node import Node
 
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.executor.callbacks import guarded, report
 from bt_orchestrator.ros.executor.timers import steady_timer
 from bt_orchestrator.ros.inspection import blackboard_view
@@ -21,8 +23,6 @@ from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, Str
 from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.services.patient_service import create_patient_service
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.spare_log import SpareLog
 
 TURN_S = 0.1
 """Shortest time between two snapshots."""

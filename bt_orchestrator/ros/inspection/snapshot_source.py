@@ -7,11 +7,11 @@ from py_trees_ros_interfaces.msg import ActivityItem, BehaviourTree, Statistics
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.ros.inspection import blackboard_view
 from bt_orchestrator.ros.inspection.blackboard_view import ActivityLog
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.inspection.tree_messages import TreeMessages
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 
 class SnapshotSource:

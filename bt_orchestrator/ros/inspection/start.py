@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-from bt_orchestrator.node_parameters import BUILTIN
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.ros.inspection.library_tree import LibraryTree, library_tree
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
-from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.ros.node_parameters import BUILTIN
 
 INTERFACES = 'py_trees_ros_interfaces'
 

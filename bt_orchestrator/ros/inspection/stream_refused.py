@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
 
 
 class StreamRefused(OrchestratorError):

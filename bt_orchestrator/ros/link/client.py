@@ -16,7 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ros.identity import LOOK_S, TOPIC, Listener, twins_in_words
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, create_client

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator_interfaces import srv
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.commands import Answer

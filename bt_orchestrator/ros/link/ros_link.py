@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from bt_orchestrator_interfaces.srv import GetEvents, GetState, ListJobs, QueueList
 
-from bt_orchestrator.errors import CommandRefused, NodeUnreachable
-from bt_orchestrator.following import Follower
+from bt_orchestrator.base.errors import CommandRefused, NodeUnreachable
 from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, from_record
@@ -20,6 +19,7 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.status import CellDescription, CellStatus, ListedJob
 from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
+from bt_orchestrator.ports.following import Follower
 from bt_orchestrator.ros.link.client import NodeClient
 from bt_orchestrator.ros.link.event_fetches import EventFetches
 from bt_orchestrator.ros.link.requests import answer_of, call_of

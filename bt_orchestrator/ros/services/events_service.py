@@ -8,12 +8,12 @@ from typing import Any
 from bt_orchestrator_interfaces.srv import GetEvents
 from rclpy.node import Node
 
-from bt_orchestrator.errors import DamagedRecord, OrchestratorError
+from bt_orchestrator.base.errors import DamagedRecord, OrchestratorError
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.limits import EVENTS_BYTES, EVENTS_PAGE, fitting
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.ros.services.event_message import event_message
 from bt_orchestrator.ros.services.serving import serve
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 
 class EventsService:

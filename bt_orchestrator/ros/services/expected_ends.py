@@ -7,15 +7,15 @@ from collections.abc import Mapping
 
 from rclpy.node import Node
 
+from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations, as_observed
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.keeping.snapshot import nearest, state_to_text
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Foresight
-from bt_orchestrator.report.pace import Paces, expected_ends_s
 from bt_orchestrator.ros.pulse import Pulse
-from bt_orchestrator.runtime.observed_durations import ObservedDurations, as_observed
-from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.view.report.pace import Paces, expected_ends_s
 
 RENEW_S = 5.0
 """Shortest time between two questions about one queue that goes on as expected."""

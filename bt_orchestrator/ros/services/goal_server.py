@@ -15,7 +15,7 @@ from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from rclpy.node import Node
 
-from bt_orchestrator.replies import Reply, Steps, begin
+from bt_orchestrator.base.replies import Reply, Steps, begin
 from bt_orchestrator.ros.qos import LATCHED, SERVICES, publisher
 from bt_orchestrator.ros.services.patient_service import create_patient_service
 

@@ -7,14 +7,14 @@ from typing import Any
 from bt_orchestrator_interfaces.srv import ListJobs, QueueList
 from rclpy.node import Node
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
+from bt_orchestrator.engine.runtime import listed_jobs
+from bt_orchestrator.engine.runtime.overview import Overview
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.limits import QUEUE_PAGE, fitting
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.ros.services.serving import serve
 from bt_orchestrator.ros.types.status_messages import job_message, listed_message
-from bt_orchestrator.runtime import listed_jobs
-from bt_orchestrator.runtime.overview import Overview
 
 
 def serve_lists(node: Node, overview: Overview, state: CellState) -> None:

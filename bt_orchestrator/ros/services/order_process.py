@@ -6,8 +6,8 @@ import pickle
 from collections.abc import Sequence
 from pathlib import Path
 
-from bt_orchestrator.child_process import ChildProcess, be_modest, serve
-from bt_orchestrator.errors import NotRead
+from bt_orchestrator.base.child_process import ChildProcess, be_modest, serve
+from bt_orchestrator.base.errors import NotRead
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.script.orders.desk import OrderDesk, Question
 from bt_orchestrator.script.orders.desk_pickles import pickled

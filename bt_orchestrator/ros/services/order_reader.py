@@ -17,13 +17,13 @@ from contextlib import asynccontextmanager
 from functools import partial
 from typing import NamedTuple
 
-from bt_orchestrator.asking.orders import free_ids
-from bt_orchestrator.child_process import FAREWELL_S, ChildFailed, ChildProcess, ChildTooLate
-from bt_orchestrator.errors import NotRead
+from bt_orchestrator.base.child_process import FAREWELL_S, ChildFailed, ChildProcess, ChildTooLate
+from bt_orchestrator.base.errors import NotRead
+from bt_orchestrator.base.replies import Reply
+from bt_orchestrator.engine.asking.orders import free_ids
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.replies import Reply
 from bt_orchestrator.script.orders.desk import ChangedJob, Question, Reading, Wanted
 from bt_orchestrator.script.orders.desk_pickles import name_of, unpickled
 

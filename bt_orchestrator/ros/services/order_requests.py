@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, overload
 
-from bt_orchestrator.asking.orders import size_of
-from bt_orchestrator.errors import NotRead
+from bt_orchestrator.base.errors import NotRead
+from bt_orchestrator.engine.asking.orders import size_of
 from bt_orchestrator.model.limits import REQUEST_BYTES
 from bt_orchestrator.ros.types.order_messages import asked_order
 from bt_orchestrator.script.orders.desk import AskedOrder, WrittenOrder

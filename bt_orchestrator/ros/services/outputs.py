@@ -9,6 +9,8 @@ from bt_orchestrator_interfaces.msg import Event as EventMessage
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.engine.runtime.overview import Overview, description_of
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import (
     BeatStarted,
@@ -31,8 +33,6 @@ from bt_orchestrator.ros.services.event_message import event_message
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.ros.types.status_messages import StatusWriter, description_message
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.runtime.overview import Overview, description_of
 
 STATUS_PERIOD_S = 0.1
 """Shortest time between two status messages."""

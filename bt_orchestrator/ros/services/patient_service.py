@@ -28,12 +28,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 from weakref import WeakKeyDictionary
 
+from bt_orchestrator.base.replies import Reply
 from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.limits import UNHEARD_S
-from bt_orchestrator.replies import Reply
+from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.services.turns import Later, Turns
-from bt_orchestrator.spare_log import SpareLog
 
 if TYPE_CHECKING:
     from rclpy.node import Node

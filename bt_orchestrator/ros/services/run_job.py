@@ -15,15 +15,18 @@ from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import JobStatus
 from rclpy.node import Node
 
-from bt_orchestrator.asking.handler import OrderReading
-from bt_orchestrator.asking.orders import (
+from bt_orchestrator.base.deadlines import NS_PER_S
+from bt_orchestrator.base.errors import NotRead, Refused
+from bt_orchestrator.base.replies import begin
+from bt_orchestrator.engine.asking.handler import OrderReading
+from bt_orchestrator.engine.asking.orders import (
     answer_to_refused,
     check_sender,
     refused_orders,
     wanted_orders,
 )
-from bt_orchestrator.deadlines import NS_PER_S
-from bt_orchestrator.errors import NotRead, Refused
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.engine.runtime.overview import Overview
 from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer, RefusedRequest
@@ -32,18 +35,15 @@ from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
 from bt_orchestrator.model.requests import ADD, Asked, ask
-from bt_orchestrator.replies import begin
-from bt_orchestrator.report.jobs import JobFold
+from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.goal_server import GoalServer, ServedGoal
 from bt_orchestrator.ros.services.order_requests import written_order
 from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.types.order_messages import asked_order
 from bt_orchestrator.ros.types.status_messages import failure_message, item_message, job_message
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.script.orders.desk import Orders, Reading
-from bt_orchestrator.spare_log import SpareLog
+from bt_orchestrator.view.report.jobs import JobFold
 
 
 @dataclass

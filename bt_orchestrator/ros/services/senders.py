@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bt_orchestrator.diagnosis.domain import is_local
+from bt_orchestrator.base.diagnosis.domain import is_local
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.limits import NAME, cut
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.texts import readable
-from bt_orchestrator.node_parameters import AUTO, NodeParameters
+from bt_orchestrator.ros.node_parameters import AUTO, NodeParameters
 
 _ROLES = {role.value: role for role in Role}
 _DOORS = {known.value: known for known in Known if known.is_door}

@@ -9,7 +9,7 @@ from typing import Any
 from bt_orchestrator_interfaces import srv
 from rclpy.node import Node
 
-from bt_orchestrator.asking.handler import RequestHandler
+from bt_orchestrator.engine.asking.handler import RequestHandler
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.requests import of_name
 from bt_orchestrator.model.state import CellState

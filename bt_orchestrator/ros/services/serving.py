@@ -7,10 +7,10 @@ from typing import Any
 
 from rclpy.node import Node
 
+from bt_orchestrator.base.replies import Steps, begin
 from bt_orchestrator.model.limits import MESSAGE, cut
-from bt_orchestrator.replies import Steps, begin
+from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.services.patient_service import create_patient_service
-from bt_orchestrator.spare_log import SpareLog
 
 
 def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], Steps[None]]) -> None:

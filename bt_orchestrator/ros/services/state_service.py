@@ -8,11 +8,11 @@ from typing import Any
 from bt_orchestrator_interfaces.srv import GetState
 from rclpy.node import Node
 
+from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.keeping.snapshot import nearest, state_to_text
 from bt_orchestrator.ros.services.serving import serve
-from bt_orchestrator.runtime.observed_durations import ObservedDurations
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 
 class StateService:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bt_orchestrator.errors import UnknownActionType
+from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.ros.types.interface_classes import action_class, message_class
 from bt_orchestrator.ros.types.slot_types import message_type

@@ -8,7 +8,7 @@ from functools import cache
 from types import ModuleType
 from typing import Any
 
-from bt_orchestrator.errors import UnknownActionType
+from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.script.report import did_you_mean, listing
 
 _KINDS = {'action': 'an action', 'msg': 'a message', 'srv': 'a service'}

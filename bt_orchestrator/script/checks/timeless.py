@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
 
-from bt_orchestrator.errors import Finding
+from bt_orchestrator.base.errors import Finding
 from bt_orchestrator.model.cell import CONVEYOR, Cell
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script

@@ -8,7 +8,7 @@ from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.model.script import RunsFor, Script, Task
 from bt_orchestrator.ports import ActionTypes

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.script.field_types import Misfit

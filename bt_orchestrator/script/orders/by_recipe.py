@@ -8,8 +8,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Protocol, cast
 
-from bt_orchestrator.errors import Refused
-from bt_orchestrator.extending import RECIPES
+from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.base.extending import RECIPES
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.recipe import Recipe
@@ -100,7 +100,7 @@ def recipes() -> Recipes:
     :raises ExtensionMissing: says what to install
     """
     RECIPES.demand()
-    return cast('Recipes', import_module('bt_orchestrator.cli.generating.extension'))
+    return cast('Recipes', import_module(f'{RECIPES.room}.generating.extension'))
 
 
 def is_recipe(path: Path) -> bool:

@@ -14,14 +14,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
 from bt_orchestrator.model.jobs.order import NO_TERMS, Job, RecipeChoice, Terms, WorkOrder
+from bt_orchestrator.model.proof.sharing import examine
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes, MadeScript
-from bt_orchestrator.proof.sharing import examine
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.lookup import find_below, find_script
 from bt_orchestrator.script.orders.choice import NOT_MADE_HERE, wrong_choice

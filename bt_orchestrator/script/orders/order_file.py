@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import MOST_ITEMS
 from bt_orchestrator.model.jobs.order import Job, WorkOrder

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import MOST_ITEMS
 from bt_orchestrator.model.jobs.order import Job, WorkOrder

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from bt_orchestrator.errors import Finding
+from bt_orchestrator.base.errors import Finding
 from bt_orchestrator.script.orders.order_file import OrderPlaces, key_in, path_of
 from bt_orchestrator.script.script_keys import ORDER
 

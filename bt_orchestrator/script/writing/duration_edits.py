@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model.cell import CONVEYOR
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import Place, Report

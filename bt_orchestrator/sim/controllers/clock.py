@@ -9,7 +9,7 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
-from bt_orchestrator.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
+from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
 from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.sim.controllers.guard import guarded
 

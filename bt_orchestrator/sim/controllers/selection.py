@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.sim.fault_options import add_faults, unknown_component

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.base.errors import JournalUnusable
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from operator import lt
 from pathlib import Path
 
-from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.database import is_written, log_of, no_longer_written
 
 SETTLED_S, SETTLED_COARSE_S = 0.03, 3.0

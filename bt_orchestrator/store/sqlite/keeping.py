@@ -7,7 +7,7 @@ import shutil
 from datetime import datetime, timezone
 from pathlib import Path
 
-from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.database import log_of
 
 PRIVATE = 0o600

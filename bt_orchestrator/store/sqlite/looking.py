@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from typing import Any
 
-from bt_orchestrator.errors import DamagedRecord
+from bt_orchestrator.base.errors import DamagedRecord
 from bt_orchestrator.model.records import Record, Wanted
 
 MOST = 1000

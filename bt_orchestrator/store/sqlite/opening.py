@@ -9,7 +9,7 @@ import sqlite3
 from pathlib import Path
 from typing import IO
 
-from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.database import (
     RESTORE,
     cannot_open,

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from bt_orchestrator.errors import DamagedRecord, JournalUnusable
+from bt_orchestrator.base.errors import DamagedRecord, JournalUnusable
 from bt_orchestrator.model.books import KeptScript, KeptState, SlotPage
 from bt_orchestrator.model.records import (
     Damage,

@@ -8,7 +8,7 @@ from contextlib import closing, suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.database import unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.keeping import aside_of, copy_file, make_private, sync
 from bt_orchestrator.store.sqlite.mark import MARK, Reached, write_mark

@@ -9,7 +9,7 @@ from contextlib import closing
 from itertools import chain
 from typing import NamedTuple
 
-from bt_orchestrator.errors import DamagedRecord
+from bt_orchestrator.base.errors import DamagedRecord
 from bt_orchestrator.model.codec import from_record, to_text
 from bt_orchestrator.model.events import Event, JobQueued
 from bt_orchestrator.model.limits import fitting

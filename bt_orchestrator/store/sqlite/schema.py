@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.checks import check_of
 from bt_orchestrator.store.sqlite.database import pragma, transaction
 

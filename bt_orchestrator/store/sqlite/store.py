@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
 
-from bt_orchestrator.errors import JournalFailed, JournalUnusable
+from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
 from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord

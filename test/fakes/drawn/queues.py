@@ -19,6 +19,7 @@ from fakes.commands import (
 )
 from fakes.virtual_run import BY, VirtualRun, defaults
 
+from bt_orchestrator.engine.runtime.job_queue import CONTROLS
 from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
@@ -26,7 +27,6 @@ from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state.proposed import queue_digest
-from bt_orchestrator.runtime.job_queue import CONTROLS
 
 KINDS = (
     *('add', 'add', 'move', 'next', 'update', 'control', 'control', 'stop', 'cell', 'service'),

@@ -14,8 +14,8 @@ from fakes.script_texts import CELL
 from fakes.script_texts import LINE as GOOD_ONLY
 from fakes.shipped import REFERENCE_CELL, ROOT, STUCK, TREES
 
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.cli.check import add_arguments, check
-from bt_orchestrator.errors import Refused
 
 GEAR_MOTOR = ROOT / 'recipes' / 'gear_motor.yaml'
 GEAR_MOTOR_CELL = ROOT / 'config' / 'gear_motor_cell.yaml'

@@ -14,12 +14,12 @@ from types import ModuleType
 
 import pytest
 
+from bt_orchestrator.base.errors import Finding, OrchestratorError, Refused
 from bt_orchestrator.cli import main as program
 from bt_orchestrator.cli import verbs as verbs_of_program
 from bt_orchestrator.cli.main import main, parsed, without_ros_arguments
-from bt_orchestrator.cli.verbs import VERBS, actions_of, help_line
+from bt_orchestrator.cli.verbs import VERBS, actions_of, help_line, module_name
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.errors import Finding, OrchestratorError, Refused
 
 Use = Callable[[Callable[[argparse.Namespace], int]], None]
 
@@ -58,7 +58,7 @@ def raising(error: BaseException) -> Callable[[argparse.Namespace], int]:
 
 @pytest.mark.parametrize('verb', VERBS)
 def test_every_verb_has_its_file(verb: str) -> None:
-    assert importlib.util.find_spec(f'bt_orchestrator.cli.{VERBS[verb][0]}') is not None
+    assert importlib.util.find_spec(module_name(verb)) is not None
 
 
 def test_the_verb_gets_its_options_and_its_status_is_the_programs(use: Use) -> None:

@@ -10,9 +10,9 @@ import pytest
 from fakes.action_types import FakeActionTypes
 
 from bt_orchestrator.cli import check, new_cell, render, simulate
-from bt_orchestrator.cli.generating import verb as generate
 from bt_orchestrator.cli.new_cell import NothingWritten
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.extensions.recipes.generating import verb as generate
 
 TYPES = FakeActionTypes()
 

@@ -11,9 +11,9 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, ROOT, STUCK, TREES
 
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.cli.simulate import add_arguments, simulate
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.codec import from_record
 
 TYPES = FakeActionTypes()

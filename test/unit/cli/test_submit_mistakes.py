@@ -12,10 +12,10 @@ import pytest
 from fakes.line import THREE, TYPES, Line, expanded
 from fakes.operator import engineer
 
+from bt_orchestrator.base.errors import NodeUnreachable, Refused
 from bt_orchestrator.cli.check import add_arguments, check
 from bt_orchestrator.cli.door import instead_of_a_door
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.errors import NodeUnreachable, Refused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.requests import Asked

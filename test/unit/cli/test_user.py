@@ -13,7 +13,7 @@ from pseudo_terminal import PseudoTerminal
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.users.file import UsersFile
+from bt_orchestrator.script.users.file import UsersFile
 
 PASSWORD = 'correct horse'
 

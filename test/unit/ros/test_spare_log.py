@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.spare_log import SpareLog
+from bt_orchestrator.ports.spare_log import SpareLog
 
 
 class Lines:

@@ -150,7 +150,7 @@ def test_4_1_scripts_whose_flags_would_stick_in_a_mix_are_not_mixed(
     answer = line.begin(IN_TURN).submit('K', line.script(AHEAD, 'ahead'))
     assert 'script ahead shares flags with test, and where jobs of both' in answer.message
 
-    monkeypatch.setattr('bt_orchestrator.proof.sharing.get_stuck_together', lambda _: False)
+    monkeypatch.setattr('bt_orchestrator.model.proof.sharing.get_stuck_together', lambda _: False)
     run = mixed(line)
     assert not run.ended
     assert run.waits()['section 2'] == 'waiting for turn to take flag near'

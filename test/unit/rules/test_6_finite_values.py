@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from fakes.line import Line
 
-from bt_orchestrator.errors import MissingResult
+from bt_orchestrator.base.errors import MissingResult
 from bt_orchestrator.model.reference import Reference, Scope, look_up
 
 POSE = {'position': {'x': 1.0, 'y': nan}, 'frame': 'belt'}

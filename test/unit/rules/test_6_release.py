@@ -10,8 +10,8 @@ from fakes.line import THREE, Line
 from fakes.operator import ann
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.asking.commands import prepared
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
+from bt_orchestrator.engine.asking.commands import prepared
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.cell import Release
 from bt_orchestrator.model.codec import digest

@@ -13,7 +13,8 @@ from fakes.operator import ann
 from fakes.recipe_bench import BOX, TYPES, Bench
 from fakes.script_texts import LINE, cell, script
 
-from bt_orchestrator.asking.recipes import RecipeOrders
+from bt_orchestrator.base.replies import begin
+from bt_orchestrator.engine.asking.recipes import RecipeOrders
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.keeping.snapshot import state_from_plain
@@ -21,7 +22,6 @@ from bt_orchestrator.model.keeping.state_text import StateText
 from bt_orchestrator.model.limits import RELEASED_KEPT
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.ports import MadeScript
-from bt_orchestrator.replies import begin
 from bt_orchestrator.sim.simulation import Simulation
 
 HERE = digest(cell())

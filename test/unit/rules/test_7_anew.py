@@ -11,8 +11,9 @@ from fakes.operator import ann
 from fakes.recipe_bench import BOX, Bench
 from fakes.script_texts import LINE, script
 
-from bt_orchestrator.asking.anew import QueueAnew
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.base.errors import Finding, Refused
+from bt_orchestrator.base.replies import begin
+from bt_orchestrator.engine.asking.anew import QueueAnew
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
@@ -20,7 +21,6 @@ from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.ports import MadeScript
-from bt_orchestrator.replies import begin
 
 ORIGIN = 'made_from: {recipe: BOX-7, version: 1, recipe_digest: aa11}'
 

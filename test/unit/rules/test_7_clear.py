@@ -7,7 +7,7 @@ from fakes.commands import Abort, Clear, Reset, Start
 from fakes.line import Line, with_section
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.belt_statement import AsShown, Slots, believed, parse_slots
 from bt_orchestrator.model.commands import Answer
 

@@ -7,7 +7,7 @@ from fakes.commands import Abort
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.web.wording import wordings
+from bt_orchestrator.extensions.page.web.wording import wordings
 
 # --- 7.1: what a hold stops -----------------------------------------------------------------
 

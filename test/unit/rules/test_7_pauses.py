@@ -8,9 +8,9 @@ from fakes.line import THREE, Line
 from fakes.operator import ann
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import FoundTwin
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.store.memory import MemoryStore

@@ -14,7 +14,8 @@ from fakes.recipe_bench import BOX, Bench
 from fakes.script_texts import LINE, cell, script
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.errors import Finding, NotRead, Refused
+from bt_orchestrator.base.errors import Finding, NotRead, Refused
+from bt_orchestrator.base.replies import Reply, begin
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.job_commands import RequeueJob
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
@@ -22,7 +23,6 @@ from bt_orchestrator.model.jobs.order import Job, Terms, WorkOrder
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.ports import MadeScript
-from bt_orchestrator.replies import Reply, begin
 
 ORIGIN = 'made_from: {recipe: BOX-7, version: 1, recipe_digest: aa11}\n'
 LOTS = 'params: {glue: {type: str, default: none}}\nlots: {glue: "${params.glue}"}\n'

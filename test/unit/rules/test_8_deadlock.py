@@ -23,8 +23,8 @@ from hypothesis import strategies as st
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.proof.deadlock import Deadlock, deadlock, get_stuck_together
 from bt_orchestrator.model.script import Dependency, Script
-from bt_orchestrator.proof.deadlock import Deadlock, deadlock, get_stuck_together
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Outcome, Simulation
@@ -383,7 +383,7 @@ def test_8_2_scripts_that_share_flags_get_stuck_together_as_the_graph_says(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Items of both follow each other in many orders; the queue would refuse the later script."""
-    monkeypatch.setattr('bt_orchestrator.proof.sharing.get_stuck_together', lambda _: False)
+    monkeypatch.setattr('bt_orchestrator.model.proof.sharing.get_stuck_together', lambda _: False)
     seen: Counter[bool] = Counter()
 
     @example(211)

@@ -19,8 +19,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.proof.pace import Pace, PacedLine, pace
-from bt_orchestrator.proof.quicker import Quicker, quicker, roomier
+from bt_orchestrator.model.proof.pace import Pace, PacedLine, pace
+from bt_orchestrator.model.proof.quicker import Quicker, quicker, roomier
 
 pytestmark = pytest.mark.timeout(24 * 3600)
 

@@ -11,12 +11,12 @@ from fakes.commands import SetService
 from fakes.operator import ann
 from fakes.recipe_bench import BOX, LID, Bench, made
 
-from bt_orchestrator.errors import Finding, NotRead, Refused
+from bt_orchestrator.base.errors import Finding, NotRead, Refused
+from bt_orchestrator.base.replies import begin
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.ports import MadeScript
-from bt_orchestrator.replies import begin
 
 TYPES = FakeActionTypes()
 

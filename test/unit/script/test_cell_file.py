@@ -9,7 +9,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.mistake_tables import table
 from fakes.script_texts import CELL, cell, mistakes
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.cell import CONVEYOR, MOST_ITEMS, Cell, OnFailure, Start, StateTopic
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.script.cell_file import parse_cell, read_cell

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.script.given_results import given_results, results_of, results_text
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.script.lookup import find_below, find_script, is_path
 from bt_orchestrator.script.report import Place
 

@@ -9,7 +9,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.mistake_tables import table
 from fakes.script_texts import cell, line, mistakes, script
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.script import Dependency, RunsFor, Script, Zone
 from bt_orchestrator.script.cell_file import read_cell

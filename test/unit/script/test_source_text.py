@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.script import source_text
 from bt_orchestrator.script.source_text import read_text
 

@@ -12,11 +12,11 @@ from fakes.commands import Pause
 from fakes.line import THREE, Line
 from fakes.operator import ann
 
+from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
-from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.sim import foresight, run_on
 from bt_orchestrator.sim.foresight import expected_ends
 from bt_orchestrator.sim.simulation import Simulation

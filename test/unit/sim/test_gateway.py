@@ -6,7 +6,7 @@ import pytest
 from contract.gateway_bench import cell_of, component, goal_request
 from fakes.action_types import FakeActionTypes
 
-from bt_orchestrator.errors import UnknownActionType
+from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S, GoalRequest, GoalStatus, StateReading
 from bt_orchestrator.ports import Goal

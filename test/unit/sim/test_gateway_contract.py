@@ -9,7 +9,7 @@ from contract.gateway_bench import SERVER_TIMEOUT_S, Bench, cell_of
 from contract.gateway_contract import GatewayContract
 from fakes.action_types import FakeActionTypes
 
-from bt_orchestrator.deadlines import has_come
+from bt_orchestrator.base.deadlines import has_come
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway

@@ -13,18 +13,18 @@ from fakes.virtual_run import VirtualRun
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.drawing.gantt import GanttFold
-from bt_orchestrator.errors import NotKept
+from bt_orchestrator.base.errors import NotKept
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.judging import used_ids
-from bt_orchestrator.report.account.planned import US
-from bt_orchestrator.report.reading import Reading
-from bt_orchestrator.report.retrospect.plain import retrospect_plain
-from bt_orchestrator.report.retrospect.retrospect import Retrospect
-from bt_orchestrator.report.retrospect.text import retrospect_text
 from bt_orchestrator.sim.looking_back import LookingBack, NoForecast, Watchers
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
+from bt_orchestrator.view.drawing.gantt import GanttFold
+from bt_orchestrator.view.report.account.planned import US
+from bt_orchestrator.view.report.reading import Reading
+from bt_orchestrator.view.report.retrospect.plain import retrospect_plain
+from bt_orchestrator.view.report.retrospect.retrospect import Retrospect
+from bt_orchestrator.view.report.retrospect.text import retrospect_text
 
 TYPES = FakeActionTypes()
 LINE = Line(3, seconds={'a2': 5.0})

@@ -11,7 +11,8 @@ from fakes.commands import AnswerHold, Pause, Resume, SetService
 from fakes.line import THREE, Line
 from fakes.operator import ann
 
-from bt_orchestrator.errors import NotKept
+from bt_orchestrator.base.errors import NotKept
+from bt_orchestrator.engine.runtime.overview import Overview
 from bt_orchestrator.model.events import (
     ClockStepped,
     ComponentStateChanged,
@@ -21,7 +22,6 @@ from bt_orchestrator.model.events import (
 )
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.status import CellStatus, TaskStatus
-from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.sim.past import JournalPast
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore

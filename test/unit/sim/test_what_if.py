@@ -17,7 +17,7 @@ from fakes.commands import SetService
 from fakes.line import THREE, Line
 from fakes.operator import ann
 
-from bt_orchestrator.cli.generating.ordered import RecipeMaker
+from bt_orchestrator.extensions.recipes.generating.ordered import RecipeMaker
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
 from bt_orchestrator.model.judging.used_ids import FULL

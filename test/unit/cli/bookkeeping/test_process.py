@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from fakes.long_journal import make_long_journal
 
-from bt_orchestrator.child_process import ChildFailed
+from bt_orchestrator.base.child_process import ChildFailed
 from bt_orchestrator.cli.bookkeeping.process import BooksProcess
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

@@ -12,13 +12,13 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.script_texts import LINE, cell
 
-from bt_orchestrator.asking.orders import Told
-from bt_orchestrator.child_process import ChildFailed, ChildTooLate
-from bt_orchestrator.errors import Finding, NotRead, Refused
+from bt_orchestrator.base.child_process import ChildFailed, ChildTooLate
+from bt_orchestrator.base.errors import Finding, NotRead, Refused
+from bt_orchestrator.base.replies import Reply, begin
+from bt_orchestrator.engine.asking.orders import Told
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.limits import FINDINGS
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.replies import Reply, begin
 from bt_orchestrator.ros.services import order_reader
 from bt_orchestrator.ros.services.order_reader import BUSY, LATE, MOST_WAITING, OrderReader
 from bt_orchestrator.script.orders.desk import AskedOrder, OrderDesk, Orders

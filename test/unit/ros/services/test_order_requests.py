@@ -9,8 +9,8 @@ import pytest
 from bt_orchestrator_interfaces.msg import WorkOrder
 from bt_orchestrator_interfaces.srv import QueueUpdate
 
-from bt_orchestrator.asking.orders import wanted_orders
-from bt_orchestrator.errors import NotRead
+from bt_orchestrator.base.errors import NotRead
+from bt_orchestrator.engine.asking.orders import wanted_orders
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.jobs.order import WorkOrder as Order
 from bt_orchestrator.ros.services.order_requests import AskedOrders

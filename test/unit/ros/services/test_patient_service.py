@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import pytest
 
+from bt_orchestrator.base.replies import Reply
 from bt_orchestrator.model.limits import UNHEARD_S, UNHEARD_TOGETHER_S
-from bt_orchestrator.replies import Reply
 from bt_orchestrator.ros.services.patient_service import (
     AGAIN_AFTER_S,
     MOST_HELD,

@@ -10,7 +10,7 @@ import pytest
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.limits import NAME
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.node_parameters import NodeParameters
+from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.services.senders import Senders
 
 HERE = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.jobs.order import RecipeChoice, Terms, WorkOrder
 from bt_orchestrator.script.orders.asked import asked_of, change_of
 from bt_orchestrator.script.orders.desk import AskedOrder

@@ -13,7 +13,7 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.script_texts import LINE, cell
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.codec import digest, to_text
 from bt_orchestrator.model.events import ScriptLoaded
 from bt_orchestrator.model.jobs.order import Job, Terms

@@ -9,7 +9,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.mistake_tables import table
 from fakes.script_texts import LINE, cell, line, mistakes, script
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.script import Parameter
 from bt_orchestrator.script.orders.order_file import (

@@ -6,7 +6,7 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.script_texts import LINE, cell, script
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.script.orders.plain_order import bound, mistakes, order_from
 from bt_orchestrator.script.parameter_uses import action_types

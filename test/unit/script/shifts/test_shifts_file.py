@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.plant.shifts import Hours, Shift, Shifts
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 

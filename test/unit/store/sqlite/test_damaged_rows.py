@@ -13,8 +13,8 @@ import pytest
 from fakes.journal_reading import journal_reading
 from fakes.long_journal import LongRun
 
+from bt_orchestrator.base.errors import DamagedRecord, JournalFailed, JournalUnusable
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.errors import DamagedRecord, JournalFailed, JournalUnusable
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.store.sqlite.store import SqliteStore

@@ -17,10 +17,10 @@ from fakes.journal_reading import journal_reading
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.report.csv_export import CsvExport
-from bt_orchestrator.report.xes_export import XesExport
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite.store import SqliteStore
+from bt_orchestrator.view.report.csv_export import CsvExport
+from bt_orchestrator.view.report.xes_export import XesExport
 
 VALUES: dict[str, Any] = {
     'nan': math.nan,

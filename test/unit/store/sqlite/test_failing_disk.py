@@ -17,7 +17,7 @@ from fakes.long_journal import LongRun
 from fakes.operator import ann
 from fakes.other_python import run_python
 
-from bt_orchestrator.runtime.recovery import restore
+from bt_orchestrator.engine.runtime.recovery import restore
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 NOBODY = 65534
@@ -26,7 +26,7 @@ OPEN = """
 import os, sys
 from pathlib import Path
 from bt_orchestrator.store.sqlite.store import SqliteStore
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.base.errors import OrchestratorError
 os.setuid(int(sys.argv[2]))
 try:
     SqliteStore(Path(sys.argv[1])).close()

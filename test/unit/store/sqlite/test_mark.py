@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from bt_orchestrator.errors import JournalFailed, JournalUnusable
+from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sqlite.mark import Reached, mark_of, read_mark, write_mark

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from fakes.other_python import back_up, run_python
 
-from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.base.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sqlite import files_in_use, opening

@@ -12,12 +12,12 @@ from fakes.journal_reading import journal_reading
 from fakes.line import Line
 from fakes.long_journal import LongRun
 
-from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.engine.runtime.housekeeping import AT_REST
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.report.reading import Reading
-from bt_orchestrator.runtime.housekeeping import AT_REST
 from bt_orchestrator.store.sqlite import looking
 from bt_orchestrator.store.sqlite.records import SqliteRecords
+from bt_orchestrator.view.report.reading import Reading
 
 SCHEMA_1 = Path(__file__).parents[3] / 'data' / 'journal_schema_1.sqlite3'
 

@@ -13,8 +13,8 @@ from fakes.journal_reading import journal_reading
 from fakes.line import Line
 from fakes.long_journal import LongRun
 
-from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.runtime.recovery import restore
+from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.engine.runtime.recovery import restore
 from bt_orchestrator.store.sqlite.checks import check_of_event
 from bt_orchestrator.store.sqlite.schema import SCHEMA
 from bt_orchestrator.store.sqlite.store import SqliteStore

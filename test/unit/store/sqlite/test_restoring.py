@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from fakes.journal_reading import journal_reading
 
+from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.store.sqlite import restoring

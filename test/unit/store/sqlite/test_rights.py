@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from bt_orchestrator.base.diagnosis.check import Verdict
 from bt_orchestrator.cli.doctor import _rights
-from bt_orchestrator.diagnosis.check import Verdict
 from bt_orchestrator.model.events import JobStarted
 from bt_orchestrator.store.sqlite.restoring import bring_back
 from bt_orchestrator.store.sqlite.store import SqliteStore

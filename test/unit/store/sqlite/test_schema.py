@@ -11,9 +11,9 @@ import pytest
 from fakes.line import Line
 from fakes.long_journal import LongRun
 
-from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.engine.runtime.recovery import restore
 from bt_orchestrator.model.events import JobStarted, OrchestratorStarted
-from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite import schema
 from bt_orchestrator.store.sqlite.schema import SCHEMA

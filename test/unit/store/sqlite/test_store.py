@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from bt_orchestrator.errors import JournalFailed, JournalUnusable
+from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.store.sqlite.checks import check_of_event
 from bt_orchestrator.store.sqlite.schema import APPLICATION_ID, SCHEMA

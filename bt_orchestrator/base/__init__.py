@@ -1,0 +1,1 @@
+"""The ground, which knows no cell: errors, clocks, files, signals, processes."""

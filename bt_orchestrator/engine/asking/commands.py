@@ -1,0 +1,145 @@
+"""Requests as they are decided: with what has to be read or resolved for them first."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from bt_orchestrator.base.errors import CommandRefused
+from bt_orchestrator.engine.runtime.operators import offering
+from bt_orchestrator.model.belt_statement import AsShown, parse_slots
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.limits import cut
+from bt_orchestrator.model.packml import Cause
+from bt_orchestrator.model.requests import (
+    ANSWERS,
+    CELL,
+    IN_SERVICE,
+    OUT_OF_SERVICE,
+    RELEASE_SCRIPT,
+    About,
+    Asked,
+    Kind,
+    Request,
+    ask,
+    of_name,
+    refusal,
+)
+from bt_orchestrator.model.script import Task
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.given_arguments import arguments_of
+from bt_orchestrator.script.given_results import given_results, results_text
+from bt_orchestrator.script.report import did_you_mean, listing
+
+Arguments = Mapping[str, Any]
+"""By the names of `model.requests`; those that were not said are left out, or None, or empty."""
+
+Prepare = Callable[[Asked, CellState, ActionTypes], dict[str, Any]]
+"""Returns arguments that replace those of a request.
+
+:raises CommandRefused: says what was expected
+"""
+
+PREPARES: dict[str, Prepare] = {}
+"""By the name of the request; all others are decided as they come."""
+
+
+def prepares(*requests: Request) -> Callable[[Prepare], Prepare]:
+    """Make a function prepare some requests."""
+
+    def register(prepare: Prepare) -> Prepare:
+        PREPARES.update((one.name, prepare) for one in requests)
+        return prepare
+
+    return register
+
+
+def prepared(asked: Asked, state: CellState, types: ActionTypes) -> Asked:
+    """Return a request that can be decided; one without permission stays unchanged.
+
+    :raises CommandRefused: says what was expected
+    """
+    prepare = PREPARES.get(asked.request.name)
+    if prepare is None or refusal(asked.request, asked.sender, asked.arguments) is not None:
+        return asked
+    return replace(asked, arguments={**asked.arguments, **prepare(asked, state, types)})
+
+
+def asked_by_name(name: str, by: By, given: Arguments, state: CellState) -> Asked:
+    """Return a request that came by its name; values by name may come as one text.
+
+    :raises CommandRefused: a hold has no such answer; a text is no mapping
+    :raises BadArguments: there is no such request, or it has other arguments
+    """
+    about, _, word = name.partition('.')
+    request = of_name(name)
+    if request is None and about == About.HOLD.value:
+        offering(state, str(given.get(about, '')), cut(word, 60), by.role)
+    parameters = request.parameters if request is not None else ()
+    values = [one.name for one in parameters if one.kind is Kind.VALUES]
+    texts = {name: given[name] for name in values if isinstance(given.get(name), str)}
+    return ask(name, by, **{**given, **{name: arguments_of(texts[name]) for name in texts}})
+
+
+@prepares(CELL[Cause.CLEAR])
+def _statement(asked: Asked, _: CellState, __: ActionTypes) -> dict[str, Any]:
+    belt, as_shown = asked.arguments.get('belt'), asked.arguments.get('as_shown', 0)
+    if bool(belt) == bool(as_shown):
+        raise CommandRefused(
+            'clear needs to know what stands on the belt: either every slot, as in 1=WO-1/3 and '
+            '2=empty, or the seq of the status of the belt as it stands'
+        )
+    return {'belt': parse_slots(belt) if belt else AsShown(as_shown)}
+
+
+@prepares(OUT_OF_SERVICE, IN_SERVICE)
+def _component(asked: Asked, state: CellState, _: ActionTypes) -> dict[str, Any]:
+    name, components = asked['component'], {**state.cell.components, **state.out_of_service}
+    if name not in components:
+        hint = did_you_mean(name, components, f'the cell has {listing(components)}')
+        raise CommandRefused(f'there is no component {name!r}; {hint}')
+    return {}
+
+
+_DIGEST = re.compile('[0-9a-f]{12}')
+
+
+@prepares(RELEASE_SCRIPT)
+def _digest(asked: Asked, state: CellState, _: ActionTypes) -> dict[str, Any]:
+    """Resolve a script that is named by its digest, or that queued jobs wait for."""
+    script = asked['script']
+    if _DIGEST.fullmatch(script):
+        return {}
+    waiting = {job.digest: job.job.script.name for job in state.queue if job.awaits_release}
+    found = [digest for digest, name in waiting.items() if name == script]
+    if len(found) == 1:
+        return {'script': found[0]}
+    told = [f'{name} ({digest})' for digest, name in waiting.items()]
+    what = 'several scripts are called' if found else 'no job in the queue waits for'
+    raise CommandRefused(
+        f'{what} {script!r}; name the digest of one; jobs wait for '
+        f'{listing(told) if told else "no script"}'
+    )
+
+
+@prepares(*(one for one in ANSWERS.values() if any(p.name == 'results' for p in one.parameters)))
+def _results(asked: Asked, state: CellState, types: ActionTypes) -> dict[str, Any]:
+    """Read the results that are given with an answer, as values of their types."""
+    results = asked.arguments.get('results')
+    if not results:
+        return {'results': {}}
+    hold = state.holds.get(asked['hold'])
+    task = state.task(hold.key) if hold is not None and hold.key is not None else None
+    if task is None:
+        raise CommandRefused(
+            f'hold {asked["hold"]} is about no task that can have results; answer it without'
+        )
+    text = results_text(results)
+    return {'results': given_results(text, types.action(_type_of(state, task)))}
+
+
+def _type_of(state: CellState, task: Task) -> str:
+    return state.cell.components[task.component].type

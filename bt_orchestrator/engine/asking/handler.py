@@ -1,0 +1,206 @@
+"""Carries out the requests to one engine, from every interface."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager
+from dataclasses import replace
+from functools import partial
+from typing import Any, Protocol
+
+from bt_orchestrator.base.errors import CommandRefused, NotRead, Refused
+from bt_orchestrator.engine.asking.commands import asked_by_name, prepared
+from bt_orchestrator.engine.asking.comparing import made_anew
+from bt_orchestrator.engine.asking.orders import (
+    Told,
+    answer_to_refused,
+    changed_job,
+    check_sender,
+    job_anew,
+    refused_orders,
+    wanted_orders,
+    with_each,
+)
+from bt_orchestrator.engine.asking.rest import rest_of
+from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
+from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.requests import (
+    ADD,
+    REQUEUE,
+    UPDATE,
+    Asked,
+    BadArguments,
+    about_of,
+    of_name,
+)
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.given_arguments import arguments_of
+from bt_orchestrator.script.orders.asked import change_of
+from bt_orchestrator.script.orders.desk import AskedOrder, Reading, Wanted
+
+_Step = Callable[[Asked], Awaitable[Answer]]
+
+
+class OrderReading(Protocol):
+    """Reads orders, here or in another process."""
+
+    def read(self, wanted: Wanted | Callable[[], Wanted]) -> AbstractAsyncContextManager[Reading]:
+        """Read them in their turn; that of the next ones comes when the block has ended.
+
+        :raises NotRead: says why nothing was read
+        """
+
+
+class RequestHandler:
+    """Answers requests. Refusals are on record as well."""
+
+    def __init__(self, engine: Orchestrator, types: ActionTypes, orders: OrderReading) -> None:
+        self._engine = engine
+        self._types = types
+        self._orders = orders
+        self._reads: Mapping[str, _Step] = {
+            ADD.name: self._add,
+            UPDATE.name: self._update,
+            REQUEUE.name: self._requeue,
+        }
+        """Carries out the requests for which files are read."""
+
+    async def carry_out(self, asked: Asked) -> Answer:
+        """Carry out a request of the table."""
+        reads = self._reads.get(asked.request.name)
+        return await self._answer(asked, self._decide if reads is None else reads)
+
+    async def carry_out_named(self, name: str, given: Mapping[str, Any] | str, by: By) -> Answer:
+        """Carry out a request by its name; refuse one that the table does not have.
+
+        :param given: arguments by name, or their text in JSON or YAML
+        """
+        arguments: Mapping[str, Any] = {}
+        try:
+            arguments = arguments_of(given) if isinstance(given, str) else given
+            asked = asked_by_name(name, by, arguments, self._engine.state)
+        except (BadArguments, CommandRefused) as why:
+            request, about = of_name(name), about_of(name, arguments)
+            word = name.rpartition('.')[2] if request is None else request.word
+            return await self._engine.carry_out(RefusedRequest(word, by, str(why), about=about))
+        return await self.carry_out(asked)
+
+    async def add(
+        self,
+        orders: Sequence[AskedOrder],
+        by: By,
+        position: int | None = None,
+        *,
+        held: bool = False,
+    ) -> Answer:
+        """Queue orders in their order, all or none."""
+        given = {'orders': orders, 'position': position, 'held': held}
+        return await self.carry_out(Asked(ADD, by, given))
+
+    async def update(self, job: str, wish: AskedOrder, by: By) -> Answer:
+        """Change a queued job; keep what the request does not name."""
+        return await self._answer(Asked(UPDATE, by, {'job': job}), partial(self._change, wish))
+
+    async def make_anew(self, job: str, by: By) -> Answer:
+        """Generate the script of a queued job by recipe again, without what is out of service.
+
+        Everything else of the job stays. It is on record only if another script comes of it.
+        """
+        return await self._answer(Asked(UPDATE, by, {'job': job}), self._make_anew)
+
+    async def _answer(self, asked: Asked, step: _Step) -> Answer:
+        try:
+            return await step(asked)
+        except (CommandRefused, NotRead) as why:
+            return await self._refuse(asked, str(why))
+
+    async def _refuse(self, asked: Asked, message: str) -> Answer:
+        """Put a request on record that cannot be made a command."""
+        word, about = asked.request.word, asked.about
+        refused = RefusedRequest(word, asked.sender, message, about=about)
+        return await self._engine.carry_out(refused)
+
+    async def _decide(self, asked: Asked) -> Answer:
+        ready = prepared(asked, self._engine.state, self._types)
+        return await self._engine.carry_out(ready)
+
+    # --- orders -----------------------------------------------------------------------------
+
+    async def _add(self, asked: Asked) -> Answer:
+        check_sender(asked)
+        orders = wanted_orders(asked['orders'])
+        async with self._orders.read(orders) as reading:
+            read, given = reading.read, asked.arguments
+            jobs = tuple(job for job in read if isinstance(job, Job))
+            if len(jobs) < len(read):
+                await self._engine.carry_out(refused_orders(asked, orders, read))
+                return answer_to_refused(orders, read)
+            held = bool(given.get('held', False))
+            added = AddJobs(jobs, asked.sender, given.get('position'), held, reading.sharing)
+            answer = await self._engine.carry_out(added)
+            return with_each(answer, jobs, self._engine.state)
+
+    async def _update(self, asked: Asked) -> Answer:
+        check_sender(asked)
+        if len(asked.arguments) < 2:
+            names = ', '.join(one.name for one in UPDATE.parameters if one is not UPDATE.subject)
+            raise CommandRefused(f'say what to change: {names}')
+        return await self._change(change_of(asked.arguments), asked)
+
+    async def _change(self, wish: AskedOrder, asked: Asked) -> Answer:
+        check_sender(asked)
+        wanted_orders([wish])  # within the limits
+        as_it_is = partial(changed_job, self._engine.state, asked['job'], wish)
+        async with self._orders.read(as_it_is) as reading:
+            return await self._update_read(asked, reading, keeps_script=wish.keeps_script)
+
+    async def _update_read(
+        self,
+        asked: Asked,
+        reading: Reading,
+        anew: MadeAnew | None = None,
+        *,
+        keeps_script: bool = False,
+    ) -> Answer:
+        (read,) = reading.read
+        if isinstance(read, Refused):
+            return await self._refuse_read(asked, read)
+        update = UpdateJob(read, asked.sender, reading.sharing, keeps_script, anew)
+        answer = await self._engine.carry_out(update)
+        return with_each(answer, [read], self._engine.state)
+
+    async def _make_anew(self, asked: Asked) -> Answer:
+        state, job = self._engine.state, asked['job']
+        async with self._orders.read(partial(job_anew, state, job)) as reading:
+            (read,), queued, anew = reading.read, state.jobs.get(job), None
+            if isinstance(read, Job) and queued is not None:
+                if digest(read.script) == queued.digest:
+                    return Answer(accepted=True, message=f'{job} is made as before')
+                anew = made_anew(queued, read.script, state)
+                reason = f'{asked.sender.reason}; made anew: {anew.pace_words}'
+                asked = replace(asked, by=replace(asked.sender, reason=reason))
+            return await self._update_read(asked, reading, anew)
+
+    async def _requeue(self, asked: Asked) -> Answer:
+        """End a job on the line early, and queue its rest anew: both or neither (7.6)."""
+        check_sender(asked)
+        state, job = self._engine.state, asked['job']
+        as_it_is = partial(rest_of, state, job, asked.arguments.get('order', ''))
+        async with self._orders.read(as_it_is) as reading:
+            (read,), live = reading.read, state.jobs[job]
+            if isinstance(read, Refused):
+                return await self._refuse_read(asked, read)
+            same = digest(read.script) == live.digest
+            anew = None if same else made_anew(live, read.script, state)
+            requeue = RequeueJob(job, read, asked.sender, reading.sharing, anew)
+            return await self._engine.carry_out(requeue)
+
+    async def _refuse_read(self, asked: Asked, read: Refused) -> Answer:
+        await self._refuse(asked, read.in_short)
+        each = OrderAnswer(message=read.count, findings=Told().of(read))
+        return Answer(accepted=False, message=read.count, orders=(each,))

@@ -1,0 +1,176 @@
+"""Work orders that were read: commands to the engine, and what is said of each order."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from bt_orchestrator.base.errors import NotRead, Refused, counted
+from bt_orchestrator.engine.runtime.job_queue import standing
+from bt_orchestrator.engine.runtime.orders import FITS
+from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
+from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES, listed
+from bt_orchestrator.model.requests import Asked, refusal
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.script.orders.asked import asked_of
+from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Orders, Wanted
+
+PREFIX = 'WO-'
+"""Prefix of the ids that are assigned to orders without one."""
+
+_AS_ORDERED = RecipeChoice(())
+"""Names nothing of a recipe: all of it stays."""
+
+ALL = 'bt-orchestrator check --json, where the files are, lists all'
+
+
+# --- before they are read -----------------------------------------------------------------------
+
+
+def check_sender(asked: Asked) -> None:
+    """Refuse before reading: do not read orders of a request that will be refused.
+
+    :raises NotRead: says why
+    """
+    why = refusal(asked.request, asked.sender)
+    if why is not None:
+        raise NotRead(why)
+
+
+def wanted_orders(given: Sequence[AskedOrder | WorkOrder | Mapping[str, Any]]) -> Orders:
+    """Return what is to be read.
+
+    :param given: or mappings with the keys of an order file
+    :raises NotRead: they are none, too many, or too large
+    :raises CommandRefused: one is no order
+    """
+    if not given:
+        raise NotRead('name at least one order')
+    if len(given) > ORDERS:
+        raise NotRead(
+            f'{len(given)} orders are too many for one request, which is carried out as a whole; '
+            f'nothing was queued; give {ORDERS} or fewer at a time'
+        )
+    orders = tuple(map(asked_of, given))
+    size = sum(map(_size, orders))
+    if size > REQUEST_BYTES:
+        raise NotRead(
+            f'the orders of this request have {size} bytes of text, and a request may have '
+            f'{REQUEST_BYTES}; nothing was queued; give fewer at a time, or shorter ones'
+        )
+    return Orders(orders)
+
+
+def changed_job(state: CellState, name: str, wish: AskedOrder) -> ChangedJob:
+    """Return the order for a new version of a queued job, in its present state.
+
+    :raises NotRead: it is not there
+    """
+    now = state.jobs.get(name)
+    if now is None:
+        there = listed(state.jobs.queued_names, 'nothing')
+        raise NotRead(f'{name} is not there; in the queue: {there}')
+    job = now.job
+    return ChangedJob(name, now.digest, job.quantity, job.params, wish, job.terms, job.recipe)
+
+
+def job_anew(state: CellState, name: str) -> ChangedJob:
+    """Return a queued job in its present state, with its script to be generated again.
+
+    :raises NotRead: it is not there, or was not ordered by recipe
+    """
+    anew = changed_job(state, name, AskedOrder(recipe=_AS_ORDERED))
+    if anew.recipe is None:
+        raise NotRead(f'{name} is no job by recipe')
+    return anew
+
+
+def free_ids(wanted: Wanted, state: CellState) -> tuple[str, ...]:
+    """Return ids for orders without one."""
+    named = tuple(wanted.named)
+    nameless, taken = named.count(''), frozenset(named)
+    free = (name for name in state.order_ids.free(PREFIX) if name not in taken)
+    return tuple(itertools.islice(free, nameless))
+
+
+def size_of(text: str) -> int:
+    """Return how many bytes a text has."""
+    return len(text) if text.isascii() else len(text.encode(errors='replace'))
+
+
+def _size(order: AskedOrder) -> int:
+    params, details, recipe = order.params, order.terms.details, order.recipe
+    texts = [order.text, order.script, order.order, details, *params, *params.values()]
+    if recipe is not None:
+        texts += [*recipe.recipes, *recipe.bind, *recipe.bind.values()]
+    return sum(map(size_of, texts))
+
+
+# --- after that ---------------------------------------------------------------------------------
+
+
+def refused_orders(asked: Asked, orders: Orders, read: Sequence[Job | Refused]) -> RefusedRequest:
+    """Return what is put on record of orders that were read, some of them with mistakes."""
+    pairs = list(zip(orders.orders, read, strict=True))
+    each = tuple(
+        f'{one.id} {FITS}' if isinstance(one, Job) else f'{_name(order)} is {one.in_short}'
+        for order, one in pairs
+    )
+    ids = tuple(one.id if isinstance(one, Job) else order.order for order, one in pairs)
+    return RefusedRequest(asked.request.word, asked.sender, '; '.join(each), ids, each)
+
+
+def answer_to_refused(orders: Orders, read: Sequence[Job | Refused]) -> Answer:
+    """Return the answer to the sender of the orders."""
+    findings = sum(len(one.findings) for one in read if isinstance(one, Refused))
+    message = f'refused with {counted(findings, "finding")}'
+    return Answer(
+        accepted=False, message=message, orders=tuple(_each_refused(orders.orders, read))
+    )
+
+
+def _each_refused(
+    orders: Iterable[AskedOrder], read: Iterable[Job | Refused]
+) -> Iterator[OrderAnswer]:
+    told = Told()
+    for order, one in zip(orders, read, strict=True):
+        if isinstance(one, Job):
+            yield OrderAnswer(message=f'{one.id} {FITS}')
+        else:
+            yield OrderAnswer(message=f'{_name(order)} is {one.count}', findings=told.of(one))
+
+
+def with_each(answer: Answer, jobs: Sequence[Job], state: CellState) -> Answer:
+    """Return the engine's answer about jobs, with what is said of each."""
+    if answer.accepted:
+        message = '; '.join(['queued', *standing(state)])
+        orders = [OrderAnswer(job.id, message) for job in jobs]
+    else:
+        each = answer.each or (answer.message,) * len(jobs)
+        orders = [OrderAnswer(message=message) for message in each]
+    return Answer(answer.accepted, answer.message, answer.each, tuple(orders))
+
+
+def _name(order: AskedOrder) -> str:
+    """Return the words by which a client knows its order."""
+    recipe = order.recipe.words if order.recipe else ''
+    return order.order or order.script or recipe or 'the order'
+
+
+class Told:
+    """Findings for one answer: not more than it may have."""
+
+    def __init__(self) -> None:
+        self._left = FINDINGS
+        self._said_that_more = False
+
+    def of(self, refused: Refused) -> tuple[str, ...]:
+        """Return the mistakes of one order."""
+        told = refused.findings[: self._left]
+        self._left -= len(told)
+        more = len(refused.findings) - len(told)
+        rest = [f'and {more} more; {ALL}'] if more and not self._said_that_more else []
+        self._said_that_more |= more > 0
+        return (*map(str, told), *rest)

@@ -1,0 +1,164 @@
+"""The effects of commands to the cell, or the reasons of refusals (semantics 7.2, 7.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+
+from bt_orchestrator.base.errors import CommandRefused
+from bt_orchestrator.engine.runtime.deciding import Decided, decides
+from bt_orchestrator.engine.runtime.lifecycle import transition
+from bt_orchestrator.engine.runtime.operators import released_with
+from bt_orchestrator.model import effects
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.belt_statement import corrections
+from bt_orchestrator.model.failures import ABORT
+from bt_orchestrator.model.hold_words import hold_name
+from bt_orchestrator.model.limits import PAUSES
+from bt_orchestrator.model.packml import VERBS, Cause, refusal
+from bt_orchestrator.model.pauses import PAUSED, release_command
+from bt_orchestrator.model.requests import About, Asked, requests_about
+from bt_orchestrator.model.state import CellState, Hold
+from bt_orchestrator.model.stop_reason import StopReason
+
+RESUME = VERBS[Cause.UNHOLD]
+"""The ways in which a pause ends."""
+
+
+@decides(*(one for one in requests_about(About.CELL) if one.cause is not None))
+def _command(state: CellState, asked: Asked, _: float) -> Decided:
+    """Command the cell, if its state allows it."""
+    cause = asked.request.cause
+    assert cause is not None, asked.request.name
+    why = refusal(state.packml, cause)
+    if why is not None:
+        raise CommandRefused(why)
+    if cause in _MOVES:
+        return _MOVES[cause], [transition(state.packml, cause, str(asked.by))]
+    message, follows = _ACTS[cause](state, asked)
+    return message, list(follows)
+
+
+# --- words and events of each command -----------------------------------------------------------
+
+_MOVES: Mapping[Cause, str] = {
+    Cause.RESET: 'the cell gets ready',
+    Cause.START: 'the cell starts',
+    Cause.STOP: 'the cell finishes the cycles in hand and stops',
+}
+"""Commands that only change the state of the cell, with their answers."""
+
+_Act = tuple[str, Iterator[e.Event]]
+
+
+def _pause(state: CellState, asked: Asked) -> _Act:
+    """Raise a hold for this pause; whether the cell becomes Held follows from the stop reason.
+
+    :raises CommandRefused: the maximum number of pauses is in effect
+    """
+    standing = sum(hold.reason == PAUSED for hold in state.pauses)
+    if standing >= PAUSES:
+        raise CommandRefused(
+            f'{standing} pauses stand already, and more are not kept; each of them keeps the '
+            'cell from starting anything until it is released with resume'
+        )
+    hold = e.HoldRaised(
+        hold=state.next_hold,
+        reason=PAUSED,
+        message=str(asked.by),
+        answers=(RESUME,),
+        owner=asked.sender.who or 'unknown',
+    )
+    return f'the cell starts nothing more until hold {hold.hold} is over', iter([hold])
+
+
+def _resume(state: CellState, asked: Asked) -> _Act:
+    released = [hold.id for hold in _to_release(state, asked)]
+    return _after_resume(state, released), (e.HoldReleased(hold=hold) for hold in released)
+
+
+def _abort(state: CellState, asked: Asked) -> _Act:
+    number = len(state.running)
+    message = f'{number} goal{"s are" if number != 1 else " is"} being cancelled'
+    return message, _events_of_abort(state, str(asked.by))
+
+
+def _events_of_abort(state: CellState, words: str) -> Iterator[e.Event]:
+    yield e.StopReasonChanged(stop_reason=StopReason.EMERGENCY.value, reason=words)
+    yield transition(state.packml, Cause.ABORT, words)
+    yield from effects.cancelled(state, state.running, ABORT)
+
+
+def _clear(state: CellState, asked: Asked) -> _Act:
+    message = 'the belt is confirmed; the cell stops, reset and start let it go on'
+    return message, _events_of_clear(state, asked)
+
+
+def _events_of_clear(state: CellState, asked: Asked) -> Iterator[e.Event]:
+    for gone in corrections(state, asked['belt']):
+        yield gone
+        yield from released_with(state, gone.item)
+    yield e.StopReasonChanged(stop_reason='', reason=str(asked.by))
+    yield transition(state.packml, Cause.CLEAR, str(asked.by))
+
+
+_ACTS: Mapping[Cause, Callable[[CellState, Asked], _Act]] = {
+    Cause.HOLD: _pause,
+    Cause.UNHOLD: _resume,
+    Cause.ABORT: _abort,
+    Cause.CLEAR: _clear,
+}
+
+
+# --- owners of pauses -------------------------------------------------------------------------
+
+
+def _to_release(state: CellState, asked: Asked) -> list[Hold]:
+    """Return the pauses that the command releases.
+
+    :raises CommandRefused: there are none, or others have requested them
+    """
+    if not state.pauses:
+        raise CommandRefused(f'the cell is not paused; {_instead(state, state.holds)}')
+    named = asked.arguments.get('hold')
+    if named is not None:
+        chosen = [hold for hold in state.pauses if hold.id == named]
+    else:
+        chosen = [hold for hold in state.pauses if _is_meant(hold, asked)]
+    if chosen:
+        return chosen
+    there = '; '.join(map(_pause_in_words, state.pauses))
+    if named is not None:
+        raise CommandRefused(f'there is no pause {named}; {there}')
+    if all(hold.must_be_named for hold in state.pauses):
+        raise CommandRefused(f'nothing was released; {there}')
+    raise CommandRefused(
+        f'no pause is yours; {there}; the person who paused resumes, or name the hold '
+        'to release it for that person'
+    )
+
+
+def _is_meant(hold: Hold, asked: Asked) -> bool:
+    """Tell whether a command that names no pause refers to this one."""
+    if hold.must_be_named:
+        return False
+    everyones = asked.arguments.get('everyones', False)
+    return everyones or hold.owner in ('', asked.sender.who or 'unknown')
+
+
+def _after_resume(state: CellState, released: Collection[str]) -> str:
+    still = [hold for hold in state.pauses if hold.id not in released]
+    if still:
+        return 'still paused: ' + '; '.join(map(_pause_in_words, still))
+    holds = [hold for hold in state.holds if hold not in released]
+    return f'no longer paused; {_instead(state, holds)}' if holds else 'the cell goes on'
+
+
+def _instead(state: CellState, holds: Iterable[str]) -> str:
+    waiting = ', '.join(f'hold {hold}' for hold in holds)
+    return f'it waits for answers to {waiting}' if waiting else f'it is {state.packml.value}'
+
+
+def _pause_in_words(hold: Hold) -> str:
+    if not hold.must_be_named:
+        return hold_name(hold)
+    return f'{hold_name(hold)}, which only its number releases: {release_command(hold.id)}'

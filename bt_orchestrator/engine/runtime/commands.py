@@ -1,0 +1,69 @@
+"""The effect of each command: events, or a refusal with the reason."""
+
+from __future__ import annotations
+
+from itertools import chain
+
+from bt_orchestrator.base.errors import CommandRefused
+from bt_orchestrator.engine.runtime import cell_commands, job_queue, operators, releases, service
+from bt_orchestrator.engine.runtime.command_record import decided
+from bt_orchestrator.engine.runtime.deciding import DECIDERS, not_allowed
+from bt_orchestrator.engine.runtime.ledger import Ledger
+from bt_orchestrator.engine.runtime.lifecycle import transition
+from bt_orchestrator.model import effects
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.commands import Command, FoundTwin, RefusedRequest, Shutdown
+from bt_orchestrator.model.failures import ABORT, SHUTDOWN
+from bt_orchestrator.model.limits import TWINS
+from bt_orchestrator.model.packml import TRANSITIONS, Cause
+from bt_orchestrator.model.pauses import TWIN
+
+DECIDING = (cell_commands, job_queue, operators, releases, service)
+"""The modules with the deciders of all requests."""
+
+
+def answer_to(command: Command, ledger: Ledger) -> str:
+    """Carry out a command and return the answer's words.
+
+    :raises CommandRefused: its sender has no permission, or it cannot be carried out now; nothing
+        was recorded
+    """
+    if isinstance(command, Shutdown):
+        return _shut_down(ledger)
+    if isinstance(command, FoundTwin):
+        return _stand_for_a_twin(command, ledger)
+    why_not = not_allowed(command)
+    if why_not is not None:
+        raise CommandRefused(why_not)
+    if isinstance(command, RefusedRequest):
+        raise CommandRefused(command.message, command.each)
+    request = command.request
+    message, events = DECIDERS[request.name](ledger.state, command, ledger.now)
+    if not request.takes_orders:  # else each order has its own record
+        events = chain(decided(request.word, command.by, **command.about), events)
+    ledger.record(events)
+    return message
+
+
+def _stand_for_a_twin(command: FoundTwin, ledger: Ledger) -> str:
+    """Start nothing more until an operator has checked the line; running goals continue."""
+    state = ledger.state
+    twins = [hold.message for hold in state.pauses if hold.reason == TWIN]
+    if command.where not in twins and len(twins) < TWINS:
+        hold = state.next_hold
+        answers = (cell_commands.RESUME,)
+        twin = e.HoldRaised(hold=hold, reason=TWIN, message=command.where, answers=answers)
+        ledger.record([twin])
+    return f'the cell starts nothing more: {command.where}'
+
+
+def _shut_down(ledger: Ledger) -> str:
+    """Cancel every goal and start nothing more: the node ends (semantics 2.6)."""
+    state = ledger.state
+    ledger.record([e.OrchestratorStopping()])
+    if Cause.STOP in TRANSITIONS[state.packml]:
+        ledger.record([transition(state.packml, Cause.STOP, SHUTDOWN)])
+    # Goals cancelled by `abort` stay in doubt.
+    running = [key for key, task in state.running.items() if task.cancel_cause != ABORT]
+    ledger.record(effects.cancelled(state, running, SHUTDOWN))
+    return f'{len(running)} goals are being cancelled'

@@ -1,0 +1,180 @@
+"""Commits of events to the disk, one settle at a time (semantics 9.1)."""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from bt_orchestrator.base.errors import JournalFailed
+from bt_orchestrator.base.replies import Reply
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.ports import Clock, EventStore, Timer, Writer, Writing
+
+log = logging.getLogger(__name__)
+
+AT_ONCE_S = 0.02
+"""How long a settle waits for its commit; nearly every commit ends within it."""
+
+AT_DISK_S = 0.0002
+"""A commit that still goes on after this time is at the disk and needs no processor."""
+
+SLICE_S = 0.02
+"""Longest time to continue waiting commands in one settle, before other work."""
+
+PATIENCE_S = 15.0
+"""Default time after which a commit counts as failed."""
+
+
+class Commits:
+    """The commit in progress, if any.
+
+    The first one has no time limit: no client is served before it has ended.
+    """
+
+    def __init__(
+        self,
+        store: EventStore,
+        writer: Writer,
+        clock: Clock,
+        wake: Callable[[], None],
+        patience_s: float,
+        meanwhile: Callable[[Sequence[Event]], None],
+    ) -> None:
+        """Begin without any.
+
+        :param meanwhile: called with the events of a commit while it is at the disk
+        """
+        self._store = store
+        self._writer = writer
+        self._clock = clock
+        self._wake = wake
+        self._patience_s = patience_s
+        self._meanwhile = meanwhile
+        self._at_once_s = patience_s
+        self._writing: Writing[None] | None = None
+        self._began = 0.0
+        self._overdue: Timer | None = None
+        self.events: Sequence[Event] = ()
+        """The events being written."""
+        self._ended: Reply[None] = Reply()
+        self._turns: deque[Reply[None]] = deque()
+        """Turns of commands that wait for a commit to end, oldest first."""
+        self._is_handing_out = False
+
+    @property
+    def is_pending(self) -> bool:
+        """Tell whether a commit is in progress."""
+        return self._writing is not None
+
+    @property
+    def is_owed(self) -> bool:
+        """Tell whether commands still wait for their turn, though no commit is in progress."""
+        return bool(self._turns) and not self.is_pending and not self._is_handing_out
+
+    @property
+    def waited_s(self) -> float:
+        """Seconds since the commit began; 0: none is in progress."""
+        return self._clock.steady() - self._began if self.is_pending else 0.0
+
+    @property
+    def in_words(self) -> str:
+        """The commit that is waited for; empty: none."""
+        if not self.is_pending:
+            return ''
+        return (
+            f'the disk has not taken the last {_counted(self.events)} yet: nothing is sent, and '
+            'commands wait, until it has'
+        )
+
+    async def turn(self) -> None:
+        """Return when a command may be carried out: in order, when no commit is in progress."""
+        if self.is_pending or self.is_owed:
+            self._turns.append(turn := Reply[None]())
+            await turn
+
+    async def kept(self) -> None:
+        """Return when the commit has ended, successfully or not, and its goals are sent."""
+        if self.is_pending:
+            await self._ended
+
+    def begin(self, events: Sequence[Event]) -> None:
+        """Begin to write events."""
+        assert not self.is_pending
+        self.events, self._ended = events, Reply()
+        self._began = self._clock.steady()
+        self._writing = self._writer.begin(partial(self._store.append, events))
+
+    def has_ended(self) -> bool:
+        """Tell whether the commit has ended, or takes too long.
+
+        The first call waits for `AT_ONCE_S`; if it returns False, a wake follows.
+        """
+        assert self._writing is not None
+        is_first_look = self._overdue is None and not self._is_handing_out
+        if is_first_look and self._writing.lasts(AT_DISK_S):
+            self._meanwhile(self.events)
+        if self._writing.has_ended(self._at_once_s if is_first_look else 0.0):
+            return True
+        if self.waited_s >= self._patience_s:
+            return True
+        if self._overdue is None:
+            until = self._began + self._patience_s
+            self._overdue = self._clock.call_at(until, self._wake)
+        return False
+
+    def end(self) -> None:
+        """Conclude the commit that has ended; its events are durable.
+
+        :raises JournalFailed: they are not; or that is unknown, as it took too long
+        """
+        assert self._writing is not None
+        writing, self._writing = self._writing, None
+        if self._overdue is not None:
+            self._overdue.cancel()
+            self._overdue = None
+        events, self.events = self.events, ()
+        if not writing.has_ended():
+            raise JournalFailed(
+                f'the journal has not taken the last {_counted(events)} within '
+                f'{self._patience_s:g} s, and may take them still or not'
+            )
+        try:
+            writing.result()
+        except JournalFailed:
+            raise
+        except Exception as error:
+            raise JournalFailed(f'the journal cannot be written: {error!r}') from error
+        self._at_once_s = AT_ONCE_S
+
+    def hand_out(self) -> None:
+        """Continue what waits: for the commit that has ended, then for a turn.
+
+        This waits for no commit, so that other work is done in between. Thousands may have queued
+        up while the disk was slow, and an answer to a client that has gone takes 0.1 s: after
+        `SLICE_S` the rest continues in the next settle.
+        """
+        self._is_handing_out = True
+        until = self._clock.steady() + SLICE_S
+        try:
+            if not self._ended.is_there:
+                _give(self._ended)
+            while self._turns and not self.is_pending:
+                if self._clock.steady() >= until:
+                    self._wake()
+                    return
+                _give(self._turns.popleft())
+        finally:
+            self._is_handing_out = False
+
+
+def _give(reply: Reply[None]) -> None:
+    try:
+        reply.give(None)
+    except Exception:
+        log.exception('what waited for the journal failed')
+
+
+def _counted(events: Sequence[Event]) -> str:
+    return f'{len(events)} events' if len(events) != 1 else 'event'

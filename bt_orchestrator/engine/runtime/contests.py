@@ -1,0 +1,45 @@
+"""Contests: other clients or servers of a component, as events (semantics 2.5, 9.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from bt_orchestrator.engine.runtime.looks import in_utc, to_be_named
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import SeenContest
+from bt_orchestrator.model.pauses import UNKNOWN_GOAL
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import sentence
+
+
+def seen(state: CellState, news: SeenContest) -> Iterator[e.Event]:
+    """Record what was seen, if it is another contest than before.
+
+    The goal of a task that is in flight or in doubt is our own. A goal that the state does not
+    know and that ran before this orchestrator started shows that the journal is incomplete.
+    """
+    known = {task.goal for task in state.tasks.values()}
+    before = state.contests.get(news.component, Contest())
+    goals = tuple(goal for goal in news.contest.goals if goal not in known)
+    contest = Contest(news.contest.servers, goals)
+    if contest == before:
+        return
+    yield e.ComponentContested(
+        component=news.component, servers=contest.servers, goals=contest.goals
+    )
+    for goal in goals:
+        if goal in news.before and goal not in before.goals and not _is_asked(state, goal):
+            yield to_be_named(state, UNKNOWN_GOAL, _message(state, news, goal))
+
+
+def _is_asked(state: CellState, goal: str) -> bool:
+    """Tell whether a hold concerns a goal, perhaps from an earlier start."""
+    holds = (hold for hold in state.holds.values() if hold.reason == UNKNOWN_GOAL)
+    return any(goal in hold.message for hold in holds)
+
+
+def _message(state: CellState, news: SeenContest, goal: str) -> str:
+    action = state.cell.components[news.component].action
+    server = f'{action} at {news.node}' if news.node else action
+    return sentence('unknown_goal', server=server, goal=goal, time=in_utc(news.before[goal]))

@@ -1,0 +1,315 @@
+"""Commands to the queue and its jobs: events, or a refusal (semantics 6.6, 7.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from itertools import chain
+from operator import add
+
+from bt_orchestrator.base.errors import CommandRefused, counted
+from bt_orchestrator.engine.runtime import listed_jobs, orders
+from bt_orchestrator.engine.runtime.command_record import decided
+from bt_orchestrator.engine.runtime.deciding import Decided, decides
+from bt_orchestrator.engine.runtime.lifecycle import transition
+from bt_orchestrator.model import effects
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.jobs import job_control
+from bt_orchestrator.model.jobs.isa95 import job_word
+from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
+from bt_orchestrator.model.jobs.job_control import lacks_words
+from bt_orchestrator.model.jobs.job_folds import terms_of
+from bt_orchestrator.model.jobs.needs import awaited_when_stopped, items_wait_words
+from bt_orchestrator.model.limits import listed
+from bt_orchestrator.model.packml import Cause, PackmlState
+from bt_orchestrator.model.requests import (
+    ADD,
+    ARRANGE,
+    MOVE,
+    NEXT,
+    REQUEUE,
+    STOP_AFTERS,
+    UPDATE,
+    About,
+    Asked,
+    refusal,
+    requests_about,
+)
+from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.state.proposed import refused_order
+from bt_orchestrator.model.wish import AFTER, NEVER, STOP_AFTER, way_to_work
+
+Events = Iterator[e.Event]
+
+_AWAITS = 'it waits for its start,'
+_ENDS = 'ends when its items on the line are finished'
+
+
+# --- orders ---------------------------------------------------------------------------------
+
+
+@decides(ADD)
+def _add(state: CellState, command: AddJobs, now: float) -> Decided:
+    if command.position is not None:
+        _check_position(command.position, state.jobs.waiting + 1)
+    each = orders.queue(
+        state,
+        command.jobs,
+        now,
+        position=command.position,
+        held=command.held,
+        sharing=command.sharing,
+    )
+    records = [list(decided(ADD.word, command.by, job=name)) for name in command.names]
+    events = [*chain.from_iterable(map(add, records, each))]
+    said = [_how(event) for event in events if isinstance(event, e.JobQueued)]
+    return '\n'.join([*said, *standing(state)]), events
+
+
+def _how(queued: e.JobQueued) -> str:
+    how = ' and held' if queued.held else ''
+    unreleased = queued.digest if queued.awaits_release else ''
+    lacks = ''.join(f'; {one}' for one in lacks_words(unreleased, queued.unavailable))
+    early = f'; {_AWAITS} {terms_of(queued).start_words}' if queued.awaits_start else ''
+    return f'{queued.job} is queued{how}{early}{lacks}'
+
+
+@decides(UPDATE)
+def _update(state: CellState, command: UpdateJob, now: float) -> Decided:
+    new, live = command.job, state.jobs.get(command.job.id)
+    changes = live is not None and live.digest != digest(new.script)
+    why_not = refusal(UPDATE, command.by, ['script']) if changes else None
+    if why_not is not None:
+        raise CommandRefused(why_not)
+    allowed(state, job_control.UPDATE, new.id)
+    changed = orders.change(
+        state, new, now, command.sharing, command.anew, keeps_script=command.keeps_script
+    )
+    (updated,) = (event for event in changed if isinstance(event, e.JobUpdated))
+    unreleased = updated.digest if updated.awaits_release else ''
+    lacks = lacks_words(unreleased, updated.unavailable)
+    return '\n'.join([f'{new.id} is updated', *lacks]), changed
+
+
+@decides(REQUEUE)
+def _requeue(state: CellState, command: RequeueJob, _: float) -> Decided:
+    """Stop a job and queue its rest, both or neither: whatever is wrong is found before."""
+    job = allowed(state, job_control.REQUEUE, command.job)
+    rest = replace(command.rest, quantity=job.cycles_left)
+    events = orders.queue_rest(state, rest, command.job, command.anew, command.sharing)
+    (queued,) = (event for event in events if isinstance(event, e.JobQueued))
+    said = [f'{command.job} {_ENDS}', _how_rest(queued)]
+    waits_for = awaited_when_stopped(state, job)
+    if waits_for:
+        said.append(items_wait_words(command.job, waits_for))
+    stopped = _stop(state, job, command.by.deciding(job_control.REQUEUE.verb))
+    return '\n'.join([*said, *standing(state)]), [*stopped, *events]
+
+
+def _how_rest(queued: e.JobQueued) -> str:
+    what = f'{queued.job} is queued first, with {counted(queued.quantity, "item")}'
+    anew = f', {queued.anew.words}' if queued.anew else ''
+    unreleased = queued.digest if queued.awaits_release else ''
+    lacks = ''.join(f'; {one}' for one in lacks_words(unreleased, queued.unavailable))
+    return f'{what}{anew}{lacks}'
+
+
+def standing(state: CellState) -> Iterator[str]:
+    """Say so if the queued jobs wait for an operator (semantics 7.2)."""
+    if state.wish is not None:
+        way = way_to_work(state.packml)
+        soon = 'when it has stopped, ' if state.stopped_by is None else ''
+        yield f'{soon}the cell waits for {way}, for {state.wish}'
+
+
+# --- places ---------------------------------------------------------------------------------
+
+
+@decides(MOVE)
+def _move(state: CellState, asked: Asked, _: float) -> Decided:
+    name, position = asked['job'], asked['position']
+    _check_queued(state, name)
+    _check_position(position, state.jobs.waiting)
+    return f'{name} is at position {position}', [e.JobMoved(job=name, position=position)]
+
+
+@decides(NEXT)
+def _run_next(state: CellState, asked: Asked, _: float) -> Decided:
+    name = asked['job']
+    job = _check_queued(state, name)
+    events: list[e.Event] = [e.JobMoved(job=name, position=1)]
+    if job.held:
+        events.append(e.JobReleased(job=name))
+    if job.awaits_start:
+        events.append(e.JobMayStart(job=name))
+    said = [f'{name} is next', *_lacks(job), *standing(state)]
+    return '\n'.join(said), events
+
+
+@decides(ARRANGE)
+def _arrange(state: CellState, asked: Asked, _: float) -> Decided:
+    wanted = tuple(asked['jobs'])
+    refused = refused_order(state.jobs, wanted, asked['queue_digest'])
+    if refused is not None:
+        raise CommandRefused(refused)
+    order = listed(wanted, 'nothing')
+    return f'the order of the queue is {order}', [e.QueueArranged(jobs=wanted)]
+
+
+def _lacks(job: JobState) -> Iterator[str]:
+    return lacks_words(job.unreleased, job.unavailable)
+
+
+# --- methods of a job -----------------------------------------------------------------------
+
+
+def _release(_: CellState, job: JobState, __: str) -> Events:
+    """Take the hold away; of a job that is not held, the wait for its start (semantics 6.7)."""
+    kind = e.JobReleased if job.held else e.JobMayStart
+    yield kind(job=job.job.id)
+
+
+def _after_release(state: CellState, job: JobState) -> Iterator[str]:
+    """Say what a job that was held until now still waits for."""
+    if job.held and job.awaits_start:
+        yield f'{_AWAITS} {job.job.terms.start_words}; release it again to let it start at once'
+    yield from _lacks(job)
+    yield from standing(state)
+
+
+def _only(event: Callable[..., e.Event]) -> Callable[[CellState, JobState, str], Events]:
+    """Return a decider whose effect is one event."""
+    return lambda _, job, __: iter([event(job=job.job.id)])
+
+
+def _resume(_: CellState, job: JobState, __: str) -> Events:
+    if not job.paused:
+        raise CommandRefused(
+            f'{job.job.id} is not paused, the whole cell is; resume the cell instead'
+        )
+    yield e.JobResumed(job=job.job.id)
+
+
+def _stop(_: CellState, job: JobState, reason: str) -> Events:
+    yield e.JobStopping(job=job.job.id, reason=reason)
+
+
+def _abort(state: CellState, job: JobState, reason: str) -> Events:
+    yield from effects.of_abort(state, job, reason)
+
+
+_Control = tuple[job_control.Method, str, Callable[[CellState, JobState, str], Events]]
+
+CONTROLS: Mapping[str, _Control] = {
+    control[0].verb: control
+    for control in (
+        (job_control.REVOKE_START, 'is held', _only(e.JobHeld)),
+        (job_control.START, 'is released', _release),
+        (job_control.PAUSE, 'begins no more items', _only(e.JobPaused)),
+        (job_control.RESUME, 'goes on', _resume),
+        (job_control.STOP, _ENDS, _stop),
+        (job_control.ABORT, 'is being aborted', _abort),
+        (job_control.CANCEL, 'is out of the queue', _only(e.JobRemoved)),
+        (job_control.CLEAR, 'is no longer listed', _only(e.JobCleared)),
+    )
+}
+"""By the command's word: the method, the answer, and the function that does it."""
+
+
+@decides(*(one for one in requests_about(About.JOB) if one.word in CONTROLS))
+def _control(state: CellState, asked: Asked, _: float) -> Decided:
+    word, name = asked.request.word, asked['job']
+    method, answer, act = CONTROLS[word]
+    job = allowed(state, method, name)
+    events = list(act(state, job, asked.sender.deciding(word)))
+    more = _after_release(state, job) if method is job_control.START else ()
+    return '\n'.join([f'{name} {answer}', *more]), events
+
+
+# --- the line runs empty --------------------------------------------------------------------
+
+
+@decides(STOP_AFTERS[NEVER])
+def _go_on(state: CellState, _: Asked, __: float) -> Decided:
+    if state.stop_after is None:
+        raise CommandRefused('there is nothing to take back: no stop was asked for')
+    return 'the line goes on', [e.QueueStopCancelled()]
+
+
+@decides(*(STOP_AFTERS[after] for after in AFTER))
+def _stop_after(state: CellState, asked: Asked, _: float) -> Decided:
+    if not state.on_the_line:
+        raise CommandRefused('no job has started; hold the jobs of the queue instead')
+    after = asked.request.word.removeprefix(STOP_AFTER)
+    message = f'the cell stops after the current {after}'
+    return message, [e.QueueStopRequested(after=after)]
+
+
+_STANDS = (
+    PackmlState.STOPPED,
+    PackmlState.ABORTED,
+    PackmlState.IDLE,
+    PackmlState.COMPLETE,
+)
+"""States in which the cell has stopped already when its line is empty."""
+
+
+def stop_when_empty(state: CellState) -> list[e.Event]:
+    """Stop a cell that is still, once its line has run empty on request.
+
+    A cell that stands makes no transition, but the request ends: else it would stop the cell
+    after the next start.
+    """
+    if state.stop_after is None or not _is_empty(state):
+        return []
+    reached = e.QueueStopReached(after=state.stop_after)
+    if state.packml is PackmlState.EXECUTE:
+        reason = f'stop after the current {state.stop_after}'
+        return [reached, transition(state.packml, Cause.STOP, reason)]
+    return [reached] if state.packml in _STANDS else []
+
+
+def _is_empty(state: CellState) -> bool:
+    if any(hold.job is not None for hold in state.holds.values()):
+        return False
+    return not (state.on_the_line if state.stop_after == 'job' else state.items)
+
+
+# --- refusals -------------------------------------------------------------------------------
+
+
+def allowed(state: CellState, method: job_control.Method, name: str) -> JobState:
+    """Return a job whose state allows a method now.
+
+    :raises CommandRefused: there is no such job, or its state does not allow it
+    """
+    job = listed_jobs.find(state, name)
+    facts = job_control.JobFacts(
+        job_word(state, job),
+        job.ending if job.ended_at is None else '',
+        awaits_start=job.awaits_start,
+        unreleased=job.unreleased,
+        unavailable=job.unavailable,
+        is_held=job.held,
+        is_by_recipe=job.job.recipe is not None,
+        left=job.cycles_left,
+    )
+    refused = job_control.refusal(method, name, facts)
+    if refused is not None:
+        raise CommandRefused(refused)
+    return job
+
+
+def _check_queued(state: CellState, name: str) -> JobState:
+    job = state.jobs.get(name)
+    if job is None or job.started:
+        queue = listed(state.jobs.queued_names, 'nothing')
+        why = 'has started' if job else 'is not there'
+        raise CommandRefused(f'{name} {why}; in the queue: {queue}')
+    return job
+
+
+def _check_position(position: int, last: int) -> None:
+    if not 1 <= position <= last:
+        raise CommandRefused(f'the position must be from 1 to {last}, not {position}')

@@ -1,0 +1,163 @@
+"""The ledger: where events are stamped, applied and kept until they are durable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from bt_orchestrator.engine.runtime.delays import Delays
+from bt_orchestrator.engine.runtime.wall_clock import STEP_S, WallClock
+from bt_orchestrator.model.events import ClockStepped, Event, TaskKey
+from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.uptime import step_between
+from bt_orchestrator.ports import Clock, Servers, Timer
+
+Notice = Callable[[Any], None]
+
+
+class _Noticing(dict[type[Event], tuple[Notice, ...]]):
+    """The functions that are called with the events of each class, made at the first of them."""
+
+    def __init__(self, notices: Callable[[type[Event]], Iterable[Notice]]) -> None:
+        super().__init__()
+        self._notices = notices
+
+    def __missing__(self, kind: type[Event]) -> tuple[Notice, ...]:
+        found = self[kind] = tuple(self._notices(kind))
+        return found
+
+
+class Ledger:
+    """The state and its pending events. Implements `tree.subject.Recorder`.
+
+    An event applies at once and is committed at the end of the settle
+    (architecture, "One settle").
+    """
+
+    def __init__(
+        self,
+        state: CellState,
+        clock: Clock,
+        notices: Callable[[type[Event]], Iterable[Notice]],
+        new_goal_id: Callable[[], str],
+        servers: Servers,
+        on_time: Callable[[], None],
+    ) -> None:
+        """Open a ledger.
+
+        :param notices: returns what is called with each event of a class once it is applied
+        :param on_time: called at a time requested by `wake_at`
+        """
+        self.state = state
+        self._clock = clock
+        self._noticing = _Noticing(notices)
+        self._new_goal_id = new_goal_id
+        self._servers = servers
+        self._on_time = on_time
+        self._pending: list[Event] = []
+        self._delays = Delays(state, clock)
+        self._wall = WallClock(clock)
+        self._armed: dict[float, Timer] = {}
+
+    @property
+    def now(self) -> float:
+        """Seconds of the wall clock, for records."""
+        return self._clock.now()
+
+    @property
+    def steady(self) -> float:
+        """Seconds of the steady clock, which is never set."""
+        return self._clock.steady()
+
+    @property
+    def uptime(self) -> float | None:
+        """How long the machine had been up at the time that stamps events; None: not known."""
+        up = self._clock.uptime()
+        if up is None:
+            return None
+        return round(up.seconds - (self._clock.steady() - self._wall.steady), 6)
+
+    def record(self, events: Iterable[Event]) -> None:
+        """Stamp and apply new events, in order, each before the next one is taken."""
+        state, now = self.state, self._wall.now
+        for event in events:
+            event.stamp(state.seq + 1, now)
+            apply(state, event)
+            self._pending.append(event)
+            for notice in self._noticing[type(event)]:
+                notice(event)
+
+    def look_at_clock(self) -> None:
+        """Read the time that stamps events from now on; record it if the wall clock was set.
+
+        Called at the beginning of each settle and of each command.
+        """
+        step_s = self._wall.step_s()
+        if step_s:
+            self.record([ClockStepped(seconds=step_s, uptime=self.uptime)])
+
+    def look_back(self) -> None:
+        """Record that the wall clock was set since the last event, if the uptime proves that.
+
+        Called at the start. Nobody knows when the step came while no node ran: it counts as if it
+        had come right after the last event, so the time after it is time without a node.
+        """
+        state, wall = self.state, self._wall
+        before = state.clock
+        step_s = step_between(before, self._clock.now(), self._clock.uptime())
+        if before is None or abs(step_s) < STEP_S:
+            return
+        step_s = min(step_s, wall.now - state.time)  # uptimes are rounded
+        up_s = before.up.seconds + state.time - before.wall
+        now, wall.now = wall.now, state.time + step_s
+        self.record([ClockStepped(seconds=step_s, uptime=round(up_s, 3))])
+        wall.now = now
+
+    @property
+    def has_pending(self) -> bool:
+        """Tell whether anything was recorded since `take_pending`."""
+        return bool(self._pending)
+
+    def pending_after(self, seq: int) -> list[Event]:
+        """Return the events recorded after a number, and not taken yet."""
+        return [event for event in self._pending if event.seq > seq]
+
+    def take_pending(self) -> list[Event]:
+        """Return the events recorded since the last call."""
+        pending, self._pending = self._pending, []
+        return pending
+
+    def new_goal_id(self) -> str:
+        """Return a goal UUID that was never used."""
+        return self._new_goal_id()
+
+    def server(self, component: str) -> str | None:
+        """Return the instance of a component's server that was seen last; None: not known."""
+        return self._servers.server(component)
+
+    def rivals(self, component: str) -> Sequence[str]:
+        """Return the servers of a component's action at this moment, if there are several."""
+        return self._servers.rivals(component)
+
+    def is_delayed(self, key: TaskKey) -> bool:
+        """Tell whether the next attempt of a task waits for its time; a settle follows then."""
+        until = self._delays.left(key)
+        if until is not None:
+            self.wake_at(until)
+        return until is not None
+
+    def wake_at(self, time: float) -> None:
+        """Request a settle at a steady time; a repeated request changes nothing."""
+        if time not in self._armed:
+            self._armed[time] = self._clock.call_at(time, lambda: self._expire(time))
+
+    def close(self) -> None:
+        """Forget every deadline."""
+        for timer in self._armed.values():
+            timer.cancel()
+        self._armed.clear()
+
+    def _expire(self, time: float) -> None:
+        del self._armed[time]
+        self._on_time()

@@ -1,0 +1,194 @@
+"""Operators' decisions about holds and items (semantics 7.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import chain
+from typing import Any
+
+from bt_orchestrator.base.errors import CommandRefused
+from bt_orchestrator.engine.runtime.deciding import Decided, decides
+from bt_orchestrator.model import effects
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.failures import (
+    ABORT_JOB,
+    AGAIN,
+    MARK_DONE,
+    REJECT,
+    RETRY,
+    SKIP,
+    abort_all_on_the_belt,
+    begin_round,
+    pass_over,
+)
+from bt_orchestrator.model.hold_words import hold_name
+from bt_orchestrator.model.judging.serials import serial_in, too_long
+from bt_orchestrator.model.limits import listed
+from bt_orchestrator.model.pauses import release_command
+from bt_orchestrator.model.requests import ACKNOWLEDGE, ANSWERS, COMMENT, REMOVE_ITEM, Asked
+from bt_orchestrator.model.requests.reader import offer_words
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.state import CellState, Hold
+
+
+@decides(*ANSWERS.values())
+def _answer(state: CellState, asked: Asked, now: float) -> Decided:
+    """Answer a hold.
+
+    :raises CommandRefused: there is no such hold, or it does not offer that answer
+    """
+    hold = offering(state, asked['hold'], asked.request.word, asked.sender.role)
+    _check_results(state, hold, asked)
+    return _words(asked), _follows(state, asked, hold, now)
+
+
+@decides(ACKNOWLEDGE, COMMENT)
+def _remark(state: CellState, asked: Asked, _: float) -> Decided:
+    """Record a remark about a hold, which changes nothing."""
+    _standing(state, asked['hold'])
+    return _words(asked), ()
+
+
+def _words(asked: Asked) -> str:
+    return f'hold {asked["hold"]}: {asked.request.word}'
+
+
+def _follows(state: CellState, asked: Asked, hold: Hold, now: float) -> Iterator[e.Event]:
+    word = asked.request.word
+    if hold.key == e.INDEX_KEY and word == OnFailure.ABORT_JOB.value:
+        # The move stays held (3.5).
+        yield from abort_all_on_the_belt(state, _decision(asked))
+        return
+    yield e.HoldReleased(hold=hold.id)
+    assert hold.key is not None
+    yield from _ANSWERS[word](state, hold.key, asked, now)
+
+
+@decides(REMOVE_ITEM)
+def _remove(state: CellState, asked: Asked, _: float) -> Decided:
+    """Take an item off the belt by hand; it leaves an empty position.
+
+    :raises CommandRefused: the item is not on the belt
+    """
+    name = asked['item']
+    item = state.items.get(name)
+    if item is None or not item.section or not item.present:
+        standing = [s.slot for s in state.sections.values() if s.slot is not None]
+        present = listed([name for name in standing if state.items[name].present], 'nothing')
+        raise CommandRefused(f'{name} is not on the belt; on it: {present}')
+    removed = e.ItemRemoved(job=item.job, item=item.id, section=item.section, how='by_hand')
+    return f'{name} is off the belt', chain([removed], released_with(state, item.id))
+
+
+def released_with(state: CellState, item: str) -> Iterator[e.HoldReleased]:
+    """Release the holds that existed only because of the removed item (semantics 3.6)."""
+    for hold in [h for h in state.holds.values() if h.item == item and h.task is None]:
+        yield e.HoldReleased(hold=hold.id)
+
+
+def _standing(state: CellState, name: str) -> Hold:
+    hold = state.holds.get(name)
+    if hold is None:
+        there = listed(state.holds, 'none')
+        raise CommandRefused(f'there is no hold {name}; holds now: {there}')
+    return hold
+
+
+def offering(state: CellState, name: str, word: str, role: Role) -> Hold:
+    """Return a hold that offers an answer.
+
+    :raises CommandRefused: there is no such hold, or it does not offer it; says what it offers
+    """
+    hold = _standing(state, name)
+    if hold.is_pause:
+        raise CommandRefused(f'{hold_name(hold)} takes no answer; {release_command(hold.id)}')
+    if hold.task is None:
+        raise CommandRefused(
+            f'{hold_name(hold)} takes no answer; take {hold.item} off the belt and say so with '
+            f'remove-item {hold.item}'
+        )
+    if word not in hold.answers:
+        raise CommandRefused(
+            f'{hold_name(hold)} can be answered with {offer_words(hold.answers, role)}; '
+            f'found {word!r}'
+        )
+    return hold
+
+
+def _check_results(state: CellState, hold: Hold, asked: Asked) -> None:
+    """Refuse results of no item, and a serial that is no name.
+
+    A serial in the history is a person's word (semantics 6.8).
+    """
+    results = _results(asked)
+    if results and hold.item is None:
+        raise CommandRefused(
+            f'results are given with {MARK_DONE}, of the task of an item; found '
+            f'{asked.request.word} of {hold.key}'
+        )
+    task = state.task(hold.key) if hold.key is not None else None
+    problem = too_long(serial_in(task, results)) if task is not None else ''
+    if problem:
+        raise CommandRefused(problem)
+
+
+def _results(asked: Asked) -> Mapping[str, Any]:
+    results: Mapping[str, Any] = asked.arguments.get('results', {})
+    return results
+
+
+def _decision(asked: Asked) -> str:
+    """Return who decided what, and why."""
+    return asked.sender.deciding(asked.request.word)
+
+
+def _retry(state: CellState, key: e.TaskKey, _: Asked, now: float) -> Iterator[e.Event]:
+    attempt = state.tasks[key].attempt + 1
+    yield e.TaskRetrying(**key._asdict(), attempt=attempt, not_before=now)
+
+
+def _again(state: CellState, key: e.TaskKey, _: Asked, __: float) -> Iterator[e.Event]:
+    yield begin_round(state, key)
+
+
+def _mark_done(state: CellState, key: e.TaskKey, asked: Asked, _: float) -> Iterator[e.Event]:
+    yield from _without_verdict(state, key, asked)
+    yield e.TaskMarkedDone(**key._asdict(), results=_results(asked))
+    yield from effects.of_success(state, key)
+
+
+def _skip(state: CellState, key: e.TaskKey, asked: Asked, _: float) -> Iterator[e.Event]:
+    yield from _without_verdict(state, key, asked)
+    yield e.TaskSkipped(**key._asdict(), reason=_decision(asked))
+    yield from effects.of_passing(state, key)
+
+
+def _without_verdict(
+    state: CellState, key: e.TaskKey, asked: Asked
+) -> Iterator[e.ItemNonconforming]:
+    """Mark an item that passes a task although its verdict does not say so (semantics 2.8)."""
+    task = state.task(key)
+    if task is None or task.fails_unless is None or key.job is None or key.item is None:
+        return
+    if state.items[key.item].present:
+        reason = _decision(asked)
+        yield e.ItemNonconforming(job=key.job, item=key.item, task=key.task, reason=reason)
+
+
+def _reject(state: CellState, key: e.TaskKey, asked: Asked, _: float) -> Iterator[e.Event]:
+    yield from pass_over(state, key, OnFailure.REJECT, _decision(asked))
+
+
+def _abort_job(state: CellState, key: e.TaskKey, asked: Asked, _: float) -> Iterator[e.Event]:
+    yield from pass_over(state, key, OnFailure.ABORT_JOB, _decision(asked))
+
+
+_ANSWERS = {
+    RETRY: _retry,
+    AGAIN: _again,
+    MARK_DONE: _mark_done,
+    SKIP: _skip,
+    REJECT: _reject,
+    ABORT_JOB: _abort_job,
+}

@@ -1,0 +1,1 @@
+"""Parts that the core works without; `base/extending.py` lists them."""

@@ -1,0 +1,103 @@
+"""The server, made of the overridden parts."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from pathlib import Path
+
+import asyncua
+from asyncua import ua
+from asyncua.common.connection import TransportLimits
+
+from bt_orchestrator.extensions.opcua.server.memory import building
+from bt_orchestrator.extensions.opcua.server.overrides import limits
+from bt_orchestrator.extensions.opcua.server.overrides.connection import Listener
+from bt_orchestrator.extensions.opcua.server.overrides.inside import Inside
+from bt_orchestrator.extensions.opcua.server.overrides.security import Security
+
+log = logging.getLogger(__name__)
+
+LOOK_S = 1.0
+"""Between two looks at whether somebody was removed who is connected."""
+
+_NODES = {
+    'MaxNodesPerRead': limits.NODES,
+    'MaxNodesPerWrite': limits.NODES,
+    'MaxNodesPerMethodCall': limits.CALLED,
+    'MaxNodesPerBrowse': limits.BROWSED,
+    'MaxNodesPerTranslateBrowsePathsToNodeIds': limits.BROWSED,
+    'MaxMonitoredItemsPerCall': limits.NODES,
+}
+
+
+class GuardedServer(asyncua.Server):
+    """asyncua's server with users, trust and limits."""
+
+    def __init__(self, security: Security) -> None:
+        """Prepare; `init` and `start` follow."""
+        self.inside = Inside(security)
+        super().__init__(iserver=self.inside)
+        self.limits = TransportLimits(
+            max_recv_buffer=limits.CHUNK_BYTES,
+            max_send_buffer=limits.CHUNK_BYTES,
+            max_chunk_count=limits.MESSAGE_BYTES // limits.SMALLEST_CHUNK_BYTES + 1,
+            max_message_size=limits.MESSAGE_BYTES,
+        )
+        self._security = security
+        self.set_security_policy(security.policies)
+        self._watch: asyncio.Task[None] | None = None
+
+    async def init(self, shelf_file: Path | None = None) -> None:
+        """Load the nodes of every server; clients can read the limits."""
+        with building():
+            await super().init(shelf_file)
+        await self.set_application_uri(self._security.own.uri)
+        for name, most in _NODES.items():
+            node = self.get_node(
+                ua.NodeId(
+                    getattr(ua.ObjectIds, f'Server_ServerCapabilities_OperationLimits_{name}')
+                )
+            )
+            await node.write_value(most, ua.VariantType.UInt32)
+
+    async def start(self) -> None:
+        """Listen.
+
+        asyncua makes its `BinaryServer` here, by name; otherwise this is what it does.
+        """
+        self.inside.view_service.forget()
+        await self._setup_server_nodes()
+        await self.iserver.start()
+        host, port = self._get_bind_socket_info()
+        self.bserver = Listener(self.inside, host or '', port or 0, self.limits)
+        self.bserver.set_policies(self._policies)
+        try:
+            await self.bserver.start()
+        except OSError:
+            await self.iserver.stop()
+            raise
+        self._watch = asyncio.create_task(self._look_again())
+
+    async def stop(self) -> None:
+        """End all connections."""
+        if self._watch is not None:
+            self._watch.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._watch
+        await super().stop()
+
+    async def _look_again(self) -> None:
+        """End sessions of users and certificates that were removed.
+
+        A client whose requests for news wait here needs no further one to be told something.
+        """
+        while True:
+            await asyncio.sleep(LOOK_S)
+            for session in self.inside.sessions:
+                why = session.why_not(self._security)
+                if why:
+                    await session.end(why)
+                    if session.transport is not None:
+                        session.transport.close()

@@ -1,0 +1,256 @@
+"""The values of PackML's Admin and Status, and the states of its machines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import datetime, timezone
+
+from asyncua import ua
+
+from bt_orchestrator.extensions.opcua.mes.counts import Counter
+from bt_orchestrator.extensions.opcua.mes.packml import (
+    NUMBERS,
+    PRODUCE,
+    STATE_NUMBERS,
+    Machine,
+    MachineTransition,
+    states_in,
+    transitions_between,
+)
+from bt_orchestrator.extensions.opcua.mes.packml_values import Stop, packml_values
+from bt_orchestrator.extensions.opcua.mes.speed import Speedometer
+from bt_orchestrator.extensions.opcua.server.packml_meanings import VALUES
+from bt_orchestrator.extensions.opcua.server.space import Space
+from bt_orchestrator.model.belt_statement import EMPTY
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.packml import TRANSITIONS, PackmlState
+from bt_orchestrator.model.status import CellStatus, SectionStatus
+
+TOP = 'PackML'
+VERSION = 'TR88.00.02-2015'
+STATES = max(STATE_NUMBERS.values()) + 1
+MODES = PRODUCE + 1
+"""Sizes of the arrays of times: numbers of states and of unit modes count from 1."""
+
+WITHOUT = ('Status/MachSpeed', 'Status/MachSpeed/EURange', 'Status/CurMachSpeed/EURange')
+"""Mandatory variables that the cell has no value for: its speed cannot be set."""
+
+OWN: Mapping[str, ua.VariantType] = {
+    'Status/StateCurrent': ua.VariantType.Int32,
+    'LastRefusal': ua.VariantType.String,
+    'Belt': ua.VariantType.String,
+}
+"""Variables that the nodeset has no place for."""
+
+ITEM = ua.EUInformation(
+    'http://www.opcfoundation.org/UA/units/un/cefact', 4_404_274, ua.LocalizedText('item'),
+    ua.LocalizedText('piece'),
+)  # fmt: skip
+"""UNECE code C62."""
+
+NEVER = datetime(1601, 1, 1, tzinfo=timezone.utc)
+"""No time, in a structure."""
+
+_CODES = ua.StatusCodes
+
+
+class Shown:
+    """Writes values."""
+
+    def __init__(self, space: Space, names: Mapping[Machine, Mapping[str, ua.NodeId]]) -> None:
+        """Prepare.
+
+        :param names: states and transitions of the types, by name
+        """
+        self._space = space
+        self._values = space.values
+        self._names = names
+        # The nodeset's structures: asyncua makes a class of each as it loads them.
+        self._count, self._alarm = ua.PackMLCountDataType, ua.PackMLAlarmDataType
+        self.begin()
+
+    def begin(self) -> None:
+        """Count anew."""
+        self._counter = Counter()
+        self._speed = Speedometer()
+
+    async def build(self) -> None:
+        """Write what never changes, and make what the nodeset has no place for."""
+        space, kind = self._space, ua.VariantType
+        for name, type_ in OWN.items():
+            await space.variable(f'{TOP}/{name}', type_, VALUES[name])
+        await self._write('LastRefusal', ua.Variant('', kind.String))
+        await self._write('PackMLVersion', ua.Variant(VERSION, kind.String))
+        await self._write('Status/UnitModeCurrent', ua.Variant(PRODUCE, kind.Int32))
+        await self._write('Status/UnitSupportedModes', _node(await self._modes()))
+        for path in WITHOUT:
+            await self._code(path, _CODES.BadNotSupported)
+        for machine, names in self._names.items():
+            states, transitions = _ours(machine)
+            for name, these in (('States', states), ('Transitions', transitions)):
+                ids = [names[one] for one in sorted(these)]
+                value = ua.Variant(ids, kind.NodeId, is_array=True)
+                await self._write(f'{machine.value}/Available{name}', value)
+            for name in ('', '/Id', '/TransitionTime'):
+                path = f'{machine.value}/LastTransition{name}'
+                await self._code(path, _CODES.BadWaitingForInitialData)
+
+    async def _modes(self) -> ua.NodeId:
+        """Make the enumeration of the unit modes that the cell has."""
+        mode = ua.EnumValueType(PRODUCE, ua.LocalizedText('Produce'))
+        base = self._space.server.get_node(ua.ObjectIds.Enumeration)
+        path = 'CellUnitMode'
+        made = await base.add_data_type(
+            self._space.id(path), ua.QualifiedName(path, self._space.idx)
+        )
+        await self._space.described(made, 'the unit modes that the cell has')
+        value = _structures([mode], is_list=True)
+        values = await made.add_property(
+            self._space.id(f'{path}/EnumValues'), ua.QualifiedName('EnumValues', 0), value
+        )
+        await self._space.described(values, 'number and name of each unit mode')
+        return made.nodeid
+
+    async def _write(self, path: str, value: ua.Variant) -> None:
+        await self._space.node(f'{TOP}/{path}').write_value(value)
+
+    async def _code(self, path: str, code: int) -> None:
+        """Say that there is no value, and why."""
+        node = self._space.node(f'{TOP}/{path}')
+        await node.write_value(ua.DataValue(StatusCode=ua.StatusCode(code)))
+
+    # --- a status ---------------------------------------------------------------------------
+
+    def hear(self, event: Event) -> None:
+        """Take note of the moves of the belt."""
+        self._speed.hear(event)
+
+    def show(self, status: CellStatus) -> None:
+        """Show a status."""
+        self._counter.show(status)
+        values, at = packml_values(status), status.stamp
+        since = status.state_since
+        self._put('Status/StateCurrent', values.state, since)
+        self._put('Status/StateChangeInProcess', values.is_changing, since)
+        self._put('Status/EquipmentStarved', values.is_starved, at)
+        self._put('Status/EquipmentBlocked', values.is_blocked, at)
+        self._put_speed(status)
+        self._put('Admin/StateCurrentTime', _times(values.in_state_s), at)
+        self._put('Admin/StateCumulativeTime', _times(values.total_s), at)
+        self._put('Admin/StopReason', self._stop(values.stop), at)
+        self._put_counts(at)
+        self._put_states(status)
+        self._put_belt(status)
+
+    def put_refusal(self, message: str, at: float) -> None:
+        """Show why the last command was refused."""
+        self._put('LastRefusal', message, at)
+
+    def put_transition(self, one: MachineTransition, at: float) -> None:
+        """Show the last transition of a machine."""
+        path = f'{one.machine.value}/LastTransition'
+        self._put(path, _text(one.name), at)
+        self._put(f'{path}/Id', _node(self._names[one.machine][one.name]), at)
+        self._put(f'{path}/TransitionTime', _time(at), at)
+
+    def _put(self, path: str, value: object, at: float, code: int = _CODES.Good) -> None:
+        self._values.put(self._space.node(f'{TOP}/{path}'), value, at, code=code)
+
+    def _put_speed(self, status: CellStatus) -> None:
+        """Show moves of the belt a minute: each brings every item one section further."""
+        speed = self._speed.a_minute(status.state, status.stamp)
+        code = _CODES.UncertainInitialValue if speed is None else _CODES.Good
+        value = ua.Variant(round(speed or 0.0, 2), ua.VariantType.Float)
+        self._put('Status/CurMachSpeed', value, status.stamp, code)
+
+    def _put_counts(self, at: float) -> None:
+        """Show the counters; each element has the total of the line beside its own count."""
+        counter = self._counter
+        for name, of_job, total in (
+            ('ProdProcessedCount', 'processed', counter.processed),
+            ('ProdDefectiveCount', 'defective', counter.defective),
+        ):
+            counts = [
+                self._count(
+                    ID=number,
+                    Name=one.job,
+                    Unit=ITEM,
+                    Count=getattr(one, of_job),
+                    AccCount=total,
+                )
+                for number, one in enumerate(counter.counts, 1)
+            ]
+            self._put(f'Admin/{name}', _structures(counts, is_list=True), at)
+
+    def _stop(self, stop: Stop) -> ua.Variant:
+        since = NEVER if stop.since is None else datetime.fromtimestamp(stop.since, timezone.utc)
+        reason = self._alarm(
+            ID=stop.reason.number,
+            Value=stop.hold,
+            Message=stop.message,
+            Category=stop.reason.category,
+            DateTime=since,
+            AckDateTime=NEVER,
+            Trigger=stop.since is not None,
+        )
+        return _structures(reason)
+
+    def _put_states(self, status: CellStatus) -> None:
+        active, at = states_in(status.state), status.state_since
+        for machine in Machine:
+            path = f'{machine.value}/CurrentState'
+            name = active.get(machine)
+            if name is None:
+                for one in (path, f'{path}/Id', f'{path}/Number'):
+                    self._put(one, ua.Variant(), at, _CODES.BadStateNotActive)
+                continue
+            self._put(path, _text(name), at)
+            self._put(f'{path}/Id', _node(self._names[machine][name]), at)
+            number = ua.Variant(NUMBERS[name], ua.VariantType.UInt32)
+            self._put(f'{path}/Number', number, at)
+
+    def _put_belt(self, status: CellStatus) -> None:
+        """Show the belt and its event in one value: they belong together."""
+        slots = ', '.join(f'{one.number}={_standing(one)}' for one in status.sections)
+        shown = f'{status.seq}: {slots}' if status.state is PackmlState.ABORTED else ''
+        self._put('Belt', shown, status.stamp)
+
+
+def _standing(section: SectionStatus) -> str:
+    slot = section.slot
+    return slot.id if slot is not None and slot.present else EMPTY
+
+
+def _ours(machine: Machine) -> tuple[set[str], set[str]]:
+    """Return the states and transitions of a machine that the cell can have."""
+    states = {states_in(one)[machine] for one in PackmlState if machine in states_in(one)}
+    transitions = {
+        one.name
+        for before, row in TRANSITIONS.items()
+        for after in row.values()
+        for one in transitions_between(before, after)
+        if one.machine is machine
+    }
+    return states, transitions
+
+
+def _times(by_state: Mapping[int, int]) -> ua.Variant:
+    """Return seconds by unit mode and state."""
+    row = [by_state.get(number, 0) for number in range(STATES)]
+    return ua.Variant([[0] * STATES, row], ua.VariantType.Int32)
+
+
+def _structures(value: object, *, is_list: bool = False) -> ua.Variant:
+    return ua.Variant(value, ua.VariantType.ExtensionObject, is_array=is_list)
+
+
+def _text(words: str) -> ua.Variant:
+    return ua.Variant(ua.LocalizedText(words), ua.VariantType.LocalizedText)
+
+
+def _node(id_: ua.NodeId) -> ua.Variant:
+    return ua.Variant(id_, ua.VariantType.NodeId)
+
+
+def _time(seconds: float) -> ua.Variant:
+    return ua.Variant(datetime.fromtimestamp(seconds, timezone.utc), ua.VariantType.DateTime)

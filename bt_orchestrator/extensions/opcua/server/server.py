@@ -1,0 +1,134 @@
+"""The OPC UA server: an address, and a loop in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+from collections.abc import Awaitable, Callable, Sequence
+
+from asyncua import Server
+
+from bt_orchestrator.extensions.opcua.server import nodesets
+from bt_orchestrator.extensions.opcua.server.access import Access
+from bt_orchestrator.extensions.opcua.server.bridge import Bridge
+from bt_orchestrator.extensions.opcua.server.holds import Holds
+from bt_orchestrator.extensions.opcua.server.job_control.part import JobControl
+from bt_orchestrator.extensions.opcua.server.memory import building, give_back
+from bt_orchestrator.extensions.opcua.server.overrides.security import Security
+from bt_orchestrator.extensions.opcua.server.packml import PackML
+from bt_orchestrator.extensions.opcua.server.part import Part
+from bt_orchestrator.extensions.opcua.server.simple import Simple
+from bt_orchestrator.extensions.opcua.server.space import Space
+from bt_orchestrator.extensions.opcua.server.stack import make_stack
+from bt_orchestrator.ports.doors.listening import bound, cannot_listen, url_host
+from bt_orchestrator.ports.doors.server_thread import ServerThread
+
+log = logging.getLogger(__name__)
+
+PARTS: Sequence[Callable[[Bridge], Part]] = (Simple, JobControl, PackML, Holds)
+"""Each is made anew for each cell."""
+
+
+class OpcUaServer(ServerThread):
+    """States: bound, running, open, ended.
+
+    The port is opened when it is known how the cell stands: before, clients would see that all
+    orders are gone.
+    """
+
+    def __init__(self, bridge: Bridge, access: Access) -> None:
+        """Take the address; clients are refused until the cell is known.
+
+        :raises CannotListen: the address is in use, or none of this computer's
+        :raises PkiUnusable: there is no certificate that the server can prove itself with
+        """
+        self._bridge = bridge
+        self._access = access
+        self._security = Security.of(bridge.node, access)
+        # Keeps the port for the whole life; the stack listens at it with a socket of its own.
+        taken = bound(access.host, access.port, lambda _: None, listens=False)
+        self._opened = threading.Event()
+        super().__init__('opcua', bridge, taken)
+
+    @property
+    def address(self) -> str:
+        """The answer to a client."""
+        return f'opc.tcp://{url_host(self._access.host)}:{self.port}'
+
+    def stop(self) -> None:
+        """End it; from any thread."""
+        super().stop()
+        self._opened.set()
+
+    def wait_until_open(self, within_s: float | None = None) -> bool:
+        """Wait until clients can connect, or it was stopped; tells whether it is so."""
+        return self._opened.wait(within_s)
+
+    @property
+    def is_stopped(self) -> bool:
+        """Tell whether it was stopped, or cannot go on."""
+        return self._stopped.is_set()
+
+    # --- the thread -------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        super()._run()
+        self._opened.set()
+
+    async def _serve(self) -> None:
+        self._ends = asyncio.Event()
+        self._can_end()
+        self._bridge.start(self.stop)
+        try:
+            while await self._before_end(self._bridge.caught_up()):
+                await self._serve_cell()
+        finally:
+            self._bridge.end()
+            self._security.people.close()
+            self._socket.close()
+
+    def _end(self) -> None:
+        self._ends.set()
+
+    async def _serve_cell(self) -> None:
+        """Serve until the end, or until something else exists in the cell."""
+        bridge = self._bridge
+        with building():
+            server = await make_stack(bridge.node, self._security, self.address)
+            server.socket_address = self._socket.getsockname()[:2]
+            loaded = await nodesets.load(server, bridge.sources.nodesets)
+            server.inside.view_service.forget()  # they have types of references of their own
+            bridge.hold_back()
+            space = await Space.of(server, bridge.description.cell, loaded)
+            parts = [make(bridge) for make in PARTS]
+            for part in parts:
+                await part.build(space)
+        bridge.serve(parts, space.values)
+        await space.values.write()
+        give_back()
+        try:
+            await self._listen(server)
+            self._opened.set()
+            if await self._before_end(bridge.other_cell.wait()):
+                log.info('the node has another cell file; clients have to connect again')
+        finally:
+            bridge.leave()
+            space.values.close()
+            await server.stop()
+
+    async def _listen(self, server: Server) -> None:
+        try:
+            await server.start()
+        except OSError as error:
+            raise cannot_listen(self._access.host, self.port, error) from error
+
+    async def _before_end(self, work: Awaitable[object]) -> bool:
+        """Wait for something; tells whether it came before the end."""
+        end, task = asyncio.ensure_future(self._ends.wait()), asyncio.ensure_future(work)
+        try:
+            await asyncio.wait((end, task), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            end.cancel()
+            task.cancel()
+        return not self._ends.is_set()

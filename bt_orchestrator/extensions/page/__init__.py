@@ -1,0 +1,1 @@
+"""The operator page: its server and files, and its verb."""

@@ -1,0 +1,89 @@
+"""Keeps the account of the shift that runs, read in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.extensions.page.web.account.part import shift_part
+from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
+from bt_orchestrator.extensions.page.web.seams import Plant
+from bt_orchestrator.view.report.account.calendar import shift_at
+from bt_orchestrator.view.report.account.live import Live, LiveAccount
+from bt_orchestrator.view.report.account.losses import Loss
+
+log = logging.getLogger(__name__)
+
+EVERY_S, SOON_S = 5.0, 1.0
+"""Time between two looks at what is new; and while there is no account."""
+
+
+class ShiftWatch:
+    """All but the reading happens in the loop's thread."""
+
+    def __init__(self, plant: Plant | None, archive: Archive, tell: Callable[[], object]) -> None:
+        """Prepare.
+
+        :param plant: None: there is no account
+        :param archive: of its own, so that nobody waits for a long reading; it is closed here
+        :param tell: called after each look that found something
+        """
+        self.is_wanted = plant is not None
+        self.live: Live | None = None
+        """As it was a moment ago; None: there is none, and `why_not` says why."""
+        self.why_not = 'nothing was read yet'
+        """The missing part; empty: nothing is missing."""
+        self.is_reading = True
+        """The first look has not ended: of a journal without books it takes some seconds."""
+        self._archive = archive
+        self._tell = tell
+        if plant is not None:
+            period_at = partial(shift_at, plant.shifts)
+            self._account = LiveAccount(period_at, plant.cell, _quiet)
+
+    async def run(self) -> None:
+        """Look again and again, until it is cancelled."""
+        while self.is_wanted:
+            try:
+                await self.look()
+            except Exception:
+                log.exception('the account of the shift cannot be computed')
+                self.live, self.why_not = None, 'the page has an error, which is in its log'
+            self._tell()
+            await asyncio.sleep(SOON_S if self.live is None else EVERY_S)
+
+    async def look(self) -> None:
+        """Read what is new."""
+        try:
+            self.live, self.why_not = await self._archive.read(self._read)
+        except JournalUnusable as error:
+            self.live, self.why_not = None, str(error)
+        finally:
+            self.is_reading = False
+
+    def parts(self) -> Mapping[str, object]:
+        """Return what the page shows; nothing if it knows no shifts."""
+        if not self.is_wanted:
+            return {}
+        return {'shift': {**shift_part(self.live, self.why_not), 'is_reading': self.is_reading}}
+
+    def close(self) -> None:
+        """End the thread."""
+        self._archive.close()
+
+    def _read(self, look: Look) -> tuple[Live | None, str]:
+        """Look; called in the thread that reads."""
+        live = self._account.look(look.records, time.time())
+        if live is None:
+            return None, 'the journal has no event yet'
+        lost = live.account.figures.times.lost_us
+        is_whole = not lost.get(Loss.NOT_RECORDED)
+        return live, self._archive.why_not_whole(look.extent, has_beginning=is_whole)
+
+
+def _quiet(_: str) -> None:
+    """Say nothing of damage: the account says how many records it lacks."""

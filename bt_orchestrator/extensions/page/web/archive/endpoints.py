@@ -1,0 +1,204 @@
+"""The routes of the past."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
+from bt_orchestrator.extensions.page.web.archive.downloads import endpoints as of_downloads
+from bt_orchestrator.extensions.page.web.archive.events import MOST as MOST_EVENTS
+from bt_orchestrator.extensions.page.web.archive.events import events_page
+from bt_orchestrator.extensions.page.web.archive.histories import Subject, history_of
+from bt_orchestrator.extensions.page.web.archive.items import item_record, items_of
+from bt_orchestrator.extensions.page.web.archive.jobs import MOST as MOST_JOBS
+from bt_orchestrator.extensions.page.web.archive.jobs import job_with_items, jobs_page
+from bt_orchestrator.extensions.page.web.endpoint import Endpoint
+from bt_orchestrator.extensions.page.web.replies import Json, Problem
+from bt_orchestrator.extensions.page.web.seams import SeenCell
+from bt_orchestrator.model.records import Wanted
+
+_Found = TypeVar('_Found', dict[str, Any], dict[str, Any] | None)
+
+MOST_KINDS = 100
+"""Each record of a page is compared with all of them."""
+
+EVENTS_USUAL = 200
+"""Records of an answer unless another number is asked for."""
+
+_UNREAD = {503: 'the journal cannot be read now: the message says why'}
+_UNKNOWN = {404: 'nothing is known of it', **_UNREAD}
+
+
+def endpoints(archive: Archive, cell: SeenCell) -> tuple[Endpoint, ...]:
+    """Return the endpoints."""
+    routes = _Routes(archive, cell)
+    return (
+        *of_downloads(archive),
+        Endpoint(
+            'GET',
+            '/api/events',
+            routes.events,
+            'returns records of events, newest first, or from one on',
+            query={
+                'after': 'number of an event: those after it, oldest first',
+                'before': 'number of an event: those before it, newest first',
+                'most': f'so many at most, up to {MOST_EVENTS}; absent: {EVENTS_USUAL}',
+                'kinds': 'names of events with commas, * as wildcard; `task.`: all of tasks',
+                'job': 'of this job only',
+            },
+            refusals=_UNREAD,
+        ),
+        Endpoint(
+            'GET',
+            '/api/jobs',
+            routes.jobs,
+            'returns jobs, newest first',
+            query={
+                'after': '`rest` of the answer before; absent: from the newest',
+                'most': f'so many at most, up to {MOST_JOBS}',
+            },
+            refusals=_UNREAD,
+        ),
+        Endpoint(
+            'GET',
+            '/api/jobs/{job}',
+            routes.job,
+            'returns a job with its items and failures',
+            refusals=_UNKNOWN,
+        ),
+        Endpoint(
+            'GET',
+            '/api/serials/{serial:path}',
+            routes.serial,
+            'returns the items of a serial, newest first, as far as their events are kept',
+            refusals=_UNREAD,
+        ),
+        Endpoint(
+            'GET',
+            '/api/items/{item:path}',
+            routes.item,
+            'returns everything about an item: attempts, results, decisions',
+            refusals=_UNKNOWN,
+        ),
+        Endpoint(
+            'GET',
+            '/api/sections/{section:int}/history',
+            routes.section,
+            'returns the last cycles of a section, its failures and times',
+            refusals=_UNKNOWN,
+        ),
+        Endpoint(
+            'GET',
+            '/api/components/{component}/history',
+            routes.component,
+            'returns the last work of a component, its failures and times',
+            refusals=_UNKNOWN,
+        ),
+    )
+
+
+class _Routes:
+    def __init__(self, archive: Archive, cell: SeenCell) -> None:
+        self._archive = archive
+        self._cell = cell
+
+    async def events(self, request: Request) -> Response:
+        query = request.query_params
+        after, before = _whole(query, 'after'), _whole(query, 'before')
+        kinds = tuple(filter(None, query.get('kinds', '').split(',')))
+        if len(kinds) > MOST_KINDS:
+            raise Problem(422, f'kinds are at most {MOST_KINDS} names; found {len(kinds)}')
+        wanted = Wanted(
+            after_seq=after or 0,
+            before_seq=before,
+            job=query.get('job') or None,
+            events=kinds,
+            newest_first=after is None,
+        )
+        most = _whole(query, 'most') or EVENTS_USUAL
+        return Json(await self._read(lambda look: events_page(look, wanted, most)))
+
+    async def jobs(self, request: Request) -> Response:
+        query = request.query_params
+        most = _whole(query, 'most') or MOST_JOBS
+        try:
+            found = await self._read(lambda look: jobs_page(look, query.get('after', ''), most))
+        except ValueError as error:
+            raise Problem(422, 'after is what an answer named as rest') from error
+        return Json(found)
+
+    async def job(self, request: Request) -> Response:
+        job = request.path_params['job']
+        found = await self._read(lambda look: job_with_items(look, job))
+        return _known(found, f'job {job}')
+
+    async def item(self, request: Request) -> Response:
+        item = request.path_params['item']
+        return _known(await self._read(lambda look: item_record(look, item)), f'item {item}')
+
+    async def serial(self, request: Request) -> Response:
+        serial = request.path_params['serial']
+        return Json(await self._read(lambda look: items_of(look, serial)))
+
+    async def section(self, request: Request) -> Response:
+        number = request.path_params['section']
+        described = self._cell.description
+        if described is not None and not 1 <= number <= described.sections:
+            raise Problem(404, f'sections are 1 to {described.sections}; found {number}')
+        return await self._history(Subject(section=number))
+
+    async def component(self, request: Request) -> Response:
+        name = request.path_params['component']
+        described = self._cell.description
+        names = [one.name for one in described.components] if described else [name]
+        if name not in names:
+            raise Problem(404, f'there is no component {name}; one of {", ".join(names)}')
+        return await self._history(Subject(component=name))
+
+    async def _history(self, subject: Subject) -> Response:
+        status, described = self._cell.status, self._cell.description
+        now = status.stamp if status is not None else 0.0
+        return Json(await self._read(lambda look: history_of(look, subject, now, described)))
+
+    async def _read(self, question: Callable[[Look], _Found]) -> _Found:
+        """Read, and say how much of the past there is."""
+        archive = self._archive
+
+        def asked(look: Look) -> _Found:
+            found = question(look)
+            if found is not None:
+                begins = found.pop('has_beginning', False)
+                lacks = archive.why_not_whole(look.extent, has_beginning=begins)
+                why = [found.get('why_not', ''), lacks, *look.damage]
+                told = '; '.join(dict.fromkeys(filter(None, why)))
+                found.update(is_whole=not told, why_not=told)
+            return found
+
+        try:
+            return await archive.read(asked)
+        except JournalUnusable as error:
+            raise Problem(503, str(error)) from error
+
+
+def _known(found: dict[str, Any] | None, what: str) -> Response:
+    if found is None:
+        raise Problem(404, f'nothing is known here of {what}')
+    return Json(found)
+
+
+def _whole(query: Mapping[str, str], name: str) -> int | None:
+    """Return a number of the query; None: it is not there.
+
+    :raises Problem: it is none
+    """
+    text = query.get(name)
+    if not text:
+        return None
+    if not (text.isascii() and text.isdecimal() and len(text) < 16):
+        raise Problem(422, f'{name} is a whole number; found {text!r}')
+    return int(text)

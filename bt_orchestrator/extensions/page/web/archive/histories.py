@@ -1,0 +1,117 @@
+"""The last work of a section, or of a component."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import islice
+from statistics import median
+from typing import Any
+
+from bt_orchestrator.extensions.page.web.archive.archive import Look
+from bt_orchestrator.extensions.page.web.archive.scanning import each, event_of
+from bt_orchestrator.extensions.page.web.wording import said_in_each
+from bt_orchestrator.model.events import ClockStepped, Event
+from bt_orchestrator.model.records import Record, Wanted
+from bt_orchestrator.model.status import CellDescription
+from bt_orchestrator.view.report.work_history import FOLLOWED, MOST_CYCLES, Cycle, WorkFold
+
+MOST_RECORDS = 20_000
+"""So many of the last records are looked at."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A section, or a component."""
+
+    section: int | None = None
+    component: str | None = None
+
+    def begins(self, text: str) -> bool:
+        """Tell whether a record may begin a cycle of it."""
+        if self.section is not None:
+            return '"cycle.started"' in text and f'"section": {self.section},' in text
+        return '"task.started"' in text and self._named in text
+
+    def concerns(self, texts: Iterable[str]) -> Callable[[str], bool]:
+        """Return what tells of a record whether it may concern it, before it is read.
+
+        :param texts: all the records: only the start of an attempt names its component
+        """
+        if self.section is not None:
+            return lambda text: f'"section": {self.section},' in text
+        tasks = {found[0] for text in texts if self.begins(text) and (found := _TASK.search(text))}
+        return lambda text: self._named in text or any(task in text for task in tasks)
+
+    @property
+    def _named(self) -> str:
+        return f'"component": "{self.component}"'
+
+
+_TASK = re.compile(r'"task": "[^"]*"')
+
+
+def history_of(
+    look: Look, subject: Subject, now: float, described: CellDescription | None
+) -> dict[str, Any]:
+    """Return cycles, failures, times in states, and how long tasks took.
+
+    :param now: up to when it is in its present state
+    :param described: for nominal times; None: not known
+    """
+    fold = WorkFold(subject.section, subject.component)
+    for event in reversed(_last_events(look, subject)):
+        fold.follow(event)
+    fold.until(now)
+    return {
+        'cycles': [_cycle(one) for one in reversed(fold.cycles)],
+        'failures': [
+            {**one._asdict(), 'said': said_in_each(one.message)} for one in reversed(fold.failures)
+        ],
+        'running': [one._asdict() for one in fold.in_flight()],
+        'time_in': {state: round(seconds, 3) for state, seconds in fold.time_in.items()},
+        'tasks': _tasks(fold, described),
+        'damage': look.damage,
+        'has_beginning': len(fold.cycles) == MOST_CYCLES,
+    }
+
+
+def _last_events(look: Look, subject: Subject) -> list[Event]:
+    """Return what concerns it since the last cycles began, newest first."""
+    records: list[Record] = []
+    begun = 0
+    wanted = Wanted(events=FOLLOWED, newest_first=True)
+    for record in islice(each(look, wanted), MOST_RECORDS):
+        records.append(record)
+        begun += subject.begins(record.text)
+        if begun > MOST_CYCLES:
+            break
+    may_concern = subject.concerns(record.text for record in records)
+    found = (
+        event_of(record)
+        for record in records
+        if may_concern(record.text) or f'"{ClockStepped.event}"' in record.text
+    )
+    return [event for event in found if event is not None]
+
+
+def _cycle(cycle: Cycle) -> dict[str, Any]:
+    return {**vars(cycle), 'tasks': [one._asdict() for one in cycle.tasks]}
+
+
+def _tasks(fold: WorkFold, described: CellDescription | None) -> dict[str, Any]:
+    return {
+        f'{component}.{name}' if fold.section is not None else name: {
+            'nominal_s': _nominal_s(described, component, name),
+            'lately_s': round(median(times), 3),
+            'times_s': [round(time, 3) for time in times],
+        }
+        for (component, name), times in fold.times.items()
+    }
+
+
+def _nominal_s(described: CellDescription | None, component: str, task: str) -> float | None:
+    components = described.components if described is not None else ()
+    found = (one for one in components if one.name == component)
+    return next((one.durations_s.get(task, one.default_duration_s) for one in found), None)

@@ -1,0 +1,202 @@
+"""Commands of people: each request of the table, made by the session that posts it."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import secrets
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from starlette.requests import Request as HttpRequest
+from starlette.responses import Response
+
+from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.extensions.page.web.endpoint import Endpoint
+from bt_orchestrator.extensions.page.web.replies import Json, Problem, body_of
+from bt_orchestrator.extensions.page.web.request_paths import PLACES, body_at, request_at
+from bt_orchestrator.extensions.page.web.sessions import Session
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.model.limits import NAME, ORDERS, REASON
+from bt_orchestrator.model.requests import Asked, BadArguments, Why, ask, refusal
+from bt_orchestrator.model.ticket import WANTED, is_ticket, origin_with
+from bt_orchestrator.ports.doors.tickets import NotSent, Outcome, Tickets, TicketTaken, Unknown
+from bt_orchestrator.script.orders.plain_order import order_from
+
+log = logging.getLogger(__name__)
+
+PROGRAM = 'page'
+"""In the origin of each command."""
+
+REFUSALS: Mapping[int, str] = {
+    401: 'log in first',
+    403: 'the role of the session does not allow it, or the session is locked',
+    409: 'the cell refuses it; `message` is its sentence',
+    422: 'the body does not fit the request; `message` says what was expected',
+    503: 'the node is silent, or did not answer; GET /api/tickets/{ticket} tells more',
+}
+
+
+def endpoints(tickets: Tickets) -> Sequence[Endpoint]:
+    """Return the endpoints of all requests, and of tickets."""
+    commands = Commands(tickets)
+    return (
+        *(
+            Endpoint(
+                'POST', path, partial(commands.answer, path), place.does, refusals=REFUSALS,
+                **body_at(path),
+            )
+            for path, place in PLACES.items()
+        ),
+        Endpoint(
+            'GET', '/api/tickets/{ticket}', commands.find,
+            'what became of a command, from the journal if the page does not know',
+            refusals={422: 'no ticket'},
+        ),
+    )  # fmt: skip
+
+
+class Commands:
+    """Makes requests of what is posted."""
+
+    def __init__(self, tickets: Tickets) -> None:
+        self._tickets = tickets
+
+    async def answer(self, path: str, http: HttpRequest) -> Response:
+        """Carry out what was posted to the path of some requests."""
+        session: Session = http.state.session
+        body = await body_of(http)
+        ticket = _ticket(body)
+        given = {**body, **http.path_params}
+        # Reading many orders takes long, and others want their stream meanwhile.
+        asked = await asyncio.to_thread(_asked, path, given, session, ticket)
+        _check(asked, session)
+        try:
+            outcome = await self._tickets.carry_out(ticket, asked)
+        except (NotSent, Unknown) as error:
+            log.warning('%s: %s: %s', asked.sender.who, asked.request.name, error)
+            is_unknown = isinstance(error, Unknown)
+            raise Problem(503, str(error), ticket=ticket, is_unknown=is_unknown) from error
+        except TicketTaken as error:
+            raise Problem(422, str(error)) from error
+        done = 'done' if outcome.accepted else 'refused'
+        log.info('%s: %s: %s: %s', asked.sender.who, asked.request.name, done, outcome.message)
+        return Json(_told(ticket, outcome), 200 if outcome.accepted else 409)
+
+    async def find(self, http: HttpRequest) -> Response:
+        """Tell what became of a command."""
+        ticket = http.path_params['ticket']
+        if not is_ticket(ticket):
+            raise Problem(422, f'a ticket is {WANTED}')
+        search = await self._tickets.find(ticket)
+        if search.outcome is not None:
+            return Json({'found': True, **_told(ticket, search.outcome)})
+        return Json(
+            {
+                'found': False,
+                'ticket': ticket,
+                'looked_from': search.first,
+                'looked_to': search.last,
+                'node_silent': search.is_silent,
+            }
+        )
+
+
+# --- what is asked ------------------------------------------------------------------------------
+
+
+def _ticket(body: dict[str, Any]) -> str:
+    """Take the ticket out of a body; who sends none gets one."""
+    ticket = body.pop('ticket', None) or secrets.token_hex(8)
+    if not isinstance(ticket, str) or not is_ticket(ticket):
+        raise Problem(422, f'ticket is {WANTED}; found {ticket!r:.100}')
+    return ticket
+
+
+def _asked(path: str, given: dict[str, Any], session: Session, ticket: str) -> Asked:
+    """Return the request that was posted, with the session as its sender."""
+    given.pop('who', None)  # the session says it
+    reason = given.pop('reason', '')
+    if not isinstance(reason, str) or len(reason) > REASON:
+        raise Problem(422, f'reason is a text of at most {REASON} characters')
+    remark = 'locked session' if session.is_locked else ''
+    origin = origin_with(PROGRAM, ticket, remark)
+    by = By(session.name, origin, reason, session.role, session.how.known)
+    try:
+        request = request_at(path, given)
+        _check_texts(given)
+        if request.takes_orders:
+            given['orders'] = _orders(given.get('orders'))
+        return ask(request.name, by, **given)
+    except BadArguments as error:
+        raise Problem(422, str(error)) from error
+
+
+def _check_texts(given: Mapping[str, Any]) -> None:
+    for name, text in given.items():
+        if isinstance(text, str) and len(text) > NAME:
+            raise Problem(422, f'{name} has {len(text)} characters; expected at most {NAME}')
+
+
+def _orders(found: Any) -> list[WorkOrder]:
+    """Read the orders of a request.
+
+    An order needs an id: if it is sent again because an answer was lost, nothing is made twice.
+    """
+    if not isinstance(found, list) or not 1 <= len(found) <= ORDERS:
+        raise Problem(422, f'orders is a list of 1 to {ORDERS} work orders')
+    orders = []
+    for plain in found:
+        if not isinstance(plain, dict) or not plain.get('order'):
+            raise Problem(422, 'each work order is an object, and needs an id of its own: `order`')
+        try:
+            orders.append(order_from(plain))
+        except Refused as refused:
+            findings = [str(finding) for finding in refused.findings]
+            raise Problem(422, refused.in_short, findings=findings) from refused
+    return orders
+
+
+def _check(asked: Asked, session: Session) -> None:
+    """Refuse early what the node would refuse: an emergency is for a locked session as well."""
+    request = asked.request
+    if session.is_locked and request.why is not Why.AFTERWARDS:
+        raise Problem(403, 'this session is locked; unlock it with the password', why='locked')
+    not_allowed = refusal(request, replace(asked.sender, reason='any'), asked.arguments)
+    if not_allowed is not None:
+        log.warning('refused: %s', not_allowed)
+        raise Problem(403, not_allowed)
+    without_reason = refusal(request, asked.sender, asked.arguments)
+    if without_reason is not None:
+        raise Problem(422, without_reason)
+
+
+# --- what came of it ----------------------------------------------------------------------------
+
+
+def _told(ticket: str, outcome: Outcome) -> dict[str, object]:
+    recorded = outcome.recorded[0] if outcome.recorded else None
+    said: dict[str, object] = (
+        {}
+        if recorded is None
+        else {
+            'seq': recorded.seq,
+            'who': recorded.who,
+            'role': recorded.role,
+            'known': recorded.known,
+            'claims': recorded.claims,
+        }
+    )
+    return {
+        'accepted': outcome.accepted,
+        'message': outcome.message,
+        'findings': outcome.findings,
+        'ticket': ticket,
+        'seq': said.get('seq'),
+        'who': said.get('who', ''),
+        'recorded': said or None,
+        'note': outcome.note(PROGRAM),
+    }

@@ -1,0 +1,174 @@
+"""Requests that are possible now, ready to be sent: path and body stand in each offer.
+
+A request that would be refused or would change nothing in the present state is not offered. Roles
+are not looked at here: an offer says for which it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+
+from bt_orchestrator.extensions.page.web.request_paths import ANY
+from bt_orchestrator.model.jobs.job_control import JobFacts
+from bt_orchestrator.model.packml import Cause
+from bt_orchestrator.model.requests import About, Request, of_hold, requests_about
+from bt_orchestrator.model.requests.worthwhile import (
+    JobNow,
+    worthwhile_for_cell,
+    worthwhile_for_component,
+    worthwhile_for_job,
+)
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.status import CellStatus, ComponentStatus, ItemStatus, JobStatus
+from bt_orchestrator.model.stop_reason import StopReason
+
+Offer = dict[str, object]
+
+_NOTHING: Mapping[str, object] = {}
+
+
+def cell_offers(status: CellStatus) -> list[Offer]:
+    """Return what can be asked of the cell."""
+    return [_cell_offer(request, status) for request in worthwhile_for_cell(status)]
+
+
+def _cell_offer(request: Request, status: CellStatus) -> Offer:
+    shown = {'as_shown': status.seq} if request.cause is Cause.CLEAR else {}
+    return _offer(request, given=shown, without=('hold',))
+
+
+def hold_offers(hold: Hold) -> list[Offer]:
+    """Return the answers to a hold, in its order; a pause is released."""
+    return [_hold_offer(request, hold) for request in of_hold(hold.answers)]
+
+
+def _hold_offer(request: Request, hold: Hold) -> Offer:
+    match request.about:
+        case About.ITEM:
+            return _offer(request, hold.item or '')
+        case About.CELL:
+            return _offer(request, given={'hold': hold.id}, without=('everyones',))
+    offer = _offer(request, hold.id)
+    if hold.item is None:  # results belong to an item
+        offer['parameters'] = []
+    return offer
+
+
+def item_offers(item: ItemStatus | None) -> Sequence[Offer]:
+    """Return what can be asked about the item in a slot."""
+    return _item_offers(item.id) if item is not None and item.present else []
+
+
+@lru_cache(maxsize=1024)
+def _item_offers(item: str) -> Sequence[Offer]:
+    return [_offer(one, item) for one in requests_about(About.ITEM)]
+
+
+def component_offers(component: ComponentStatus) -> Sequence[Offer]:
+    """Return what can be asked of a component."""
+    return _component_offers(component.name, worthwhile_for_component(component))
+
+
+@lru_cache(maxsize=1024)
+def _component_offers(component: str, request: Request) -> Sequence[Offer]:
+    return [_offer(request, component)]
+
+
+def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
+    """Return what can be asked of a job."""
+    facts = JobFacts(
+        job.state,
+        job.ending,
+        job.awaits_start,
+        job.unreleased,
+        job.unavailable,
+        job.held,
+        job.by_recipe,
+        left=min(job.to_begin, 1),  # whether any is left: the number changes too often
+    )
+    return _job_offers(
+        job.id,
+        JobNow(
+            facts,
+            has_back=bool(back_for(job, status)),
+            is_next=job.position == 1,
+            is_alone=status.queued <= 1,
+            is_cell_stopped=status.stop_reason is StopReason.OPERATOR,
+        ),
+    )
+
+
+@lru_cache(maxsize=1024)
+def _job_offers(job: str, now: JobNow) -> Sequence[Offer]:
+    """Return the offers of a job, cached: each status tells 100 jobs of a long queue."""
+    unreleased = now.facts.unreleased
+    of_script = requests_about(About.SCRIPT) if unreleased else ()
+    release = (_offer(one, unreleased, without=('cell_digest',)) for one in of_script)
+    return [*release, *(_offer(request, job) for request in worthwhile_for_job(now))]
+
+
+def back_for(job: JobStatus, status: CellStatus) -> list[str]:
+    """Return the components that a job was made without, and that are in service again."""
+    without = job.anew.without if job.anew is not None else ()
+    there = (one.name for one in status.components if one.out_of_service_since is None)
+    return [name for name in there if name in without]
+
+
+def add_offer() -> Offer:
+    """Return what is always possible: to queue orders."""
+    add, _ = requests_about(About.QUEUE)
+    return _offer(add)
+
+
+def arrange_offer(order: Sequence[str], queue_digest: str) -> Offer:
+    """Return the offer to put the queue into an order that was proposed for it."""
+    _, arrange = requests_about(About.QUEUE)
+    return _offer(arrange, given={'jobs': list(order), 'queue_digest': queue_digest})
+
+
+def _offer(
+    request: Request,
+    subject: str = '',
+    given: Mapping[str, object] = _NOTHING,
+    without: Sequence[str] = (),
+) -> Offer:
+    """Return an offer.
+
+    :param subject: id of its hold, item, job, component or script
+    :param given: arguments that are settled
+    :param without: parameters that this offer has no use for
+    """
+    about = {request.subject.name: subject} if request.subject else {}
+    body = {**about, **given}
+    return {
+        'name': request.name,
+        'word': request.word,
+        'effect': request.effect,
+        'why': request.why.value,
+        'is_confirmed': request.is_confirmed,
+        'roles': _roles(request.roles),
+        'path': ANY.format(name=request.name),
+        'subject': subject,
+        'body': body,
+        'parameters': list(_parameters(request, {*body, *without})),
+        'foresee': {'name': request.name, 'arguments': body} if request.is_foreseen else None,
+    }
+
+
+def _parameters(request: Request, given: set[str]) -> Iterator[dict[str, object]]:
+    for one in request.parameters:
+        if one.name not in given:
+            yield {
+                'name': one.name,
+                'kind': one.kind.value,
+                'meaning': one.meaning,
+                'is_required': one.is_required,
+                'choices': list(one.choices),
+                'roles': _roles(one.roles or request.roles),
+            }
+
+
+def _roles(roles: frozenset[Role]) -> list[str]:
+    return [role.value for role in Role if role in roles]

@@ -1,0 +1,132 @@
+"""Tasks as parts: what a script says of each, and how it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from bt_orchestrator.extensions.page.web.parts.waits import wait_parts
+from bt_orchestrator.model.codec import plain_but
+from bt_orchestrator.model.hold_words import held_words
+from bt_orchestrator.model.script import Script, SectionList, Task
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.status import CellDescription, JobStatus, SectionStatus, TaskStatus
+from bt_orchestrator.model.status_words import task_label
+from bt_orchestrator.model.wait import Wait
+from bt_orchestrator.view.drawing.line_state import Mark, TaskMark
+from bt_orchestrator.view.drawing.task_marks import (
+    NEW,
+    cycle_marks,
+    held_tasks,
+    initialization_marks,
+)
+
+Part = dict[str, object]
+
+_WAITS = (Mark.WAITING, Mark.FAILED)
+"""Marks whose reason is what their section waits for."""
+
+_AT_REST: Part = {'round': 0, 'started': None, 'feedback': ''}
+
+
+class TaskParts:
+    """Makes the parts of tasks of one status."""
+
+    def __init__(self, description: CellDescription, holds: Sequence[Hold]) -> None:
+        self._nominal = {
+            one.name: (one.durations_s, one.default_duration_s) for one in description.components
+        }
+        self._holds, self._held = holds, held_tasks(holds)
+
+    def of_section(self, section: SectionStatus, tasks: SectionList) -> list[Part]:
+        """Return the whole list of a section, in its order."""
+        running = {one.id: one for one in section.running}
+        item = section.item.id if section.item else None
+        held = {
+            task: hold
+            for (number, subject, task), hold in self._held.items()
+            if number == section.number and subject == item
+        }
+        marks = cycle_marks(section, tasks, self._held)
+        places = _places(tasks)
+        return [
+            self._part(task, mark, place, running.get(task.id), held.get(task.id), section.waits)
+            for (task, mark), place in zip(marks, places, strict=True)
+        ]
+
+    def of_initialization(
+        self, job: JobStatus, script: Script, waits: Iterable[Wait]
+    ) -> list[Part]:
+        """Return the initialization tasks of a job; before its turn they are all new."""
+        tasks = script.initialization
+        running, waits = {one.id: one for one in job.running}, tuple(waits)
+        if job.position:
+            marks: Iterator[tuple[Task, TaskMark]] = ((task, NEW) for task in tasks)
+        else:
+            marks = initialization_marks(job, tasks, waits, self._held)
+        return [
+            self._part(
+                task,
+                mark,
+                (0, 0),
+                running.get(task.id),
+                self._held.get((None, job.id, task.id)),
+                waits,
+            )
+            for task, mark in marks
+        ]
+
+    def in_flight(self, running: Iterable[TaskStatus]) -> list[Part]:
+        """Return tasks that no script lists: the move of the belt."""
+        return [
+            self._part(
+                Task(one.id, one.name, one.action, one.component),
+                TaskMark(Mark.RUNNING),
+                (0, 0),
+                one,
+                None,
+            )
+            for one in running
+        ]
+
+    def _part(
+        self,
+        task: Task,
+        mark: TaskMark,
+        place: tuple[int, int],
+        running: TaskStatus | None,
+        hold: Hold | None,
+        waits: Iterable[Wait] = (),
+    ) -> Part:
+        return {
+            'id': task.id,
+            'name': task.name,
+            'label': task_label(task.id, task.name),
+            'component': task.component,
+            'step': place[0],
+            'track': place[1],
+            'mark': mark.mark.name.lower(),
+            'reason': held_words(hold) if hold else mark.reason,
+            'hold': hold.id if hold else '',
+            'waits': wait_parts(waits, self._holds) if mark.mark in _WAITS else [],
+            **(
+                plain_but(running, 'goal', 'action')
+                if running
+                else {**_AT_REST, 'attempt': hold.attempt if hold else 0}
+            ),
+            'expected_s': self._expected_s(task, running),
+            'requires_conveyor': task.requires_conveyor,
+        }
+
+    def _expected_s(self, task: Task, running: TaskStatus | None) -> float | None:
+        if running is not None and running.expected_s is not None:
+            return running.expected_s
+        durations_s: Mapping[str, float]
+        durations_s, default_s = self._nominal.get(task.component, ({}, None))
+        return durations_s.get(task.name, default_s)
+
+
+def _places(tasks: SectionList) -> Iterator[tuple[int, int]]:
+    """Yield step and track of each task, both from 1."""
+    for step_number, step in enumerate(tasks.steps, 1):
+        for track_number, track in enumerate(step.tracks, 1):
+            yield from ((step_number, track_number) for _ in track)

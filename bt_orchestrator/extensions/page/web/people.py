@@ -1,0 +1,155 @@
+"""The identity of a person at the page: by a login, by a proxy, or by a trusted computer."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bt_orchestrator.extensions.page.web.access import Access
+from bt_orchestrator.extensions.page.web.sessions import MOST_UNLOCKS, How, Kept, Session, Sessions
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.ports.doors.listening import is_loopback
+from bt_orchestrator.script.users.file import User, UsersUnusable
+from bt_orchestrator.script.users.known import KnownUsers
+from bt_orchestrator.script.users.logins import LoginRefused, Logins
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Caller:
+    """The facts of a request before its sender is known."""
+
+    address: str = ''
+    """Of the other end of the connection; empty: not known."""
+    key: str = ''
+    """Id of a session; empty: none."""
+    proxied: str = ''
+    """User that the header of a proxy names; empty: none."""
+
+
+class People:
+    """Knows callers, and carries out logins. All calls come from the loop's thread."""
+
+    def __init__(self, access: Access, clock: Callable[[], float] = time.monotonic) -> None:
+        """Begin without sessions.
+
+        :param clock: steady, seconds
+        """
+        self.access = access
+        self._users = KnownUsers(access.users)
+        self._sessions = Sessions(clock, idle_s=access.idle_s, session_s=access.session_s)
+        self._logins = Logins('page', self._users, clock, log)
+
+    # --- who calls ------------------------------------------------------------------------------
+
+    def who(self, caller: Caller) -> Session | None:
+        """Return who calls; None: somebody whom the page does not know."""
+        if self.access.proxy_header:
+            return self._by_proxy(caller)
+        kept = self._kept(caller.key)
+        if kept is not None:
+            return self._session(kept)
+        if self.access.local_user and is_loopback(caller.address):
+            return Session(self.access.local_user, Role.ENGINEER, How.COMPUTER)
+        return None
+
+    def may_look(self, caller: Caller) -> bool:
+        """Tell whether a caller may look; asked again and again while a stream is open."""
+        return self.access.looks_freely or self.who(caller) is not None
+
+    def _by_proxy(self, caller: Caller) -> Session | None:
+        if not caller.proxied or not self.access.is_proxy(caller.address):
+            return None
+        user = self._user(caller.proxied)
+        return None if user is None else Session(caller.proxied, user.role, How.PROXY)
+
+    def _kept(self, key: str) -> Kept | None:
+        """Return a session that goes on: its user is there, with the same password."""
+        kept = self._sessions.get(key)
+        if kept is None:
+            return None
+        user = self._user(kept.name)
+        if user is None or user.password != kept.password:
+            self._sessions.end(key)
+            return None
+        return kept
+
+    def _session(self, kept: Kept) -> Session:
+        user = self._user(kept.name)
+        idle_left_s = None if kept.is_locked else self._sessions.idle_left_s(kept)
+        return Session(
+            kept.name,
+            Role.VIEW if user is None else user.role,
+            How.LOGIN,
+            kept.is_locked,
+            self._sessions.left_s(kept),
+            idle_left_s,
+        )
+
+    def _user(self, name: str) -> User | None:
+        try:
+            return self._users.get(name)
+        except UsersUnusable as error:
+            log.warning('%s', error)
+            return None
+
+    # --- what they do ---------------------------------------------------------------------------
+
+    async def log_in(self, caller: Caller, name: str, password: str) -> str:
+        """Begin a session and return its id; a session that the caller had is over.
+
+        :raises LoginRefused: there is no such user, or the password is another one
+        :raises MustWait: there were too many attempts
+        :raises UsersUnusable: nobody can log in
+        """
+        user = await self._logins.verify(name, password, caller.address)
+        self._sessions.end(caller.key)
+        log.info('%s (%s) logged in from %s', name, user.role.value, caller.address)
+        return self._sessions.begin(name, user.password)
+
+    def log_out(self, caller: Caller) -> None:
+        """End the session of a caller."""
+        kept = self._sessions.get(caller.key)
+        if kept is not None:
+            log.info('%s logged out', kept.name)
+            self._sessions.end(caller.key)
+
+    def use(self, caller: Caller) -> None:
+        """Take note that somebody does something with a session."""
+        kept = self._kept(caller.key)
+        if kept is not None:
+            self._sessions.use(kept)
+
+    def lock(self, caller: Caller) -> None:
+        """Lock the session of a caller."""
+        kept = self._kept(caller.key)
+        if kept is not None:
+            kept.is_locked = True
+
+    async def unlock(self, caller: Caller, password: str) -> None:
+        """Unlock the session of a caller.
+
+        Wrong passwords are counted by session, so that nobody else can keep somebody out.
+
+        :raises LoginRefused: it is another password, or there is no session any more
+        :raises MustWait: too many passwords are being checked
+        :raises UsersUnusable: nobody can log in
+        """
+        kept = self._kept(caller.key)
+        if kept is None:
+            raise LoginRefused('this session has ended; log in again')
+        kept.wrong_passwords += 1  # before it is known: several may be under way at once
+        if kept.wrong_passwords > MOST_UNLOCKS:
+            self._sessions.end(caller.key)
+            log.warning('session of %s ended after wrong passwords', kept.name)
+            raise LoginRefused('too many wrong passwords: this session has ended; log in again')
+        if await self._logins.check(kept.name, password) is None:
+            raise LoginRefused('this is not the password')
+        self._sessions.unlock(kept)
+
+    def close(self) -> None:
+        """Check no more passwords."""
+        self._logins.close()

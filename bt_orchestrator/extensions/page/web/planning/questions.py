@@ -1,0 +1,202 @@
+"""Questions to the planning process, one at a time, without keeping the server's loop."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from typing import Any
+
+from bt_orchestrator.base.errors import NotKept, Refused
+from bt_orchestrator.extensions.page.web.offers import arrange_offer
+from bt_orchestrator.extensions.page.web.wording import said_in_each
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.limits import QUEUE_SHOWN
+from bt_orchestrator.model.requests import Asked, ask, of_name
+from bt_orchestrator.ports import (
+    CheckedOrder,
+    ExpectedJob,
+    JobChange,
+    Moment,
+    Planning,
+    ProposedJob,
+)
+from bt_orchestrator.script.orders.plain_order import order_from
+
+MOST_WAITING = 8
+"""Questions at a time; a browser that goes on asking withdraws the ones before."""
+
+Body = dict[str, object]
+
+IsGone = Callable[[], Awaitable[bool]]
+"""Tells whether the question was withdrawn."""
+
+
+class TooManyQuestions(Exception):
+    """So many are being worked out that another one would have to wait for long."""
+
+
+class Withdrawn(Exception):
+    """The question was withdrawn before its turn came."""
+
+
+class Questions:
+    """Asks what would be, from the state of now. All calls come from the loop's thread."""
+
+    def __init__(self, planning: Planning | None, moment: Callable[[], Awaitable[Moment]]) -> None:
+        """Prepare; nothing is started before the first question.
+
+        :param planning: None: every question is refused
+        """
+        self._planning = planning
+        self._moment = moment
+        self._turn = asyncio.Lock()
+        self._waiting = 0
+
+    async def what_if(self, requests: Sequence[Asked], queued: int, is_gone: IsGone) -> Body:
+        """Return when jobs end without and with some requests, as seconds since the epoch.
+
+        :param queued: length of the queue
+        :raises NodeUnreachable: it does not tell its state
+        :raises NotKept: nothing could be worked out
+        """
+        began = time.monotonic()
+
+        def work(planning: Planning, moment: Moment) -> Body:
+            found = planning.what_if(moment, requests)
+            return {
+                'before': _ends(found.before, moment),
+                'after': _ends(found.after, moment),
+                'jobs': [_changed(one, moment.now_s) for one in found.changes],
+                'refusals': list(found.refusals),
+                'unknown': {job: said_in_each(why) for job, why in found.unknown.items()},
+                'notes': list(found.notes),
+                'left_out': max(0, queued - QUEUE_SHOWN),
+                'computed_s': round(time.monotonic() - began, 1),
+            }
+
+        return await self._ask(work, is_gone)
+
+    async def propose(self, queued: int, is_gone: IsGone) -> Body:
+        """Return an order for the queue, with the offer that applies it; ends as in `what_if`.
+
+        :param queued: length of the queue
+        :raises NodeUnreachable: it does not tell its state
+        :raises NotKept: nothing could be worked out
+        """
+
+        def work(planning: Planning, moment: Moment) -> Body:
+            found = planning.propose(moment)
+            offer = arrange_offer(found.order, found.queue_digest) if found.is_new else None
+            return {
+                **found._asdict(),
+                'jobs': [_proposed(one, moment.now_s) for one in found.jobs],
+                'unknown': dict(found.unknown),
+                'offer': offer,
+                'left_out': max(0, queued - QUEUE_SHOWN),
+            }
+
+        return await self._ask(work, is_gone)
+
+    async def check(self, order: Mapping[str, object], is_gone: IsGone) -> Body:
+        """Return what would be said of an order.
+
+        :raises NodeUnreachable: the node does not tell its state
+        :raises NotKept: nothing could be worked out
+        """
+
+        def work(planning: Planning, moment: Moment) -> Body:
+            return _plain(planning.check(moment, order))
+
+        return await self._ask(work, is_gone)
+
+    def close(self) -> None:
+        """End the work on it; its reader gets the reason."""
+        if self._planning is not None:
+            self._planning.close()
+
+    async def _ask(self, work: Callable[[Planning, Moment], Body], is_gone: IsGone) -> Body:
+        planning = self._planning
+        if planning is None:
+            raise NotKept('this page works nothing out')
+        if self._waiting >= MOST_WAITING:
+            raise TooManyQuestions('several questions are being worked out; ask again')
+        self._waiting += 1
+        try:
+            async with self._turn:
+                if await is_gone():
+                    raise Withdrawn('the question was withdrawn')
+                moment = await self._moment()
+                return await asyncio.to_thread(work, planning, moment)
+        finally:
+            self._waiting -= 1
+
+
+def asked_of(command: object) -> Asked:
+    """Return a request from JSON: {name, arguments}.
+
+    :raises ValueError: it is none; the message says what was expected
+    """
+    if not isinstance(command, Mapping) or not isinstance(command.get('name'), str):
+        raise ValueError('a command is an object with the name of a request and its arguments')
+    given: Any = command.get('arguments') or {}
+    if not isinstance(given, Mapping):
+        raise ValueError('the arguments of a command are an object')
+    arguments = dict(given)
+    request = of_name(command['name'])
+    if request is not None and request.takes_orders:
+        arguments['orders'] = _orders(arguments.get('orders'))
+    if not all(isinstance(key, str) and key not in _OWN for key in arguments):
+        raise ValueError(f'{command["name"]} does not take {", ".join(arguments)}')
+    return ask(command['name'], By('', 'page', 'what if'), **arguments)
+
+
+_OWN = frozenset(('name', 'by'))
+"""Names of what `ask` itself takes."""
+
+
+def _orders(plain: object) -> object:
+    if not isinstance(plain, list) or not all(isinstance(one, Mapping) for one in plain):
+        raise ValueError('orders are a list of objects with the keys of an order file')
+    try:
+        return [order_from(one) for one in plain]
+    except Refused as refused:
+        raise ValueError('; '.join(map(str, refused.findings))) from refused
+
+
+def _ends(jobs: Sequence[ExpectedJob], moment: Moment) -> list[Body]:
+    return [{'job': one.job, 'ends': _time(one.ends_s, moment.now_s)} for one in jobs]
+
+
+def _changed(job: JobChange, now_s: float) -> Body:
+    """Return what becomes of a job; `before` and `after` stand where it is there."""
+    here = {'before': job.before, 'after': job.after}
+    ends = {name: _time(one.ends_s, now_s) for name, one in here.items() if one is not None}
+    return {
+        'job': job.job,
+        'change': job.change,
+        **ends,
+        'by_s': job.by_s,
+        'due': None if job.due_s is None else now_s + job.due_s,
+        'is_late': job.is_late(job.after),
+        'was_late': job.is_late(job.before),
+    }
+
+
+def _time(from_now_s: float | None, now_s: float) -> float | None:
+    return None if from_now_s is None else now_s + from_now_s
+
+
+def _proposed(one: ProposedJob, now_s: float) -> Body:
+    ends, new_ends = _time(one.ends_s, now_s), _time(one.new_ends_s, now_s)
+    plain = {name: value for name, value in one._asdict().items() if not name.endswith('_s')}
+    return {**plain, 'ends': ends, 'new_ends': new_ends}
+
+
+def _plain(found: CheckedOrder) -> Body:
+    return {
+        'accepted': found.accepted,
+        'is_checked': found.is_checked,
+        'message': found.message,
+        'findings': [one._asdict() for one in found.wrong],
+    }

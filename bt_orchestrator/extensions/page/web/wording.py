@@ -1,0 +1,191 @@
+"""Words in the languages of the page, from the same files as all its words."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator.model.hold_words import why_words
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.words import facts_of, text_of
+from bt_orchestrator.view.drawing.line_state import Mark
+from bt_orchestrator.view.drawing.wording import Wording
+
+_STRINGS = Path(__file__).parent / 'static' / 'strings'
+
+_FEW = 3
+"""Of more sections than these only their number is said."""
+
+_OF_HOLDS = (WaitKind.HOLD, WaitKind.PAUSE)
+
+_NAMED = {
+    WaitKind.JOB: ('name', 'job_named'),
+    WaitKind.COMPONENT: ('task', 'component_task'),
+    WaitKind.ZONE: ('task', 'zone_task'),
+}
+"""Kinds of waits that say more when they name somebody."""
+
+_SKIPPED = 'skip_'
+
+_COMPARED = {
+    'when': re.compile(r'^when (?P<value>.)'),
+    'except': re.compile(r'^unless (?P<value>.)'),
+    'between': re.compile(r' from (?P<low>\S+) to (?P<high>\S+)'),
+    'at_least': re.compile(r' at least (?P<value>\S+)'),
+    'at_most': re.compile(r' at most (?P<value>\S+)'),
+    'one_of': re.compile(r' one of (?P<value>\S)'),
+    'is_not': re.compile(r' is not (?P<value>\S)'),
+    'and': re.compile(r' and (?P<value>\S)'),
+    'or': re.compile(r' or (?P<value>\S)'),
+}
+"""The words of a condition (`Condition.words`); `parts/twig_words.js` has the same."""
+
+WANTED = 'wanted'
+"""Place of a condition in a sentence of the node."""
+
+
+@cache
+def wordings() -> Mapping[str, PageWording]:
+    """Return the words of each language of the page."""
+    found: dict[str, PageWording] = {}
+    for path in sorted(_STRINGS.glob('*.json')):
+        words = json.loads(path.read_text(encoding='utf-8'))
+        found[path.stem] = (EnglishWording if path.stem == 'en' else PageWording)(words)
+    return found
+
+
+def said_in_each(message: str) -> dict[str, str]:
+    """Return a message of the node by language; see `PageWording.message`."""
+    return {name: words.message(message) for name, words in wordings().items()}
+
+
+class PageWording(Wording):
+    """A language whose words stand in a file of the page."""
+
+    def __init__(self, strings: Mapping[str, Mapping[str, Any]]) -> None:
+        """Take the words, by group and name; those of drawings by their English."""
+        self._strings = strings
+
+    def say(self, words: str, /, **values: object) -> str:
+        """Return words of the drawing, with values in the places in braces."""
+        return str(self._strings['drawing'][words].format(**values))
+
+    def mark(self, mark: Mark) -> str:
+        """Return the word of a mark."""
+        return self._word('mark', mark.name.lower())
+
+    def state(self, state: PackmlState) -> str:
+        """Name a state of the cell."""
+        return self._word('state', state.value)
+
+    def job_state(self, state: str) -> str:
+        """Name a state of a job."""
+        return self._word('job_state', state)
+
+    def wait(self, wait: Wait, task: str = '', reason: str = '') -> str:
+        """Say what something waits for.
+
+        :param task: that is held, if one is waited for
+        :param reason: why it is held
+        """
+        if wait.kind is WaitKind.CELL_STATE:
+            return self._cell_state(wait.name)
+        if wait.holds:
+            *others, last = wait.holds
+            names = f'{", ".join(others)} {self._word("stands", "and")} {last}'
+            return self._word('wait', 'holds').format(names=names)
+        if task and wait.kind in _OF_HOLDS:
+            why = self._word('reason', reason)
+            return self._word('wait', 'hold_of').format(name=wait.name, task=task, reason=why)
+        kind, sections = wait.kind.value, self._sections(wait.sections)
+        by, key = _NAMED.get(wait.kind, ('', kind))
+        if by and not getattr(wait, by):
+            key = kind
+        holder = ', '.join(filter(None, (wait.task, sections)))
+        values = {'name': wait.name, 'task': wait.task, 'sections': sections, 'holder': holder}
+        return self._word('wait', key).format(**values)
+
+    def message(self, message: str) -> str:
+        """Say a message of the node, which is in English."""
+        known = self._strings['message']
+        facts = [
+            replace(one, values={**one.values, WANTED: self.condition(one.values[WANTED])})
+            if WANTED in one.values
+            else one
+            for one in facts_of(message)
+        ]
+        return text_of(facts, message, known, known['or'])
+
+    def condition(self, words: str) -> str:
+        """Say a condition, which is in English; its names and values stay."""
+        known = self._strings['condition']
+        for name, pattern in _COMPARED.items():
+            words = pattern.sub(partial(_said, known[name]), words)
+        return words
+
+    def failure(
+        self, reason: str, message: str, controller_said: str = '', topic_says: str = ''
+    ) -> str:
+        """Say why something failed."""
+        given = {'controller_says': controller_said, 'topic_says': topic_says}
+        said, topic = (
+            self._word('reason', key).format(words=words) if words else ''
+            for key, words in given.items()
+        )
+        words = '; '.join(filter(None, (said, self.message(message), topic)))
+        return why_words(self._word('reason', reason), words)
+
+    def passed(self, reason: str) -> str:
+        """Say why a task was skipped, or failed while the cycle goes on."""
+        skipped = self._strings['item'].get(f'{_SKIPPED}{reason.replace(" ", "_")}')
+        if skipped is not None:
+            return str(skipped)
+        word, _, message = reason.partition(' (')
+        return self.failure(word, message.removesuffix(')'))
+
+    def hold(self, hold: Hold) -> str:
+        """Name a hold."""
+        name = self._word('chain', 'hold').format(name=hold.id)
+        why = self.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
+        return f'{name} ({why})'
+
+    def answer(self, word: str) -> str:
+        """Name an answer to a hold."""
+        return self._word('word', f'hold.{word}', word)
+
+    def _cell_state(self, name: str) -> str:
+        if name in ('item', 'job'):
+            return self._word('wait', 'stop_after')
+        return self._word('wait', 'cell_state').format(name=self._word('state', name))
+
+    def _sections(self, numbers: tuple[int, ...]) -> str:
+        one = self._word('part', 'section')
+        named = [one.format(number=number) for number in numbers[:_FEW]]
+        if (more := len(numbers) - len(named)) > 0:
+            plural = self._strings['wait']['more_sections']
+            named.append(plural['one' if more == 1 else 'other'].format(count=more))
+        return ', '.join(named)
+
+    def _word(self, group: str, name: str, otherwise: str | None = None) -> str:
+        """Return a word; an unknown one stays unchanged."""
+        return str(self._strings[group].get(name, name if otherwise is None else otherwise))
+
+
+def _said(words: str, found: re.Match[str]) -> str:
+    return words.format(**found.groupdict())
+
+
+class EnglishWording(PageWording):
+    """English as the page has it: without the words of programs, such as reasons of holds."""
+
+    def wait(self, wait: Wait, task: str = '', reason: str = '') -> str:
+        """Say what something waits for: in the node's sentence, if it is short and of no hold."""
+        is_own = wait.kind in _OF_HOLDS or len(wait.sections) > _FEW
+        return super().wait(wait, task, reason) if is_own else wait.reason

@@ -1,0 +1,1 @@
+"""Recipes: reading them, planning, and the scripts generated from them."""

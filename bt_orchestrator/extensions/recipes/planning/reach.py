@@ -1,0 +1,111 @@
+"""The sections that each piece can be in, because the belt moves one way; or why there are none.
+
+Every condition here says that one section is not behind another one, or at most so many behind.
+For such conditions it is enough to take away what nothing else fits to, again and again: if every
+piece has a section left, the first ones of all fit together, and if one has none, nothing does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from bt_orchestrator.base.errors import counted
+from bt_orchestrator.extensions.recipes.planning.candidates import Candidate
+from bt_orchestrator.extensions.recipes.planning.contradiction import Demand, irreducible, narrowed
+from bt_orchestrator.extensions.recipes.planning.order import Ends, quoted
+from bt_orchestrator.extensions.recipes.planning.pieces import Pieces
+
+
+@dataclass(frozen=True)
+class Held:
+    """Data that a device keeps itself, from one operation to the last one that needs it."""
+
+    name: str
+    giver: str
+    takers: tuple[str, ...]
+    """In the order of the recipe."""
+
+    def is_kept_by(self, one: Candidate) -> bool:
+        """Tell whether the device keeps it; else it travels with the item, in the results."""
+        can = one.capability
+        return one.operation.id == self.giver and self.name in {*can.holds} - {*can.gives}
+
+
+@dataclass
+class Reach:
+    """The sections of each piece, ascending, and the reason why there may be none."""
+
+    pieces: Pieces
+    line: Ends
+    held: tuple[Held, ...] = ()
+    sections: list[list[int]] = field(init=False)
+    reason: str = field(default='', init=False)
+
+    def __post_init__(self) -> None:
+        choices = self.pieces.choices
+        for names, ways in zip(self.pieces.members, choices, strict=True):
+            if not ways:
+                self.reason = f'no section has components for all of {quoted(names)}, which repeat'
+        self.sections = [sorted({one.section for one in ways}) for ways in choices]
+        if not self.reason:
+            self._narrow()
+
+    @cached_property
+    def links(self) -> list[Demand]:
+        """The pieces that are not done behind others."""
+        pieces, line = self.pieces, self.line
+        names = [one[0] for one in pieces.members]
+        found = [
+            Demand(f'`{names[second]}` comes after `{names[first]}`', first, second)
+            for second, before in enumerate(pieces.before)
+            for first in before
+        ]
+        places, takes = pieces.number_of[line.places], pieces.number_of[line.takes[0]]
+        for number, name in enumerate(names):
+            if number != places:
+                words = f'`{names[places]}` places the item before `{name}`'
+                found.append(Demand(words, places, number))
+            if len(line.takes) == 1 and number != takes:
+                words = f'`{names[takes]}` takes the item out after `{name}`'
+                found.append(Demand(words, number, takes))
+        return found
+
+    def _narrow(self) -> None:
+        """Take away what does not fit, or say what contradicts what."""
+        demands = [*self.links, *self._rooms(), *map(self._where, range(len(self.pieces)))]
+        most = max(one[-1] for one in self.sections)
+        left = narrowed(demands, len(self.pieces), most)
+        self.sections = [sorted(one) for one in left]
+        if not all(left):
+            needed = irreducible(demands, len(self.pieces), most)
+            self.reason = (
+                'items move down the belt only, and these demands contradict each other: '
+                + '; '.join(one.words for one in needed)
+            )
+
+    def _where(self, piece: int) -> Demand:
+        """Say where a piece can be done, whatever the others need."""
+        who: dict[int, dict[str, None]] = {section: {} for section in self.sections[piece]}
+        for choice in self.pieces.choices[piece]:
+            who[choice.section][choice.members[0].component.name] = None
+        told = ' or '.join(f'at {" or ".join(one)} in section {n}' for n, one in who.items())
+        return Demand(f'`{self.pieces.members[piece][0]}` only {told}', piece, sections=(*who,))
+
+    def _rooms(self) -> Iterator[Demand]:
+        """Yield how far what a device keeps may go; what travels with the item has no limit."""
+        number_of = self.pieces.number_of
+        for held in self.held:
+            giver, room = number_of[held.giver], dict[int, int]()
+            for choice in self.pieces.choices[giver]:
+                kept = [one.capability.holds for one in choice.members if held.is_kept_by(one)]
+                many = kept[0][held.name] if kept else 1_000_000
+                room[choice.section] = max(room.get(choice.section, 0), choice.section + many)
+            most = max(last - section for section, last in room.items())
+            for taker in held.takers:
+                words = (
+                    f'`{taker}` at most {counted(most, "section")} behind `{held.giver}`, whose '
+                    f'device holds {most} `{held.name}`: bind nearer, or it has to hold more'
+                )
+                yield Demand(words, giver, number_of[taker], room=(*room.items(),))

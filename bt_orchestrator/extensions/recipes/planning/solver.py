@@ -1,0 +1,146 @@
+"""Mixed-integer models in whole numbers, solved by HiGHS: the only file that knows it.
+
+One thread, one seed, no gap, and a limit of nodes, never of time: equal models give equal answers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from bt_orchestrator.extensions.recipes.planning.outcome import NotFound
+
+if TYPE_CHECKING:
+    import highspy
+
+Terms = Mapping[int, int]
+"""Coefficients, by the number of the variable."""
+
+VERSION = '1.16.0'
+"""Another release of HiGHS may choose another one of equally good plans."""
+
+_OPTIONS = {
+    'output_flag': False,
+    'threads': 1,
+    'random_seed': 0,
+    'mip_rel_gap': 0.0,
+    'mip_abs_gap': 0.0,
+}
+_ROUNDING = 1e-5
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The best values that were found."""
+
+    values: Sequence[int]
+    cost: int
+    bound: int
+    """Every solution costs at least this much."""
+
+
+@dataclass
+class Model:
+    """Variables that are whole numbers, and linear rows over them."""
+
+    _most: list[int] = field(default_factory=list)
+    _rows: list[tuple[Terms, float, float]] = field(default_factory=list)
+
+    def variable(self, most: int = 1) -> int:
+        """Add a variable from 0 to `most`, and return its number."""
+        self._most.append(most)
+        return len(self._most) - 1
+
+    def at_most(self, terms: Terms, most: int) -> None:
+        """Add a row: the sum of the terms is at most this."""
+        self._rows.append((terms, -math.inf, most))
+
+    def at_least(self, terms: Terms, least: int) -> None:
+        """Add a row: the sum of the terms is at least this."""
+        self._rows.append((terms, least, math.inf))
+
+    def equal(self, terms: Terms, value: int) -> None:
+        """Add a row: the sum of the terms is this."""
+        self._rows.append((terms, value, value))
+
+    @property
+    def size(self) -> int:
+        """The number of rows."""
+        return len(self._rows)
+
+    def forget(self, size: int) -> None:
+        """Remove the rows that were added since the model had this many."""
+        del self._rows[size:]
+
+    def minimise(self, cost: Terms, nodes: int, begin: Answer | None = None) -> Answer | None:
+        """Return the values with the least cost; None: the rows contradict each other.
+
+        :param nodes: of the tree that may be searched
+        :param begin: values that meet all rows
+        :raises NotFound: no solution was found within this many nodes, or HiGHS is not installed
+        """
+        highs = _highs()
+        solver = self._solver(highs, cost, nodes)
+        if begin is not None:
+            known = highs.HighsSolution()
+            known.col_value = [float(value) for value in begin.values]
+            solver.setSolution(known)
+        solver.run()
+        status = solver.getModelStatus()
+        if status == highs.HighsModelStatus.kInfeasible:
+            return None
+        values = [round(value) for value in solver.getSolution().col_value]
+        if not self._is_met(values) and begin is not None:
+            values = list(begin.values)
+        elif not self._is_met(values):
+            raise NotFound([f'not found within {nodes:,} nodes; not proven impossible'])
+        found = sum(values[number] * one for number, one in cost.items())
+        if status == highs.HighsModelStatus.kOptimal:
+            return Answer(values, found, found)
+        bound = solver.getInfo().mip_dual_bound
+        least = math.ceil(bound - _ROUNDING) if math.isfinite(bound) else -(10**15)
+        return Answer(values, found, min(least, found))
+
+    def _is_met(self, values: Sequence[int]) -> bool:
+        """Judge values in whole numbers: the solver works with rounding errors."""
+        return len(values) == len(self._most) and all(
+            least <= sum(values[number] * one for number, one in terms.items()) <= most
+            for terms, least, most in self._rows
+        )
+
+    def _solver(self, highs: ModuleType, cost: Terms, nodes: int) -> highspy.Highs:
+        import numpy as np
+
+        program, count = highs.HighsLp(), len(self._most)
+        program.num_col_, program.num_row_ = count, len(self._rows)
+        program.col_cost_ = np.array([cost.get(number, 0) for number in range(count)], float)
+        program.col_lower_ = np.zeros(count)
+        program.col_upper_ = np.array(self._most, float)
+        program.row_lower_ = np.array([least for _, least, _ in self._rows], float)
+        program.row_upper_ = np.array([most for _, _, most in self._rows], float)
+        matrix, terms = program.a_matrix_, [terms for terms, _, _ in self._rows]
+        matrix.format_ = highs.MatrixFormat.kRowwise
+        matrix.start_ = np.cumsum([0, *map(len, terms)])
+        matrix.index_ = np.array([number for row in terms for number in row])
+        matrix.value_ = np.array([one for row in terms for one in row.values()], float)
+        program.integrality_ = [highs.HighsVarType.kInteger] * count
+        silent = type('Silent', (highs.Highs,), {'enableCallbacks': lambda _: None})  # a banner
+        solver: highspy.Highs = silent()
+        for name, value in _OPTIONS.items():
+            solver.setOptionValue(name, value)
+        solver.setOptionValue('mip_max_nodes', nodes)
+        solver.passModel(program)
+        return solver
+
+
+def _highs() -> ModuleType:
+    """Return the module of HiGHS, which is imported when something is planned."""
+    try:
+        import highspy
+    except ImportError as error:
+        how = f"install it with: pip install 'highspy=={VERSION}'"
+        raise NotFound([f'planning needs HiGHS, which cannot be imported; {how}']) from error
+    return highspy

@@ -1,0 +1,113 @@
+"""Reading overrides: what an engineer decided about the script of one recipe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator.extensions.recipes.reading.bindings import misfit, unknown_operation
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.recipe import Overrides, Recipe
+from bt_orchestrator.script.circles import circles
+from bt_orchestrator.script.fields import Fields, fields_of, file_fields
+from bt_orchestrator.script.orders.recipe_keys import CHANGE, OVERRIDES
+from bt_orchestrator.script.report import Report
+from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.task_options import written_options
+from bt_orchestrator.script.yaml_nodes import Entry, ListNode, Node, Scalar, found
+
+
+def read_overrides(path: Path, recipe: Recipe, cell: Cell) -> Overrides:
+    """Read the overrides of a recipe.
+
+    :raises Refused: with every mistake in them
+    """
+    return parse_overrides(read_text(path), str(path), recipe, cell)
+
+
+def parse_overrides(text: str, file: str, recipe: Recipe, cell: Cell) -> Overrides:
+    """Read the text of overrides; the file's name stands in the findings.
+
+    :raises Refused: with every mistake in it; what would change nothing is one
+    """
+    report = Report(file)
+    overrides = _OverridesReader(file_fields(text, OVERRIDES, report), recipe, cell).read()
+    report.refuse()
+    return overrides
+
+
+class _OverridesReader:
+    """Reads one file of overrides."""
+
+    def __init__(self, fields: Fields, recipe: Recipe, cell: Cell) -> None:
+        self._fields = fields
+        self._recipe = recipe
+        self._cell = cell
+        self._report = fields.report
+
+    def read(self) -> Overrides:
+        """Return the overrides; they are of use only if nothing was reported."""
+        return Overrides(self._bind(), self._options(), tuple(self._order()))
+
+    def _bind(self) -> dict[str, str]:
+        bound = {}
+        for entry in self._entries('bind'):
+            component = entry.value.text if isinstance(entry.value, Scalar) else ''
+            if not component:
+                what = f'`bind` names a component for each operation, not {found(entry.value)}'
+                self._report.add(entry.value.place, what, OVERRIDES.by_name['bind'].hint)
+            elif self._is_known(entry.key):
+                self._check_bound(entry, component)
+                bound[entry.key.text] = component
+        return bound
+
+    def _check_bound(self, entry: Entry, name: str) -> None:
+        wrong = misfit(entry.key.text, name, self._recipe, self._cell)
+        if wrong is not None:
+            self._report.add(entry.value.place, *wrong)
+
+    def _options(self) -> dict[str, dict[str, Any]]:
+        changed = {}
+        for entry in self._entries('set'):
+            fields = fields_of(entry.value, CHANGE, self._report)
+            if self._is_known(entry.key) and fields is not None:
+                changed[entry.key.text] = written_options(fields)
+        return changed
+
+    def _order(self) -> Iterator[tuple[str, ...]]:
+        wanted: list[tuple[str, str]] = []
+        for node in self._fields.items('order'):
+            ids = tuple(one.text for one in self._ordered(node))
+            wanted += pairwise(ids)
+            yield ids
+        said = [(one, o.id) for o in self._recipe.operations for one in o.after]
+        for circle in circles([*said, *wanted]):
+            what = f'operations would wait for each other: {", ".join(circle)}'
+            place = self._fields.place('order')
+            self._report.add(place, what, 'the order of the recipe has to be kept')
+
+    def _ordered(self, node: Node) -> Iterator[Scalar]:
+        items = node.items if isinstance(node, ListNode) else ()
+        if len(items) < 2:
+            given = 'one operation' if items else found(node)
+            what = f'an order is a list of at least two operations, not {given}'
+            self._report.add(node.place, what, OVERRIDES.by_name['order'].hint)
+        for item in items:
+            if not isinstance(item, Scalar) or not item.text:
+                what = f'an order names operations, not {found(item)}'
+                self._report.add(item.place, what, OVERRIDES.by_name['order'].hint)
+            elif self._is_known(item):
+                yield item
+
+    def _entries(self, key: str) -> tuple[Entry, ...]:
+        node = self._fields.mapping(key)
+        return (*node.entries, *node.repeated) if node else ()
+
+    def _is_known(self, name: Scalar) -> bool:
+        """Tell whether the recipe has an operation; an override of nothing is a mistake."""
+        wrong = unknown_operation(name.text, self._recipe, 'override for')
+        if wrong is not None:
+            self._report.add(name.place, *wrong)
+        return wrong is None

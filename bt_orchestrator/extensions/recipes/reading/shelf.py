@@ -1,0 +1,112 @@
+"""Finding a recipe by its name and version, in the folders of recipes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.script.composing import compose
+from bt_orchestrator.script.lookup import scripts_in
+from bt_orchestrator.script.orders.order_file import OrderPlaces
+from bt_orchestrator.script.orders.terms import Wrong
+from bt_orchestrator.script.report import Report, did_you_mean, listing
+from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.yaml_nodes import MapNode, Scalar, quoted
+
+OVERRIDES = '.overrides'
+"""The overrides of WM-100.yaml are in WM-100.overrides.yaml beside it."""
+
+
+class Shelved(NamedTuple):
+    """The file of a recipe."""
+
+    name: str
+    version: int
+    path: Path
+
+    @property
+    def overrides(self) -> Path | None:
+        """The decisions of an engineer about it; None: no decision."""
+        path = self.path.with_name(f'{self.path.stem}{OVERRIDES}{self.path.suffix}')
+        return path if path.is_file() else None
+
+
+def shelved(folders: Sequence[Path]) -> Iterator[Shelved]:
+    """Yield the recipes in some folders; files that are none, or cannot be read, are left out."""
+    for folder in folders:
+        for path in scripts_in(folder):
+            found = shelved_at(path)
+            if found is not None:
+                yield found
+
+
+def find_recipe(
+    name: str, choice: RecipeChoice, folders: Sequence[Path], places: OrderPlaces
+) -> Shelved:
+    """Return the file of one of the recipes that an order names.
+
+    Of a version that is in several folders, the first folder has it.
+
+    :param places: of the order
+    :raises Refused: there is none, or not of that version, or two in one folder
+    """
+    known = list(shelved(folders))
+    versions: dict[int, Shelved] = {}
+    for one in known:
+        if one.name == name and versions.setdefault(one.version, one) is not one:
+            _refuse_twins(versions[one.version], one, places)
+    wanted = max(versions, default=None) if choice.version is None else choice.version
+    if wanted in versions:
+        return versions[wanted]
+    raise Refused([places.finding(_missing(name, choice, versions, known, folders))])
+
+
+def _missing(
+    name: str,
+    choice: RecipeChoice,
+    versions: dict[int, Shelved],
+    known: Sequence[Shelved],
+    folders: Sequence[Path],
+) -> Wrong:
+    if versions:
+        there = ', '.join(map(str, sorted(versions)))
+        is_one = 'there is' if len(versions) == 1 else 'there are'
+        what = f'recipe {name} has no version {choice.version}; {is_one} {there}'
+        return Wrong('version', what, 'leave `version` out for the newest')
+    names = list(dict.fromkeys(one.name for one in known))
+    looked = ', '.join(map(str, folders)) or 'no folder'
+    what = f'there is no recipe {quoted(name)}: looked in {looked}'
+    others = f'the recipes are {listing(names)}' if names else 'there are none; see --recipes'
+    return Wrong('recipe', what, did_you_mean(name, names, others))
+
+
+def _refuse_twins(first: Shelved, second: Shelved, places: OrderPlaces) -> None:
+    if first.path.parent != second.path.parent:
+        return
+    files = f'{first.path} and {second.path.name}'
+    what = f'recipe {first.name} has version {first.version} twice: {files}'
+    raise Refused([places.finding(Wrong('recipe', what, 'give one of them another version'))])
+
+
+def shelved_at(path: Path) -> Shelved | None:
+    """Return the recipe of a file; None: the file is no recipe, or cannot be read."""
+    if path.stem.endswith(OVERRIDES):
+        return None
+    try:
+        root = compose(read_text(path), Report(str(path)))
+    except Refused:
+        return None
+    if not isinstance(root, MapNode) or root.find('operations') is None:
+        return None
+    name, version = (_plain(root, key) for key in ('recipe', 'version'))
+    if isinstance(name, Scalar) and isinstance(version, Scalar) and type(version.value) is int:
+        return Shelved(name.text, version.value, path)
+    return None
+
+
+def _plain(root: MapNode, key: str) -> object:
+    entry = root.find(key)
+    return entry.value if entry else None

@@ -1,0 +1,78 @@
+"""Whether jobs of several scripts can share the flags of a line (semantics 4.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.jobs.job_commands import Sharing
+from bt_orchestrator.model.proof.deadlock import get_stuck_together
+from bt_orchestrator.model.script import Dependency, Script
+
+
+def examine(new: Mapping[str, Script], live: Mapping[str, Script]) -> Sharing:
+    """Check new scripts against those of live jobs, and against the new ones before them.
+
+    Scripts are given by their digests.
+    """
+    known = dict(live)
+    why_not: dict[str, str] = {}
+    for name, script in new.items():
+        reason = contradiction(script, known)
+        if reason is not None:
+            why_not[name] = reason
+        known[name] = script
+    return Sharing(frozenset(known), why_not)
+
+
+def contradiction(
+    new: Script, known: Mapping[str, Script], found: Sharing | None = None
+) -> str | None:
+    """Say why a script cannot share its flags with those of other jobs.
+
+    :param known: by digest
+    :param found: an earlier result of `examine`; used if it covers all of them
+    """
+    if not new.dependencies:
+        return None
+    name = digest(new)
+    others = {other: script for other, script in known.items() if script.dependencies}
+    if found is not None and {name, *others} <= found.among:
+        return found.why_not.get(name)
+    others.pop(name, None)
+    return _disagreement(new, others) or _circle(new, others)
+
+
+def _circle(new: Script, others: Mapping[str, Script]) -> str | None:
+    """Say with which scripts a line could get stuck, although none does alone."""
+    flags = {dependency.flag for dependency in new.dependencies}
+    sharing = [s for s in others.values() if not flags.isdisjoint(d.flag for d in s.dependencies)]
+    if not sharing or not get_stuck_together([new, *others.values()]):
+        return None
+    names = ', '.join(dict.fromkeys(script.name for script in sharing))
+    return (
+        f'script {new.name} shares flags with {names}, and where jobs of both follow each other '
+        f'the line can get stuck, although with each alone it cannot; use other flags, or wait '
+        f'until no job of {names} is left'
+    )
+
+
+def _disagreement(new: Script, others: Mapping[str, Script]) -> str | None:
+    """Say which script shares a flag and disagrees about it."""
+    for script in others.values():
+        there = {dependency.flag: dependency for dependency in script.dependencies}
+        for dependency in new.dependencies:
+            other = there.get(dependency.flag)
+            if other is not None and _traits(new, dependency) != _traits(script, other):
+                return (
+                    f'script {new.name} and script {script.name} share the flag '
+                    f'{dependency.flag} but disagree on its capacity, its initial count or the '
+                    'sections of its tasks; make them agree or use two names'
+                )
+    return None
+
+
+def _traits(script: Script, dependency: Dependency) -> tuple[int, int, int, int]:
+    upstream = script.section_of(dependency.upstream)
+    downstream = script.section_of(dependency.downstream)
+    return dependency.capacity, dependency.initial, upstream, downstream

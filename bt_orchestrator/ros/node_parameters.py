@@ -1,0 +1,179 @@
+"""The start parameters of a tree node.
+
+One table: the node's ROS parameters, the options of `run`, and their page are made from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, get_args, get_type_hints
+
+from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
+from bt_orchestrator.model.roles import Role
+
+SINGLE, EVENTS = 'single', 'events'
+BUILTIN, PY_TREES_ROS = 'builtin', 'py_trees_ros'
+AUTO = 'auto'
+
+
+MOST_JOBS = 2**31 - 1
+"""In practice no limit."""
+
+
+class BadParameter(OrchestratorError):
+    """A parameter has a value that is not allowed."""
+
+
+@dataclass(frozen=True)
+class Words:
+    """The description of a parameter for users."""
+
+    meaning: str
+    choices: tuple[str, ...] = ()
+    """The allowed values of a string; empty: any."""
+    low: float | None = None
+    high: float | None = None
+    """The range of a number."""
+    metavar: str | None = None
+
+
+@dataclass(frozen=True)
+class NodeParameters:
+    """The parameters of a tree node, with their defaults."""
+
+    cell: Annotated[
+        Path | None, Words('cell file (YAML; default: cell.yaml in this folder)', metavar='CELL')
+    ] = None
+    trees: Annotated[
+        tuple[Path, ...],
+        Words('folders in which scripts are looked up by name, in order', metavar='DIR'),
+    ] = ()
+    recipes: Annotated[
+        tuple[Path, ...],
+        Words(
+            'folders of recipes, with NAME.overrides.yaml beside NAME.yaml, for orders by recipe',
+            metavar='DIR',
+        ),
+    ] = ()
+    script_paths: Annotated[
+        bool,
+        Words(
+            'orders may name scripts outside these folders by their path; then every participant '
+            'of the ROS 2 domain can have the node read any file as a script'
+        ),
+    ] = False
+    unauthenticated_role: Annotated[
+        str,
+        Words(
+            'role of all clients in the ROS domain, because ROS does not authenticate them; auto: '
+            'engineer where the discovery range of ROS is this computer, else view',
+            choices=(AUTO, *(role.value for role in Role)),
+        ),
+    ] = AUTO
+    trust_local_doors: Annotated[
+        bool,
+        Words(
+            'the roles that pages and OPC UA servers assert for their users count, where the '
+            'discovery range of ROS is this computer'
+        ),
+    ] = False
+    tick_rate_hz: Annotated[
+        float,
+        Words(
+            'heartbeat of the tree, Hz, for time limits and statistics; a result, a command or a '
+            'state message wakes the tree at once, whatever the rate',
+            low=0.1,
+            high=1000.0,
+            metavar='HZ',
+        ),
+    ] = 10.0
+    executor: Annotated[
+        str, Words('rclpy executor; events: where rclpy has it', choices=(SINGLE, EVENTS))
+    ] = SINGLE
+    auto_start: Annotated[
+        bool,
+        Words(
+            'the cell resets and starts by itself when an order arrives, unless an operator '
+            'stopped it'
+        ),
+    ] = True
+    auto_resume: Annotated[
+        bool, Words('after a restart with unfinished work, go on without the hold `restarted`')
+    ] = False
+    journal: Annotated[
+        Path | None,
+        Words(
+            'file of the durable journal (SQLite): what was begun goes on after a crash; without '
+            'it nothing survives the process',
+            metavar='FILE',
+        ),
+    ] = None
+    journal_synchronous: Annotated[
+        str,
+        Words(
+            'FULL: a power cut loses nothing; NORMAL: faster by one fsync a commit, a power cut '
+            'may lose the last events, a crash of the program loses nothing',
+            choices=('FULL', 'NORMAL'),
+        ),
+    ] = 'FULL'
+    journal_timeout: Annotated[
+        float,
+        Words(
+            'seconds that a commit may take before the journal counts as broken; until then '
+            'nothing is sent, commands wait, and requests that only read are answered',
+            low=1.0,
+            high=3600.0,
+            metavar='SECONDS',
+        ),
+    ] = 15.0
+    journal_keep_jobs: Annotated[
+        int,
+        Words(
+            'how many ended jobs keep their events in the journal, at least; of older ones a '
+            'summary stays; -1: all',
+            low=-1,
+            high=MOST_JOBS,
+            metavar='N',
+        ),
+    ] = 1000
+    server_timeout: Annotated[
+        float,
+        Words(
+            'seconds that a goal waits for its action server before it fails with '
+            'server_unavailable',
+            low=0.0,
+            high=3600.0,
+            metavar='SECONDS',
+        ),
+    ] = SERVER_TIMEOUT_S
+    expected_end: Annotated[
+        bool, Words('forecast the ends of jobs, in a process of low priority')
+    ] = True
+    inspection: Annotated[
+        str,
+        Words(
+            'what tree watchers attach to: builtin, the server of this node, or py_trees_ros, the '
+            'server of that package, which has to be installed',
+            choices=(BUILTIN, PY_TREES_ROS),
+        ),
+    ] = BUILTIN
+
+    def __post_init__(self) -> None:
+        """Refuse a value that is not one of the choices.
+
+        :raises BadParameter: the message lists the choices
+        """
+        for name, words in described():
+            found = getattr(self, name)
+            if words.choices and found not in words.choices:
+                expected = ' or '.join(words.choices)
+                raise BadParameter(f'parameter {name}: expected {expected}, found {found!r}')
+
+
+def described() -> Iterator[tuple[str, Words]]:
+    """Yield every parameter with its name, in the order of the documentation."""
+    for name, hint in get_type_hints(NodeParameters, include_extras=True).items():
+        yield name, get_args(hint)[1]

@@ -1,0 +1,1 @@
+"""Records and figures, drawings, the terminal: all that a person sees."""

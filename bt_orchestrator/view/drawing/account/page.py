@@ -1,0 +1,102 @@
+"""An account as one file of HTML that needs nothing else: no script, no font, no address."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from bt_orchestrator.view.drawing.account.style import STYLE
+from bt_orchestrator.view.drawing.account.tables import (
+    failing,
+    holds,
+    made,
+    repairs,
+    stops,
+    waterfall,
+)
+from bt_orchestrator.view.drawing.documents.html import Html, document, program
+from bt_orchestrator.view.report.account.account import Account
+from bt_orchestrator.view.report.account.figures import Figures
+from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent, rate
+
+TIMES = '\N{MULTIPLICATION SIGN}'
+
+PRODUCT = f'availability {TIMES} performance {TIMES} quality'
+
+DEFINITIONS = (
+    f'OEE = {PRODUCT}, after ISO 22400-2. '
+    'Availability: actual production time of planned busy time. '
+    'Performance: produced items at the pace of their scripts, of the actual production time. '
+    'Quality: good items of produced ones. '
+    'MTBF: planned busy time without repairs, for each failure; MTTR: from a hold to its release.'
+)
+
+
+def account_page(account: Account) -> str:
+    """Return the page."""
+    shown = account.figures
+    title = ', '.join(filter(None, (account.period.name, shown.times.cell)))
+    return document(title, lambda page: _write(page, account), STYLE)
+
+
+def _write(page: Html, account: Account) -> None:
+    sheet = page.add('article', class_='account')
+    shown = account.figures
+    _head(sheet, account)
+    _tiles(sheet, shown)
+    _facts(sheet, shown)
+    waterfall(sheet, shown)
+    stops(sheet, shown)
+    holds(sheet, account)
+    made(sheet, shown)
+    failing(sheet, shown)
+    repairs(sheet, shown)
+    foot = sheet.add('footer')
+    for note in (*account.notes(), DEFINITIONS, program()):
+        foot.add('p', note)
+
+
+def _head(sheet: Html, account: Account) -> None:
+    period, cell = account.period, account.figures.times.cell
+    sheet.add('p', f'Report of cell {cell}' if cell else 'Report', class_='kind')
+    sheet.add('h1', period.name[:1].upper() + period.name[1:])
+    zone = f' ({period.zone})' if period.zone is not None else ''
+    when = f'{period.when(period.begin_us)} to {period.when(period.end_us)}{zone}'
+    sheet.add('p', when, class_='sub')
+
+
+def _tiles(sheet: Html, shown: Figures) -> None:
+    times = shown.times
+    tiles = sheet.add('div', class_='tiles')
+    _tile(tiles, 'OEE', shown.oee, PRODUCT, 'tile first')
+    up = f'{duration(times.production_us)} of {duration(times.busy_us)}'
+    _tile(tiles, 'Availability', shown.availability, up)
+    pace = f'{_seconds(shown.pace_us)} at the pace, {_seconds(shown.per_item_us)} taken'
+    _tile(tiles, 'Performance', shown.performance, pace if shown.produced else '')
+    _tile(tiles, 'Quality', shown.quality, f'{shown.good} of {shown.produced} good')
+
+
+def _tile(tiles: Html, title: str, ratio: Fraction | None, about: str, kind: str = 'tile') -> None:
+    tile = tiles.add('div', class_=kind)
+    tile.add('span', title)
+    tile.add('b', percent(ratio))
+    tile.add('small', about)
+
+
+def _seconds(us: Fraction | None) -> str:
+    return UNKNOWN if us is None else duration(us)
+
+
+def _facts(sheet: Html, shown: Figures) -> None:
+    outside = sum(one.outside for one in shown.times.made)
+    bad = shown.produced - shown.good
+    said = f'{shown.produced}: {shown.good} good, {bad} not'
+    facts = {
+        'made': f'{said}; {outside} more outside planned time' if outside else said,
+        'rate': rate(shown.per_item_us) if shown.produced else '',
+        'pace': rate(shown.pace_us) if shown.pace_us else '',
+    }
+    listed = sheet.add('dl', class_='facts')
+    for name, value in facts.items():
+        if value:
+            listed.add('dt', name)
+            listed.add('dd', value)

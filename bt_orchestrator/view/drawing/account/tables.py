@@ -1,0 +1,186 @@
+"""The tables of the page: the waterfall and the Paretos with their bars, and what stands below.
+
+A part that has nothing to say is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import NamedTuple
+
+from bt_orchestrator.view.drawing.account.bars import bar
+from bt_orchestrator.view.drawing.documents.html import Html
+from bt_orchestrator.view.report.account.account import Account
+from bt_orchestrator.view.report.account.figures import Bar, Figures
+from bt_orchestrator.view.report.account.losses import WORDS, Step
+from bt_orchestrator.view.report.account.stops import Held
+from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent
+
+
+class Column(NamedTuple):
+    """A column of a table."""
+
+    title: str
+    kind: str = ''
+    """Class of its cells: number, time or bar; empty: text."""
+
+
+class TableCell(NamedTuple):
+    """The content of a row and a column."""
+
+    text: str
+    more: str = ''
+    """A second line."""
+    drawing: str = ''
+    """SVG; in place of a text."""
+
+
+BAR = Column('', 'bar')
+
+
+def waterfall(sheet: Html, shown: Figures) -> None:
+    """Write from the planned time over every loss to what is left at the end."""
+    numbers = _numbers('time', 'of planned')
+    body = _table(sheet, 'Where the time went', (Column(''), BAR, *numbers), 'whole')
+    left = Fraction(0)
+    for one in shown.steps_seen():
+        begin, left = (left, left - one.us) if one.loss else (Fraction(0), one.us)
+        drawn = TableCell(
+            '', drawing=bar(*(shown.of_planned(us) or Fraction(0) for us in (begin, left)))
+        )
+        told = (TableCell(_signed(one)), TableCell(percent(shown.of_planned(one.us))))
+        _row(body, (TableCell(one.title), drawn, *told), (Column(''), BAR, *numbers), _kind(one))
+
+
+def _kind(one: Bar) -> str:
+    return f'is-loss {_step(WORDS[one.loss].step)}' if one.loss else 'is-left'
+
+
+def _step(step: Step) -> str:
+    return step.value.replace(' ', '-')
+
+
+def _signed(one: Bar) -> str:
+    minus = '\N{MINUS SIGN}' if one.loss and one.us >= 0 else ''
+    return f'{minus}{duration(abs(one.us))}'
+
+
+def stops(sheet: Html, shown: Figures) -> None:
+    """Write the Pareto of the stops: how long, how often, the share of them and all above."""
+    found = [one for one in shown.times.stops if one.is_shown]
+    if not found:
+        return
+    columns = (Column(''), BAR, *_numbers('time', 'times', 'so far'))
+    body = _table(sheet, 'Stops', columns)
+    whole, so_far = sum(one.us for one in found), 0
+    for one in found:
+        so_far += one.us
+        name = TableCell(WORDS[one.loss].title, one.about)
+        drawn = TableCell('', drawing=bar(0, Fraction(one.us, found[0].us)))
+        texts = (duration(one.us), str(one.times), percent(Fraction(so_far, whole)))
+        _row(body, (name, drawn, *map(TableCell, texts)), columns, _step(Step.AVAILABILITY))
+
+
+def holds(sheet: Html, account: Account) -> None:
+    """Write the holds in their order, with what was answered."""
+    times = account.figures.times
+    if times.holds:
+        when = (Column('from', 'time'), Column('to', 'time'))
+        columns = (*when, Column('lost', 'number'), Column('what'), Column('answer'))
+        body = _table(sheet, 'Holds', columns)
+        for held in times.holds:
+            _row(body, _hold(account, held), columns)
+    if times.holds_left_out:
+        us = sum(times.left_out_us.values())
+        sheet.add('p', f'and {times.holds_left_out} others, {duration(us)} together')
+
+
+def _hold(account: Account, held: Held) -> tuple[TableCell, ...]:
+    end = 'stands' if held.released_us is None else account.period.clock(held.released_us)
+    return (
+        TableCell(account.period.clock(held.raised_us)),
+        TableCell(end),
+        TableCell(duration(held.lost_us) if held.lost_us else UNKNOWN),
+        TableCell(held.words, WORDS[held.loss].title if held.loss else ''),
+        TableCell(f'{held.answer} by {held.who}' if held.answer else UNKNOWN, held.reason),
+    )
+
+
+def made(sheet: Html, shown: Figures) -> None:
+    """Write the jobs whose items left the line."""
+    if not shown.times.made:
+        return
+    titles = ('pace', 'good', 'nonconforming', 'rejected', 'by hand', 'outside')
+    columns = (Column('job'), Column('script'), *_numbers(*titles))
+    body = _table(sheet, 'What was made', columns)
+    for one in shown.times.made:
+        pace = shown.paces.get(one.digest)
+        recipe = f'recipe {one.recipe}' if one.recipe else ''
+        counts = (one.good, one.nonconforming, one.rejected, one.by_hand, one.outside)
+        texts = (UNKNOWN if pace is None else f'{pace.per_item_s:.1f} s', *map(str, counts))
+        _row(
+            body,
+            (TableCell(one.job), TableCell(one.script, recipe), *map(TableCell, texts)),
+            columns,
+        )
+
+
+def failing(sheet: Html, shown: Figures) -> None:
+    """Write the Pareto of the attempts that failed."""
+    found = shown.times.failing
+    if not found:
+        return
+    columns = (Column(''), BAR, *_numbers('times', 'took'))
+    body = _table(sheet, 'Failed attempts', columns)
+    for one in found:
+        name = TableCell(one.component or 'nothing sent', f'{one.task}: {one.reason}')
+        drawn = TableCell('', drawing=bar(0, Fraction(one.times, found[0].times)))
+        numbers = (TableCell(str(one.times)), TableCell(duration(one.us)))
+        _row(body, (name, drawn, *numbers), columns, 'count')
+
+
+def repairs(sheet: Html, shown: Figures) -> None:
+    """Write the components that failed, with the means of their times."""
+    if not shown.times.repairs:
+        return
+    columns = (Column('component'), *_numbers('failures', 'down', 'MTBF', 'MTTR'))
+    body = _table(sheet, 'Components that failed', columns)
+    for one in shown.times.repairs:
+        times: tuple[Fraction | int, ...] = (
+            one.down_us,
+            shown.mtbf_us(one),
+            shown.mttr_us(one),
+        )
+        texts = (one.component, str(one.failures), *map(duration, times))
+        _row(body, map(TableCell, texts), columns)
+
+
+# --- tables -----------------------------------------------------------------------------------
+
+
+def _numbers(*titles: str) -> tuple[Column, ...]:
+    return tuple(Column(title, 'number') for title in titles)
+
+
+def _table(sheet: Html, title: str, columns: Iterable[Column], kind: str = '') -> Html:
+    """Begin a table below a heading; returns its body."""
+    part = sheet.add('section', class_=kind)
+    part.add('h2', title)
+    table = part.add('div', class_='scroll').add('table')
+    head = table.add('thead').add('tr')
+    for column in columns:
+        head.add('th', column.title, class_=column.kind)
+    return table.add('tbody')
+
+
+def _row(
+    body: Html, cells: Iterable[TableCell], columns: Iterable[Column], kind: str = ''
+) -> None:
+    row = body.add('tr', class_=kind)
+    for cell, column in zip(cells, columns, strict=True):
+        place = row.add('td', cell.text, class_=column.kind)
+        if cell.drawing:
+            place.draw(cell.drawing)
+        if cell.more:
+            place.add('small', cell.more)

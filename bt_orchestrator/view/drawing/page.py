@@ -1,0 +1,220 @@
+"""The layout of a whole page: header, rows of sections, and the lines between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import accumulate, pairwise
+from typing import NamedTuple
+
+from bt_orchestrator.model.script import Dependency, index_task
+from bt_orchestrator.view.drawing.box import Box, Point
+from bt_orchestrator.view.drawing.card import CARD_WIDTH, Sheet, card
+from bt_orchestrator.view.drawing.legend import TITLE_WIDTH, legend_width
+from bt_orchestrator.view.drawing.plan import (
+    GAP,
+    PADDING,
+    TITLE,
+    Column,
+    Placed,
+    column,
+    initialization,
+)
+from bt_orchestrator.view.drawing.routes import GUTTER, LABEL_GAP, LANE, Lanes, Place, Route
+
+LONGEST_ROW = 1900.0
+"""Points: six sections, two of them with a group, have room. A longer belt has several rows."""
+LABEL_HEIGHT = 28.0
+MARGIN = 4.0
+EDGE = 14.0
+"""From a gutter's or band's end to its first lane."""
+
+
+class FlagLine(NamedTuple):
+    """The way of a flag, and where the middle of its label is."""
+
+    flag: Dependency
+    points: list[Point]
+    label_at: Point
+
+
+def label_width(flag: Dependency) -> float:
+    """Return about how wide the label of a flag is; letters are up to 7 points wide."""
+    return max(110.0, 7 * len(f'flag {flag.flag}'))  # the word is as long in every language
+
+
+class PageLayout:
+    """Everything of a drawing in its place."""
+
+    def __init__(self, sheet: Sheet, title_height: float, legend_height: float) -> None:
+        """Lay out a drawing; without title and legend their heights are not used."""
+        self.title = Box(0, 0, 0, -GAP) if sheet.is_bare else Box(0, 0, TITLE_WIDTH, title_height)
+        self._lanes = Lanes()
+        plain = [column(sheet, n) for n in range(1, sheet.cell.conveyor.sections + 1)]
+        rows = list(_in_rows(plain))
+        self._place = {
+            one.number: (r, p) for r, row in enumerate(rows) for p, one in enumerate(row)
+        }
+        self._flags = [(one, self._route(sheet, one)) for one in sheet.script.dependencies]
+        self._turns = [
+            self._lanes.route((r, len(row) - 1), (r + 1, 0)) for r, row in enumerate(rows[:-1])
+        ]
+        self._place_header(sheet)
+        self.width, self.height = self._place_rows(rows)
+        self.legend = Box(0, self.height + GAP, legend_width(sheet), legend_height)
+        if not sheet.is_bare:
+            self.width = max(self.width, self.legend.right)
+            self.height = self.legend.bottom
+
+    def _route(self, sheet: Sheet, flag: Dependency) -> Route:
+        start, end = (
+            self._place[sheet.script.section_of(task)] for task in (flag.upstream, flag.downstream)
+        )
+        return self._lanes.route(start, end, label_width(flag))
+
+    def _place_header(self, sheet: Sheet) -> None:
+        """Place initialization and the belt's move side by side."""
+        top, left = self.title.bottom + GAP, 0.0
+        tasks = initialization(sheet)
+        self.initialization_frame: Box | None = None
+        if tasks:
+            self.initialization_frame = _around(tasks).moved(left, top)
+            left = self.initialization_frame.right + GUTTER
+        self.initialization = tuple(_moved(one, 0, top) for one in tasks)
+        task = index_task(sheet.cell)
+        label = card(sheet, task)
+        move = Placed(task, label, Box(PADDING, TITLE, CARD_WIDTH, label.height))
+        self.belt_frame = _around([move]).moved(left, top)
+        self.move = _moved(move, left, top)
+        frames = [self.belt_frame, self.initialization_frame or self.belt_frame]
+        self._header_bottom = max(frame.bottom for frame in frames)
+
+    def _place_rows(self, rows: Sequence[Sequence[Column]]) -> tuple[float, float]:
+        """Place the sections; returns width and height of all above the legend."""
+        self.columns: list[Column] = []
+        self._tops: list[float] = []
+        self._gutter_ends: dict[Place, float] = {}
+        top, widest = self._header_bottom, max(self.belt_frame.right, self.title.right)
+        for r, row in enumerate(rows):
+            top += self._lanes.band(r)
+            self._tops.append(top)
+            height = max(one.height for one in row)
+            right = self._lanes.margin - (GUTTER if len(rows) == 1 else 0)
+            for p, one in enumerate(row):
+                left = right + self._lanes.gutter((r, p))
+                self._gutter_ends[r, p] = left
+                self.columns.append(one.moved(left, top, height))
+                right = left + one.width
+            last = (r, len(row))
+            self._gutter_ends[last] = right + self._lanes.gutter(last)
+            widest = max(widest, self._gutter_ends[last] if self._lanes.has_lines(last) else right)
+            top += height
+        self._tops.append(top + self._lanes.band(len(rows)))
+        return widest, self._tops[-1] if self._lanes.has_lines_above(len(rows)) else top
+
+    def frame(self, one: Column) -> Box:
+        """Return the frame of a section."""
+        left = one.slot.middle - one.width / 2
+        return Box(left, one.slot.top - TITLE, one.width, one.height)
+
+    # --- lines ------------------------------------------------------------------------------
+
+    def belts(self) -> Iterator[tuple[int, list[Point]]]:
+        """Yield the belt from each slot to the next one."""
+        turns = {route.start: route for route in self._turns}
+        for one, following in pairwise(self.columns):
+            turn = turns.get(self._place[one.number])
+            if turn is not None:
+                points = self._points(turn, one.slot, following.slot)
+            else:
+                y = one.slot.centre
+                points = [(one.slot.right, y), (following.slot.left, y)]
+            yield one.number, points
+
+    def flags(self) -> Iterator[FlagLine]:
+        """Yield the lines of the flags; a label stands on its line, in the gutter."""
+        boxes = {one.task.id: one.box for column in self.columns for one in column.cards}
+        routes = {flag.flag: route for flag, route in self._flags}
+        starts = _apart(
+            [(routes[one.flag].start, one.flag, boxes[one.upstream]) for one, _ in self._flags],
+            LABEL_HEIGHT,
+        )
+        ends = _apart(
+            [(routes[one.flag].end, one.flag, boxes[one.downstream]) for one, _ in self._flags],
+            LANE,
+        )
+        for flag, route in self._flags:
+            points = self._points(route, starts[flag.flag], ends[flag.flag])
+            beside = self.frame(self._column(flag.upstream)).right
+            middle = beside + LABEL_GAP + label_width(flag) / 2
+            yield FlagLine(flag, points, (middle, points[0][1] - LABEL_HEIGHT / 2))
+
+    def _column(self, task: str) -> Column:
+        return next(c for c in self.columns if any(one.task.id == task for one in c.cards))
+
+    def _points(self, route: Route, start: Box, end: Box) -> list[Point]:
+        row, position = route.start
+        out = self._lane((row, position + 1), route.out)
+        points = [(start.right, start.centre), (out, start.centre)]
+        if route.below is None:
+            side = end.right if route.start == route.end else end.left
+            return [*points, (out, end.centre), (side, end.centre)]
+        below = self._height(row + 1, route.below)
+        points.append((out, below))
+        if route.margin is not None and route.above is not None:
+            edge = LANE * (route.margin - 1)
+            points += [(edge, below), (edge, self._height(route.end[0], route.above))]
+        enter = self._lane(route.end, route.enter or 1)
+        return [*points, (enter, points[-1][1]), (enter, end.centre), (end.left, end.centre)]
+
+    def _lane(self, gutter: Place, lane: int) -> float:
+        return self._gutter_ends[gutter] - EDGE - LANE * (lane - 1)
+
+    def _height(self, band: int, lane: int) -> float:
+        return self._tops[band] - EDGE - LANE * (lane - 1)
+
+
+def _in_rows(columns: Sequence[Column]) -> Iterator[Sequence[Column]]:
+    """Break a long belt into rows of about equal length."""
+    total = list(accumulate(one.width + GUTTER for one in columns))[-1]
+    count = -(-int(total) // int(LONGEST_ROW))
+    length = -(-len(columns) // count)
+    return (columns[start : start + length] for start in range(0, len(columns), length))
+
+
+def _apart(lines: Sequence[tuple[Place, str, Box]], distance: float) -> Mapping[str, Box]:
+    """Return the places where lines meet the cards of a section, all different.
+
+    :param lines: section, name of the line, card
+    """
+    found: dict[str, Box] = {}
+    for place in dict.fromkeys(place for place, _, _ in lines):
+        here = sorted(
+            ((box, name) for at, name, box in lines if at == place),
+            key=lambda one: (one[0].centre, one[0].left),
+        )
+        heights = _spread([box for box, _ in here], distance)
+        for (box, name), height in zip(here, heights, strict=True):
+            found[name] = replace(box, top=height, height=0)
+    return found
+
+
+def _spread(boxes: Sequence[Box], distance: float) -> list[float]:
+    """Return a height on each box, from the first to the last, near its centre."""
+    heights = [box.centre for box in boxes]
+    for n in range(1, len(boxes)):
+        heights[n] = max(heights[n], heights[n - 1] + distance)
+    heights = [min(y, box.bottom - MARGIN) for y, box in zip(heights, boxes, strict=True)]
+    for n in reversed(range(len(boxes) - 1)):
+        heights[n] = max(min(heights[n], heights[n + 1] - distance), boxes[n].top + MARGIN)
+    return heights
+
+
+def _around(tasks: Sequence[Placed]) -> Box:
+    right = max(one.box.right for one in tasks)
+    bottom = max(one.box.bottom for one in tasks)
+    return Box(0, 0, right + PADDING, bottom + PADDING)
+
+
+def _moved(one: Placed, right: float, down: float) -> Placed:
+    return Placed(one.task, one.card, one.box.moved(right, down), one.belt)

@@ -1,0 +1,173 @@
+"""When shifts are: their hours on a day, in the time zone of the plant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from datetime import date, datetime, time, timedelta, tzinfo
+from typing import NamedTuple
+from zoneinfo import ZoneInfo
+
+from bt_orchestrator.model.plant.shifts import WHOLE_DAY, Hours, Shift, Shifts
+from bt_orchestrator.view.report.account.period import ChangedBreak, Period
+from bt_orchestrator.view.report.account.planned import US, Planned, us_of
+
+_LOOK_BACK_DAYS = 8
+"""A shift of one day of the week has begun within these."""
+
+_LOOK_BACK_US = _LOOK_BACK_DAYS * 24 * 3600 * US
+
+
+def zone_of(shifts: Shifts) -> tzinfo | None:
+    """Return the time zone of shifts; None: that of the computer."""
+    return ZoneInfo(shifts.zone) if shifts.zone else None
+
+
+class Turn(NamedTuple):
+    """One shift of one day."""
+
+    shift: str
+    """Its name in the file of shifts."""
+    day: date
+    """On which it begins."""
+    period: Period
+    """From its begin to its end, whatever of it has passed."""
+
+
+class Now(NamedTuple):
+    """The question at a moment, whose account grows with the time."""
+
+    period: Period
+    """As a whole, with what is still to come."""
+    turn: Turn | None = None
+    """The shift; None: no shift."""
+    next: Turn | None = None
+    """The shift that begins next, if none runs; the period is the one of the last that ended."""
+
+
+def shift_at(shifts: Shifts, now: float) -> Now:
+    """Return the shift that runs; the one that began last, if there are several.
+
+    :param now: seconds since the epoch
+    """
+    moment, zone = us_of(now), zone_of(shifts)
+    turns = list(_turns(shifts, moment - _LOOK_BACK_US, moment + _LOOK_BACK_US, zone))
+    begun = [one for one in turns if one.period.begin_us <= moment]
+    running = [one for one in begun if one.period.end_us > moment]
+    if running:
+        turn = max(running, key=lambda one: one.period.begin_us)
+        return Now(turn.period, turn)
+    turn = max(begun, key=lambda one: one.period.end_us)
+    coming = (one for one in turns if one.period.begin_us > moment)
+    return Now(turn.period, turn, min(coming, key=lambda one: one.period.begin_us))
+
+
+def _turns(shifts: Shifts, begin: int, end: int, zone: tzinfo | None) -> Iterator[Turn]:
+    """Yield the shifts that begin about between two moments."""
+    for day in _days(begin, end, zone):
+        for shift in shifts.shifts.values():
+            if day.weekday() in shift.days:
+                yield Turn(shift.name, day, shift_on(shift, day, zone))
+
+
+def shift_on(shift: Shift, day: date, zone: tzinfo | None, until: float | None = None) -> Period:
+    """Return the period of a shift that begins on a day.
+
+    :param until: now, seconds since the epoch, for what of it has passed; None: all of it
+    """
+    begin, end = _span(shift.hours, day, zone)
+    name = f'shift {shift.name} of {day}'
+    return Period(
+        name,
+        begin,
+        end if until is None else min(end, us_of(until)),
+        _planned(shift, day, zone),
+        zone,
+        breaks=_changed(shift, day, zone),
+    )
+
+
+def day_on(day: date, zone: tzinfo | None, until: float | None = None) -> Period:
+    """Return the period of a day, as that of a shift."""
+    return replace(shift_on(Shift(str(day), WHOLE_DAY), day, zone, until), name=str(day))
+
+
+def last_begun(shift: Shift, zone: tzinfo | None, until: float) -> date | None:
+    """Return the day on which a shift has begun last; None: on no day of the last week.
+
+    :param until: now, seconds since the epoch
+    """
+    today = datetime.fromtimestamp(until, zone).date()
+    for day in (today - timedelta(days=back) for back in range(_LOOK_BACK_DAYS)):
+        if day.weekday() in shift.days and _span(shift.hours, day, zone)[0] < us_of(until):
+            return day
+    return None
+
+
+def planned_within(shifts: Shifts, begin: int, end: int) -> Planned:
+    """Return the planned time of all shifts between two moments."""
+    zone = zone_of(shifts)
+    pieces = [
+        (max(here, begin), min(there, end))
+        for day in _days(begin, end, zone)
+        for shift in shifts.shifts.values()
+        if day.weekday() in shift.days
+        for here, there in _planned(shift, day, zone).pieces
+        if here < end and there > begin
+    ]
+    return Planned.of(pieces)
+
+
+def changed_breaks(shifts: Shifts, begin: int, end: int) -> tuple[ChangedBreak, ...]:
+    """Return the breaks between two moments in which the clocks change."""
+    zone = zone_of(shifts)
+    return tuple(
+        one
+        for day in _days(begin, end, zone)
+        for shift in shifts.shifts.values()
+        if day.weekday() in shift.days
+        for one in _changed(shift, day, zone)
+    )
+
+
+def _days(begin: int, end: int, zone: tzinfo | None) -> Iterator[date]:
+    """Yield the days on which a shift may begin that touches a period."""
+    day = datetime.fromtimestamp(begin / US, zone).date() - timedelta(days=1)
+    last = datetime.fromtimestamp(end / US, zone).date()
+    while day <= last:
+        yield day
+        day += timedelta(days=1)
+
+
+def _planned(shift: Shift, day: date, zone: tzinfo | None) -> Planned:
+    off = [span for _, span in _breaks(shift, day, zone)]
+    return Planned.of([_span(shift.hours, day, zone)], off)
+
+
+def _changed(shift: Shift, day: date, zone: tzinfo | None) -> tuple[ChangedBreak, ...]:
+    found = (
+        ChangedBreak(shift.name, begin, end, pause.minutes * 60 * US)
+        for pause, (begin, end) in _breaks(shift, day, zone)
+    )
+    return tuple(one for one in found if one.took_us != one.usual_us)
+
+
+def _breaks(
+    shift: Shift, day: date, zone: tzinfo | None
+) -> Iterator[tuple[Hours, tuple[int, int]]]:
+    """Yield the breaks with their begin and end."""
+    for pause in shift.breaks:
+        is_later = pause.begin_min < shift.hours.begin_min
+        yield pause, _span(pause, day + timedelta(days=is_later), zone)
+
+
+def _span(hours: Hours, day: date, zone: tzinfo | None) -> tuple[int, int]:
+    """Return the begin and end of hours; a day on which clocks change is longer or shorter."""
+    begin_us = _moment(day, hours.begin_min, zone)
+    days, minute = divmod(hours.begin_min + hours.minutes, 24 * 60)
+    return begin_us, _moment(day + timedelta(days=days), minute, zone)
+
+
+def _moment(day: date, minute: int, zone: tzinfo | None) -> int:
+    at = datetime.combine(day, time(minute // 60, minute % 60), zone)
+    return us_of(at.timestamp())

@@ -1,0 +1,199 @@
+"""The fold from events to what every moment is lost to, and what happens meanwhile.
+
+It knows nothing of planned time: a ledger takes in what it says, and adds up what it wants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.task_spans import TaskSpan
+from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
+from bt_orchestrator.view.report.account.made import FOLLOWED as OF_ITEMS
+from bt_orchestrator.view.report.account.made import ItemsAtWork, Left
+from bt_orchestrator.view.report.account.planned import us_of
+from bt_orchestrator.view.report.account.standing import FOLLOWED as OF_STANDING
+from bt_orchestrator.view.report.account.standing import Cause, Standing
+from bt_orchestrator.view.report.account.stops import Held, OpenHolds
+from bt_orchestrator.view.report.account.troubles import failing_component
+
+FOLLOWED = (
+    *OF_STANDING,
+    *OF_ITEMS,
+    e.OperatorDecided.event,
+    e.ScriptLoaded.event,
+    e.ClockStepped.event,
+)
+"""Names of the events that an account needs."""
+
+EVER_US = 1 << 62
+"""After any moment."""
+
+_NOT_RECORDED = Cause(Loss.NOT_RECORDED)
+
+
+def is_busy(cause: Cause | None) -> bool:
+    """Tell whether time with a cause is busy time."""
+    return cause is None or WORDS[cause.loss].step is not Step.NOT_BUSY
+
+
+class Stretch(NamedTuple):
+    """Time in which nothing changed."""
+
+    begin: int
+    end: int
+    cause: Cause | None
+    """Its loss; None: the line produced."""
+    goes_on: bool
+    """It was so just before, too."""
+
+
+class Bookings(Protocol):
+    """Books what a course says. Events of a moment come after the time before it."""
+
+    def passes(self, stretch: Stretch) -> None:
+        """Let time pass."""
+
+    def raised(self, held: Held, *, is_busy: bool) -> None:
+        """Take in a hold."""
+
+    def released(self, held: Held) -> None:
+        """Take in that a hold is over."""
+
+    def failed(self, event: e.TaskFailed, span: TaskSpan | None) -> None:
+        """Take in an attempt that failed."""
+
+    def left(self, item: Left) -> None:
+        """Take in an item that left the line."""
+
+    def runs(self, cell: str, digest: str) -> None:
+        """Take in that a node began to run with a cell file."""
+
+
+class Course:
+    """Takes in one event after another, oldest first, and tells a ledger."""
+
+    def __init__(self, *, is_whole: bool, begin: int | None = None) -> None:
+        """Begin.
+
+        :param is_whole: the first event that comes is the first of all
+        :param begin: from when on time passes, if that is before the first event
+        """
+        self.now: int | None = None
+        """Up to when time has passed; it never goes back."""
+        self.cell = self.digest = ''
+        """With which a node was started last."""
+        self.holds = OpenHolds()
+        self._begin = begin
+        self._standing = Standing(is_whole=is_whole)
+        self._since = 0
+        """From when on."""
+        self._items = ItemsAtWork()
+        self._last: Cause | None = None
+        """The loss of the time just before."""
+
+    @property
+    def cause(self) -> Cause | None:
+        """The loss since the last event; None: the line produces."""
+        return self._standing.cause()
+
+    @property
+    def since(self) -> int:
+        """From when on that is so."""
+        return self._since if self.cause == self._last else self.now or 0
+
+    def follow(self, event: e.Event, ledger: Bookings) -> None:
+        """Take in the next event."""
+        now = us_of(event.time)
+        if self.now is None:
+            self.now = now if self._begin is None else min(self._begin, now)
+            self._pass(now, _NOT_RECORDED, ledger)
+        self.pass_until(event, ledger)
+        self._take(event, ledger)
+
+    def pass_until(self, event: e.Event, ledger: Bookings, most: int = EVER_US) -> None:
+        """Let the time pass up to an event, or to a moment before it; the event comes then.
+
+        :param most: the moment
+        """
+        now, cause = us_of(event.time), self.cause
+        if isinstance(event, e.OrchestratorStarted) and self._standing.has_node:
+            # A node that was killed says nothing; of the very first nothing was before.
+            cause = self._standing.without_node() if cause != _NOT_RECORDED else cause
+        elif isinstance(event, e.ClockStepped):
+            # This event has the new time already; what really passed goes on from the old one.
+            self._pass(min(most, now - us_of(event.seconds)), cause, ledger)
+            cause = _NOT_RECORDED
+        self._pass(min(most, now), cause, ledger)
+
+    def rest(self, end: int) -> Stretch | None:
+        """Return the time from now to a moment up to which no event comes; None: there is none."""
+        if self.now is None:
+            begin = end if self._begin is None else self._begin
+            return Stretch(begin, end, _NOT_RECORDED, False) if begin < end else None
+        return self._stretch(end, self.cause)
+
+    def _pass(self, now: int, cause: Cause | None, ledger: Bookings) -> None:
+        """Let time pass; a clock that was set back makes nothing pass twice."""
+        stretch = self._stretch(now, cause)
+        if stretch is not None:
+            ledger.passes(stretch)
+            self._since = self._since if stretch.goes_on else stretch.begin
+            self.now, self._last = now, cause
+
+    def _stretch(self, end: int, cause: Cause | None) -> Stretch | None:
+        assert self.now is not None
+        return Stretch(self.now, end, cause, cause == self._last) if self.now < end else None
+
+    def _take(self, event: e.Event, ledger: Bookings) -> None:
+        assert self.now is not None
+        span = self._standing.spans.follow(event)
+        if isinstance(event, e.TaskFailed):
+            ledger.failed(event, span)
+        elif isinstance(event, e.HoldRaised):
+            self._raised(event, self.now, ledger)
+        elif isinstance(event, e.OrchestratorStarted):
+            self.cell, self.digest = event.cell, event.digest
+            ledger.runs(self.cell, self.digest)
+        self._standing.follow(event)
+        released = self.holds.follow(event, self.now)
+        if released is not None:
+            ledger.released(released)
+        left = self._items.follow(event)
+        if left is not None:
+            ledger.left(left)
+
+    def _raised(self, event: e.HoldRaised, now: int, ledger: Bookings) -> None:
+        # Where the goal was cancelled its component has not failed.
+        is_cancelled = self._standing.is_emergency or not self._standing.has_node
+        held = self.holds.raised(event, now, '' if is_cancelled else failing_component(event))
+        ledger.raised(held, is_busy=is_busy(self.cause))
+
+    # --- kept and gone on from ----------------------------------------------------------------
+
+    def plain(self) -> dict[str, Any]:
+        """Return all that it knows, as JSON carries it."""
+        return {
+            'now': self.now,
+            'cell': self.cell,
+            'digest': self.digest,
+            'since': self._since,
+            'last': None if self._last is None else [self._last.loss.value, *self._last[1:]],
+            'standing': self._standing.plain(),
+            'holds': self.holds.plain(),
+            'items': self._items.plain(),
+        }
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> Course:
+        """Return a course that knows what another one knew."""
+        made = cls(is_whole=False)
+        made.now, made.cell, made.digest = plain['now'], plain['cell'], plain['digest']
+        made._since, last = plain['since'], plain['last']
+        made._last = None if last is None else Cause(Loss(last[0]), *last[1:])
+        made._standing.go_on_from(plain['standing'])
+        made.holds.go_on_from(plain['holds'])
+        made._items.go_on_from(plain['items'])
+        return made

@@ -1,0 +1,240 @@
+"""OEE and its parts, with the pace in closed form: exact, to close the waterfall."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from typing import NamedTuple
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.proof.pace import Pace, pace
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.view.report.account.fold import Times
+from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step, of_step
+from bt_orchestrator.view.report.account.troubles import Repairs
+from bt_orchestrator.view.report.account.words import is_seen
+
+PLANNED, BUSY, PRODUCTION, NET, VALUE = (
+    'planned time',
+    'planned busy time',
+    'actual production time',
+    'net production time',
+    'value adding time',
+)
+"""The rest at each step of the waterfall; the first three with the names of ISO 22400."""
+
+
+class Lack(Enum):
+    """Why factors of the OEE are not known, although the paces are."""
+
+    PLANNED = 'planned'
+    BUSY = 'busy'
+    PRODUCTION = 'production'
+    PRODUCED = 'produced'
+
+
+LACKS: Mapping[Lack, str] = {
+    Lack.PLANNED: 'no factors and no OEE: no time of this period is planned',
+    Lack.BUSY: 'no factors and no OEE: the planned busy time is 0',
+    Lack.PRODUCTION: 'no performance and no quality: nothing was produced, in no production time',
+    Lack.PRODUCED: 'no quality: nothing was produced',
+}
+
+
+class Bar(NamedTuple):
+    """A step of the waterfall."""
+
+    title: str
+    us: Fraction
+    """Of a loss what it takes away; below 0 where it adds."""
+    loss: Loss | None = None
+    """None: what is left here."""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The figures of a period. None: not known without a pace, or nothing to divide by."""
+
+    times: Times
+    paces: Mapping[str, Pace]
+    """Of the scripts that were made, by digest."""
+    unpaced: tuple[str, ...]
+    """Scripts that were made and have no pace."""
+
+    # --- quantities -------------------------------------------------------------------------
+
+    @property
+    def produced(self) -> int:
+        """Produced quantity."""
+        return sum(one.produced for one in self.times.made)
+
+    @property
+    def good(self) -> int:
+        """Good quantity."""
+        return sum(one.good for one in self.times.made)
+
+    # --- times ------------------------------------------------------------------------------
+
+    @property
+    def has_paces(self) -> bool:
+        """Tell whether every script that was made has a pace."""
+        return not self.unpaced
+
+    @property
+    def net_us(self) -> Fraction:
+        """The time for the items at the pace of their scripts."""
+        return self._at_pace((one.digest, one.produced) for one in self.times.made)
+
+    @property
+    def value_us(self) -> Fraction:
+        """The same for the good ones."""
+        return self._at_pace((one.digest, one.good) for one in self.times.made)
+
+    @property
+    def rework_us(self) -> Fraction:
+        """The price of rework: its time, as far as the performance lacks it."""
+        lacking = self.times.production_us - self.net_us
+        return max(Fraction(0), min(lacking, Fraction(self.times.lost_us.get(Loss.REWORK, 0))))
+
+    def _at_pace(self, items: Iterable[tuple[str, int]]) -> Fraction:
+        """Return the time of so many items of scripts, named by digest."""
+        return sum(
+            (self.paces[digest].limit.per_item_us * n for digest, n in items if n),
+            start=Fraction(0),
+        )
+
+    # --- ratios -----------------------------------------------------------------------------
+
+    @property
+    def availability(self) -> Fraction | None:
+        """Actual production time of planned busy time."""
+        return _ratio(self.times.production_us, self.times.busy_us)
+
+    @property
+    def performance(self) -> Fraction | None:
+        """Effectiveness: what was made, at the pace, of the actual production time."""
+        return _ratio(self.net_us, self.times.production_us) if self.has_paces else None
+
+    @property
+    def quality(self) -> Fraction | None:
+        """Good quantity of produced quantity, each item with the weight of its pace."""
+        if self.has_paces and self.net_us:
+            return _ratio(self.value_us, self.net_us)
+        return _ratio(self.good, self.produced)
+
+    @property
+    def oee(self) -> Fraction | None:
+        """Overall equipment effectiveness."""
+        return _ratio(self.value_us, self.times.busy_us) if self.has_paces else None
+
+    @property
+    def lack(self) -> Lack | None:
+        """Why a factor has nothing to divide by; None: each has."""
+        if not self.times.planned.total_us:
+            return Lack.PLANNED
+        if not self.times.busy_us:
+            return Lack.BUSY
+        if self.produced:
+            return None
+        return Lack.PRODUCED if self.times.production_us else Lack.PRODUCTION
+
+    @property
+    def per_item_us(self) -> Fraction | None:
+        """Actual production time of one item."""
+        return _ratio(self.times.production_us, self.produced)
+
+    @property
+    def pace_us(self) -> Fraction | None:
+        """The time for one item at the pace; of several scripts the mean."""
+        return _ratio(self.net_us, self.produced) if self.has_paces else None
+
+    # --- components -------------------------------------------------------------------------
+
+    def mtbf_us(self, one: Repairs) -> Fraction:
+        """Return the mean time between failures: planned busy time in which it was not down."""
+        return Fraction(self.times.busy_us - one.down_us, one.failures)
+
+    def mttr_us(self, one: Repairs) -> Fraction:
+        """Return the mean time to repair: from a hold to its release."""
+        return Fraction(one.down_us, one.failures)
+
+    # --- the waterfall ----------------------------------------------------------------------
+
+    def waterfall(self) -> Iterator[Bar]:
+        """Yield what is left at each step, and what is lost before the next one.
+
+        Without paces it ends with the actual production time.
+        """
+        times = self.times
+        yield Bar(PLANNED, Fraction(times.planned.total_us))
+        yield from self._losses(Step.NOT_BUSY)
+        yield Bar(BUSY, Fraction(times.busy_us))
+        yield from self._losses(Step.AVAILABILITY)
+        yield Bar(PRODUCTION, Fraction(times.production_us))
+        if not self.has_paces:
+            return
+        yield from self._losses(Step.PERFORMANCE)
+        yield Bar(NET, self.net_us)
+        yield from self._losses(Step.QUALITY)
+        yield Bar(VALUE, self.value_us)
+
+    def of_planned(self, us: Fraction | int) -> Fraction | None:
+        """Return the share of the planned time."""
+        return _ratio(us, self.times.planned.total_us)
+
+    def steps_seen(self) -> Iterator[Bar]:
+        """Yield the waterfall without losses that are written as 0.0 s."""
+        return (one for one in self.waterfall() if one.loss is None or is_seen(one.us))
+
+    def loss_us(self, loss: Loss) -> Fraction:
+        """Return what a loss takes away."""
+        if loss is Loss.REWORK:
+            return self.rework_us
+        if loss is Loss.SLOW:
+            return self.times.production_us - self.rework_us - self.net_us
+        if loss is Loss.REJECTS:
+            return self.net_us - self.value_us
+        return Fraction(self.times.lost_us.get(loss, 0))
+
+    def _losses(self, step: Step) -> Iterator[Bar]:
+        for loss in of_step(step):
+            us = self.loss_us(loss)
+            if us:
+                yield Bar(WORDS[loss].title, us, loss)
+
+
+class Paces:
+    """The paces of scripts by the durations of a cell, each worked out once."""
+
+    def __init__(self, cell: Cell | None) -> None:
+        """Begin.
+
+        :param cell: None: there are none
+        """
+        self.cell = cell
+        self._known: dict[str, Pace | None] = {}
+
+    def of(self, digest: str, script: Script) -> Pace | None:
+        """Return the pace of a script; None: it is for another cell, or the line gets stuck."""
+        if digest not in self._known:
+            self._known[digest] = None if self.cell is None else _pace(script, self.cell)
+        return self._known[digest]
+
+
+def figures(times: Times, paces: Paces) -> Figures:
+    """Return the figures of a period."""
+    found = {digest: paces.of(digest, script) for digest, script in times.scripts.items()}
+    known = {digest: one for digest, one in found.items() if one is not None}
+    unpaced = {one.script or one.job: one.digest for one in times.made if one.produced}
+    return Figures(times, known, tuple(name for name, key in unpaced.items() if key not in known))
+
+
+def _pace(script: Script, cell: Cell) -> Pace | None:
+    needed = {task.component for task in script.tasks.values()}
+    return pace(script, cell) if needed <= cell.components.keys() else None
+
+
+def _ratio(part: Fraction | int, whole: Fraction | int) -> Fraction | None:
+    return Fraction(part) / whole if whole else None

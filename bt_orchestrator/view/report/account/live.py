@@ -1,0 +1,162 @@
+"""The account of what is still going on: asked again and again, it reads what is new."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.records import Extent
+from bt_orchestrator.ports import Records
+from bt_orchestrator.view.report.account.account import Account, Source, account_of, with_steps
+from bt_orchestrator.view.report.account.beginning import fold_with_books
+from bt_orchestrator.view.report.account.booked import steady_time
+from bt_orchestrator.view.report.account.calendar import Now
+from bt_orchestrator.view.report.account.figures import Paces
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.planned import us_of
+from bt_orchestrator.view.report.account.standing import Cause
+from bt_orchestrator.view.report.reading import Reading
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Stopped:
+    """The present loss of the line."""
+
+    cause: Cause
+    since_us: int
+    """Not before the period began."""
+
+
+@dataclass(frozen=True)
+class Live:
+    """An account up to a moment, and what goes on then."""
+
+    now: Now
+    account: Account
+    """Its period ends at the moment, or where the shift ended."""
+    stopped: Stopped | None
+    """None: the line produces, or no shift runs."""
+
+    @property
+    def runs(self) -> bool:
+        """Tell whether it is not over."""
+        return self.account.period.end_us < self.now.period.end_us
+
+
+class LiveAccount:
+    """Reads a journal on, from the begin of the shift that runs; begins anew with each shift.
+
+    It begins anew, too, if the journal has another history, or lacks events that it has not read.
+    """
+
+    def __init__(
+        self,
+        period_at: Callable[[float], Now],
+        cell: Cell | None,
+        tell: Callable[[str], None] = log.warning,
+    ) -> None:
+        """Prepare.
+
+        :param period_at: what is asked for at a time, in seconds since the epoch
+        :param cell: for the pace; None: there is none
+        :param tell: called with a sentence for everything that cannot be shown
+        """
+        self._period_at = period_at
+        self._paces = Paces(cell)
+        self._tell = tell
+        self._going: _Going | None = None
+
+    def look(self, records: Records, time: float) -> Live | None:
+        """Return the account at a moment; None: the journal has no event yet.
+
+        :param time: seconds since the epoch, by the clock of the reader
+        :raises JournalUnusable: it cannot be read
+        """
+        now = self._period_at(time)
+        extent = records.extent()
+        if not extent.last_seq:
+            return None
+        going = self._going
+        if going is None or going.period != now.period or not going.goes_on(extent):
+            going = self._going = None
+            going = self._going = _Going(Reading(records, self._tell), now.period, extent)
+        going.read(records)
+        if going.has_new_step:  # which may change when the clock shows the hours of the period
+            going = self._going = _Going(Reading(records, self._tell), now.period, extent)
+            going.read(records)
+        return going.told(now, us_of(time), self._paces, extent)
+
+
+class _Going:
+    """The account of one period, as far as it was read."""
+
+    def __init__(self, reading: Reading, period: Period, extent: Extent) -> None:
+        self.period = period
+        """By the clock."""
+        self._reading = reading
+        self._history = extent.history
+        self._steady = steady_time(reading)
+        self._steps = len(self._steady.steps)
+        self._period = period = period.on(self._steady)
+        self._fold, self._wanted = fold_with_books(reading, period)
+        self._state_seq = self._wanted.after_seq
+        self._first = self._last = 0
+        """Numbers of the events in the period."""
+        self._heard_us = max(period.begin_us, self._fold.begun_us)
+        """Time of the latest event: the clock of the reader may be behind that of the node."""
+        self._cause = self._fold.cause
+        self._since_us = max(period.begin_us, self._fold.since_us)
+
+    def goes_on(self, extent: Extent) -> bool:
+        """Tell whether the journal goes on from where it was read to."""
+        seq = self._wanted.after_seq
+        return (
+            extent.history == self._history and extent.first_seq <= seq + 1 <= extent.last_seq + 1
+        )
+
+    @property
+    def has_new_step(self) -> bool:
+        """Tell whether the clock was set since it was begun."""
+        return len(self._steady.steps) != self._steps
+
+    def read(self, records: Records) -> None:
+        """Take in what is new."""
+        self._reading.records = records
+        is_last = False
+        while not is_last:
+            page = self._reading.page(self._wanted)
+            if page.history != self._history:
+                return  # it begins anew when it is asked next
+            for event in map(self._steady.of, self._reading.known(page)):
+                self._take(event)
+            self._wanted, is_last = page.rest, page.is_last
+
+    def _take(self, event: Event) -> None:
+        time = us_of(event.time)
+        if time > self._period.end_us:
+            return
+        if time >= self._period.begin_us:
+            self._first, self._last = self._first or event.seq, event.seq
+        is_first = not self._fold.has_begun
+        self._fold.follow(event)
+        self._heard_us = max(self._heard_us, time)
+        if is_first or self._fold.cause != self._cause:
+            self._cause, self._since_us = self._fold.cause, max(time, self._period.begin_us)
+
+    def told(self, now: Now, time_us: int, paces: Paces, extent: Extent) -> Live:
+        whole = self._period
+        time_us -= self._steady.ahead_of(extent.last_seq)
+        end = min(max(time_us, self._heard_us), whole.end_us)
+        period = replace(whole, end_us=end).cut()
+        source = Source(extent, self._first, self._last, self._reading.lost, self._state_seq)
+        source = with_steps(source, self._reading, period)
+        account = account_of(self._fold, period, paces, source)
+        is_over = end >= whole.end_us
+        cause = None if is_over else self._cause
+        stopped = Stopped(cause, self._since_us) if cause else None
+        return Live(now._replace(period=whole), account, stopped)

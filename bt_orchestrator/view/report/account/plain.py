@@ -1,0 +1,142 @@
+"""An account as plain data, as JSON carries it."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from bt_orchestrator.view.report.account.account import Account
+from bt_orchestrator.view.report.account.clock_words import clock_plain
+from bt_orchestrator.view.report.account.figures import Bar, Figures
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.planned import US
+from bt_orchestrator.view.report.account.stops import Held, Stop
+from bt_orchestrator.view.report.account.troubles import FailingTask, Repairs
+
+
+def account_plain(account: Account) -> dict[str, Any]:
+    """Return everything that a report says; times in seconds, null: not known."""
+    shown = account.figures
+    times = shown.times
+    return {
+        'cell': times.cell or None,
+        'period': _period(account),
+        'made_from': _source(account),
+        'notes': list(account.notes()),
+        **clock_plain(account.period, account.source.steps),
+        'oee': _oee(shown),
+        'lack': None if shown.lack is None else shown.lack.value,
+        'quantities': {'produced': shown.produced, 'good': shown.good},
+        'rate': {'per_item_s': seconds_of(shown.per_item_us), 'pace_s': seconds_of(shown.pace_us)},
+        'waterfall': [_bar(bar) for bar in shown.waterfall()],
+        'losses': {bar.loss.value: seconds_of(bar.us) for bar in shown.waterfall() if bar.loss},
+        'jobs': [_job(shown, number) for number in range(len(times.made))],
+        'stops': [{**summed(one), 'loss': one.loss.value} for one in times.stops],
+        'holds': [held_plain(held, account.period) for held in times.holds],
+        'holds_left_out': {
+            'count': times.holds_left_out,
+            'seconds': {loss.value: seconds_of(us) for loss, us in times.left_out_us.items()},
+        },
+        'failed_attempts': [summed(one) for one in times.failing],
+        'components': [_component(shown, one) for one in times.repairs],
+    }
+
+
+def _oee(shown: Figures) -> dict[str, Any]:
+    return {
+        'availability': _number(shown.availability),
+        'performance': _number(shown.performance),
+        'quality': _number(shown.quality),
+        'oee': _number(shown.oee),
+    }
+
+
+def _bar(bar: Bar) -> dict[str, Any]:
+    loss = bar.loss.value if bar.loss else None
+    return {'title': bar.title, 'loss': loss, 'seconds': seconds_of(bar.us)}
+
+
+def _component(shown: Figures, one: Repairs) -> dict[str, Any]:
+    return {
+        'component': one.component,
+        'failures': one.failures,
+        'down_s': seconds_of(one.down_us),
+        'mtbf_s': seconds_of(shown.mtbf_us(one)),
+        'mttr_s': seconds_of(shown.mttr_us(one)),
+    }
+
+
+def _period(account: Account) -> dict[str, Any]:
+    period = account.period
+    return {
+        'name': period.name,
+        'from': period.iso(period.begin_us),
+        'to': period.iso(period.end_us),
+        'planned_s': seconds_of(period.planned.total_us),
+        'planned': [[period.iso(begin), period.iso(end)] for begin, end in period.planned.pieces],
+    }
+
+
+def _source(account: Account) -> dict[str, Any]:
+    source, when = account.source, account.period.iso
+    span = [when(us) for us in account.books.span]
+    return {
+        'history': source.extent.history,
+        'first_seq': source.first_seq,
+        'last_seq': source.last_seq,
+        'removed_before_seq': source.extent.first_seq,
+        'damaged': source.unreadable,
+        'books': {'from': span[0], 'to': span[1]} if span else None,
+        'rounded': [when(us) for us in account.books.rounded],
+    }
+
+
+def _job(shown: Figures, number: int) -> dict[str, Any]:
+    one = shown.times.made[number]
+    pace = shown.paces.get(one.digest)
+    return {
+        'job': one.job,
+        'script': one.script,
+        'recipe': one.recipe or None,
+        'recipe_version': one.recipe_version,
+        'pace_s': None if pace is None else pace.per_item_s,
+        'produced': one.produced,
+        'good': one.good,
+        'nonconforming': one.nonconforming,
+        'rejected': one.rejected,
+        'by_hand': one.by_hand,
+        'outside_planned_time': one.outside,
+    }
+
+
+def summed(one: Stop | FailingTask) -> dict[str, Any]:
+    """Return equal stops, or failures."""
+    plain = one._asdict()
+    seconds = seconds_of(plain.pop('us'))
+    return {**plain, 'seconds': seconds}
+
+
+def held_plain(held: Held, period: Period) -> dict[str, Any]:
+    """Return a hold."""
+    when = period.iso
+    return {
+        'hold': held.hold,
+        'loss': held.loss.value if held.loss else None,
+        'words': held.words,
+        'raised': when(held.raised_us),
+        'released': None if held.released_us is None else when(held.released_us),
+        'stood_s': seconds_of(held.stood_us),
+        'lost_s': seconds_of(held.lost_us),
+        'answer': held.answer or None,
+        'who': held.who or None,
+        'reason': held.reason or None,
+    }
+
+
+def seconds_of(us: Fraction | int | None) -> float | None:
+    """Return a time in seconds."""
+    return None if us is None else round(float(us) / US, 6)
+
+
+def _number(ratio: Fraction | None) -> float | None:
+    return None if ratio is None else round(float(ratio), 6)

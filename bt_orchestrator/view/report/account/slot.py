@@ -1,0 +1,108 @@
+"""The account of one stretch of time: sums that can be added up, whatever of it is planned."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.made import Made
+from bt_orchestrator.view.report.account.planned import US
+from bt_orchestrator.view.report.account.stops import Held
+
+QUARTER_US = 15 * 60 * US
+"""Slots end at quarters of an hour since the epoch: in every time zone an hour is four of them."""
+
+
+@dataclass
+class StopSum:
+    """Time that was lost to one cause."""
+
+    loss: Loss
+    detail: str = ''
+    component: str = ''
+    begun: int = 0
+    """How often the line stopped for it in this stretch."""
+    us: int = 0
+    goes_on: bool = False
+    """The stretch begins with such a stop that had begun before."""
+
+
+@dataclass
+class FailedSum:
+    """Attempts of a task that failed for one reason."""
+
+    component: str = ''
+    task: str = ''
+    reason: str = ''
+    times: int = 0
+    us: int = 0
+
+
+@dataclass
+class RestOfHolds:
+    """Holds of one kind that are not told one by one."""
+
+    loss: Loss | None = None
+    """None: their time is booked to older holds."""
+    component: str = ''
+    """The component that failed; empty: none."""
+    told: int = 0
+    """How many of them stood for a while."""
+    lost_us: int = 0
+    failures: int = 0
+    down_us: int = 0
+
+
+@dataclass(frozen=True)
+class Slot:
+    """The events from one moment to another. An event at the end belongs to it."""
+
+    begin_us: int
+    until_us: int
+    producing_us: int = 0
+    stops: tuple[StopSum, ...] = ()
+    holds: tuple[Held, ...] = ()
+    """Those that stood, with the time of this stretch alone; those that ended in it come first."""
+    rest: tuple[RestOfHolds, ...] = ()
+    made: tuple[Made, ...] = ()
+    failed: tuple[FailedSum, ...] = ()
+    cell: str = ''
+    cells: tuple[str, ...] = ()
+    """Digests of the cell files with which the node ran in it."""
+    is_steady: bool = False
+    """All of it has one cause, and nothing else happened: each part of it is as the whole."""
+
+    @property
+    def is_one_stop(self) -> bool:
+        """Tell whether the line stood all the time for what had stopped it before."""
+        return not self.producing_us and [(one.begun, one.goes_on) for one in self.stops] == [
+            (0, True)
+        ]
+
+    def part(self, begin: int, until: int) -> Slot:
+        """Return a part of a steady slot."""
+        assert self.is_steady
+        begin, until = max(begin, self.begin_us), min(until, self.until_us)
+        us, whole = until - begin, self.until_us - self.begin_us
+        is_first = begin == self.begin_us
+        stops = (
+            one if is_first else replace(one, begun=0, goes_on=True)
+            for one in (replace(one, us=us) for one in self.stops)
+        )
+        holds = (
+            replace(
+                one,
+                stood_us=us if one.stood_us == whole else 0,
+                lost_us=us if one.lost_us == whole else 0,
+                down_us=us if one.down_us == whole else 0,
+            )
+            for one in self.holds
+        )
+        return replace(
+            self,
+            begin_us=begin,
+            until_us=until,
+            producing_us=us if self.producing_us else 0,
+            stops=tuple(stops),
+            holds=tuple(holds),
+        )

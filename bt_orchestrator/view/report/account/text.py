@@ -1,0 +1,143 @@
+"""An account as text for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from bt_orchestrator.view.report.account.account import Account
+from bt_orchestrator.view.report.account.figures import Figures
+from bt_orchestrator.view.report.account.fold import Times
+from bt_orchestrator.view.report.account.losses import WORDS
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.stops import Held
+from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent, rate
+from bt_orchestrator.view.report.tables import table
+
+MOST_ROWS = 10
+"""Lines of a Pareto; a page and JSON have all."""
+
+
+def account_text(account: Account) -> Iterator[str]:
+    """Yield the lines of an account; each part is left out where it has nothing to say."""
+    period, shown = account.period, account.figures
+    cell = f'cell {shown.times.cell}, ' if shown.times.cell else ''
+    yield f'{cell}{period.name}, {period.when(period.begin_us)} to {period.when(period.end_us)}'
+    yield from (f'  {note}' for note in account.notes())
+    yield ''
+    yield from _head(shown)
+    yield from titled('where the time went', _waterfall(shown))
+    yield from titled('made', _made(shown))
+    yield from titled('stops, the longest first', stop_lines(shown.times))
+    yield from titled('holds', hold_lines(shown.times, period))
+    yield from titled('failed attempts', failing_lines(shown.times))
+    yield from titled('components that failed', _repairs(shown))
+
+
+def titled(title: str, lines: Iterator[str]) -> Iterator[str]:
+    """Yield lines under a title; nothing if there are none."""
+    first = next(lines, None)
+    if first is not None:
+        yield ''
+        yield f'{title}:'
+        yield f'  {first}'
+        yield from (f'  {line}' for line in lines)
+
+
+def _head(shown: Figures) -> Iterator[str]:
+    parts = (
+        f'availability {percent(shown.availability)}',
+        f'performance {percent(shown.performance)}',
+        f'quality {percent(shown.quality)}',
+    )
+    yield f'OEE  {percent(shown.oee)} = {" x ".join(parts)}'
+    yield f'made {shown.produced}, {shown.good} of them good'
+    if shown.produced:
+        yield f'rate {rate(shown.per_item_us)} of production; the pace is {rate(shown.pace_us)}'
+
+
+def _waterfall(shown: Figures) -> Iterator[str]:
+    rows = []
+    for bar in shown.steps_seen():
+        name = f'- {bar.title}' if bar.loss else bar.title
+        rows.append((name, duration(bar.us), percent(shown.of_planned(bar.us))))
+    yield from table(('', 'time', 'of planned'), rows)
+
+
+def _made(shown: Figures) -> Iterator[str]:
+    rows = []
+    for one in shown.times.made:
+        pace = shown.paces.get(one.digest)
+        per_item = UNKNOWN if pace is None else f'{pace.per_item_s:.1f} s'
+        counts = (one.good, one.nonconforming, one.rejected, one.by_hand, one.outside)
+        rows.append((one.job, one.script, per_item, *map(str, counts)))
+    if rows:
+        titles = ('good', 'nonconforming', 'rejected', 'by hand', 'outside planned time')
+        yield from table(('job', 'script', 'pace', *titles), rows)
+
+
+def stop_lines(times: Times) -> Iterator[str]:
+    """Yield the stops that cost most."""
+    rows = [
+        (
+            ', '.join(filter(None, (WORDS[one.loss].title, one.about))),
+            str(one.times),
+            duration(one.us),
+        )
+        for one in times.stops
+        if one.is_shown
+    ]
+    yield from _pareto(('', 'times', 'time'), rows)
+
+
+def hold_lines(times: Times, period: Period) -> Iterator[str]:
+    """Yield the holds that cost most, with their answers."""
+    for held in times.holds:
+        yield f'{_from_to(period, held)}  {held.words}'
+        if held.answer:
+            said = f': {held.reason}' if held.reason else ''
+            yield f'  {held.answer} by {held.who}{said}'
+    if times.holds_left_out:
+        us = sum(times.left_out_us.values())
+        yield f'and {times.holds_left_out} others, {duration(us)} together'
+
+
+def _from_to(period: Period, held: Held) -> str:
+    end = period.clock(held.released_us) if held.released_us is not None else 'now'
+    begun = period.clock(held.raised_us)
+    return f'{begun} to {end}, {duration(held.lost_us)} lost'
+
+
+def failing_lines(times: Times) -> Iterator[str]:
+    """Yield the tasks that failed most often."""
+    rows = [
+        (
+            f'{one.component or "nothing sent"}: {one.task}, {one.reason}',
+            str(one.times),
+            duration(one.us),
+        )
+        for one in times.failing
+    ]
+    yield from _pareto(('', 'times', 'took'), rows)
+
+
+def _repairs(shown: Figures) -> Iterator[str]:
+    rows = []
+    for one in shown.times.repairs:
+        between, repair = shown.mtbf_us(one), shown.mttr_us(one)
+        rows.append(
+            (
+                one.component,
+                str(one.failures),
+                duration(one.down_us),
+                duration(between),
+                duration(repair),
+            )
+        )
+    yield from _pareto(('', 'failures', 'down', 'MTBF', 'MTTR'), rows)
+
+
+def _pareto(titles: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
+    if rows:
+        yield from table(titles, rows[:MOST_ROWS])
+    if len(rows) > MOST_ROWS:
+        yield f'and {len(rows) - MOST_ROWS} more'

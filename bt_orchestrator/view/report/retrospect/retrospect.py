@@ -1,0 +1,160 @@
+"""The real run of a job, beside its forecast: the differences, and the use of the time."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from bt_orchestrator.model.jobs.counting import PACKED
+from bt_orchestrator.view.report.account.losses import WORDS, Loss
+from bt_orchestrator.view.report.account.planned import US
+from bt_orchestrator.view.report.account.steady_time import SteadyTime
+from bt_orchestrator.view.report.account.words import is_seen
+from bt_orchestrator.view.report.retrospect.course import Course, Work
+
+LEAST_S, LEAST_SHARE = 1.0, 0.01
+"""A task deviates if it ends earlier or later by this time, and by this share of the forecast."""
+
+PRODUCTION = 'production'
+
+
+class Pair(NamedTuple):
+    """A figure by the forecast, and as it was."""
+
+    what: str
+    forecast: int
+    real: int
+
+    @property
+    def more(self) -> int:
+        """By how much it really was more."""
+        return self.real - self.forecast
+
+
+class TaskPair(NamedTuple):
+    """All attempts of a task of a component that succeeded in the forecast and really."""
+
+    component: str
+    name: str
+    """Task constant."""
+    times: int
+    forecast_us: int
+    real_us: int
+
+    @property
+    def more_us(self) -> int:
+        """How much longer they really took."""
+        return self.real_us - self.forecast_us
+
+
+class Deviation(NamedTuple):
+    """An attempt that went otherwise than it was forecast."""
+
+    real: Work
+    forecast: Work | None
+    """None: it is not in the forecast."""
+
+    @property
+    def late_us(self) -> int | None:
+        """By how much it ended late; below 0: early. None: it is not in the forecast."""
+        return None if self.forecast is None else self.real.end_us - self.forecast.end_us
+
+
+@dataclass(frozen=True)
+class Retrospect:
+    """A job beside its forecast, both from the same moment on."""
+
+    job: str
+    begin_us: int
+    first_seq: int
+    """The event from which on everything is forecast."""
+    forecast: Course
+    real: Course
+    usual: bool
+    """Tasks of the forecast take as long as they had taken before; else as the cell file says."""
+    cell_differs: bool
+    """The node ran with another cell file than the one of the forecast."""
+    steady: SteadyTime = field(default_factory=SteadyTime, compare=False)
+    """Its moments are of this time, which goes on as the clock did when the job started."""
+
+    @property
+    def late_us(self) -> int | None:
+        """By how much the job ended later than forecast; None: it runs."""
+        if self.real.end_us is None or self.forecast.end_us is None:
+            return None
+        return self.real.end_us - self.forecast.end_us
+
+    @property
+    def total(self) -> Pair:
+        """The time that is compared: that of the whole job, or so far."""
+        ends = self.forecast.until_us, self.real.until_us
+        return Pair('all', *(end - self.begin_us for end in ends))
+
+    def times(self) -> Iterator[Pair]:
+        """Yield where the time went; the differences add up to that of the total."""
+        runs = self.forecast.times, self.real.times
+        yield Pair(PRODUCTION, *(times.producing_us for times in runs))
+        for loss in Loss:
+            pair = Pair(loss.value, *(times.lost_us.get(loss, 0) for times in runs))
+            if pair.forecast or pair.real:
+                yield pair
+
+    def items(self) -> Iterator[Pair]:
+        """Yield how many items left the line, by how."""
+        runs = self.forecast.items, self.real.items
+        for how in dict.fromkeys([PACKED, *sorted({*runs[0], *runs[1]})]):
+            yield Pair(how, *(items.get(how, 0) for items in runs))
+
+    def busy(self) -> Iterator[Pair]:
+        """Yield how long each component worked; those with the largest differences first."""
+        runs = self.forecast.busy_us, self.real.busy_us
+        pairs = [
+            Pair(name, *(one.get(name, 0) for one in runs)) for name in {**runs[0], **runs[1]}
+        ]
+        yield from sorted(pairs, key=lambda pair: (-abs(pair.more), pair.what))
+
+    def tasks(self) -> Iterator[TaskPair]:
+        """Yield the tasks that took longer or shorter; the largest sums first."""
+        kinds: Mapping[tuple[str, str], list[int]] = defaultdict(lambda: [0, 0, 0])
+        for key, real in self.real.works.items():
+            forecast = self.forecast.works.get(key)
+            if forecast is not None and not (real.reason or forecast.reason):
+                sums = kinds[real.component, real.name]
+                sums[0] += 1
+                sums[1] += forecast.took_us
+                sums[2] += real.took_us
+        pairs = [TaskPair(*kind, *sums) for kind, sums in kinds.items()]
+        pairs.sort(key=lambda pair: (-abs(pair.more_us), pair[:2]))
+        yield from (pair for pair in pairs if is_seen(pair.more_us))
+
+    def first_deviation(self) -> Deviation | None:
+        """Return the first attempt that failed, was not forecast, or ended early or late."""
+        return next((one for one in self._pairs() if self._deviates(one)), None)
+
+    def worst_deviation(self) -> Deviation | None:
+        """Return the attempt that ended earliest or latest against its forecast."""
+        known = [(abs(one.late_us), one) for one in self._pairs() if one.late_us is not None]
+        late_us, worst = max(known, key=lambda pair: pair[0], default=(0, None))
+        return worst if late_us >= self._least_us() else None
+
+    def _pairs(self) -> Iterator[Deviation]:
+        for key, real in self.real.works.items():
+            yield Deviation(real, self.forecast.works.get(key))
+
+    def _deviates(self, one: Deviation) -> bool:
+        if one.forecast is None or one.late_us is None:
+            return True
+        return bool(one.real.reason and not one.forecast.reason) or (
+            abs(one.late_us) >= self._least_us()
+        )
+
+    def _least_us(self) -> float:
+        end_us = self.forecast.end_us or self.forecast.until_us
+        return max(LEAST_S * US, LEAST_SHARE * (end_us - self.begin_us))
+
+
+def title_of(what: str) -> str:
+    """Return a part of the time for people."""
+    return what if what == PRODUCTION else WORDS[Loss(what)].title

@@ -1,0 +1,146 @@
+"""A job beside its forecast, as text for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from bt_orchestrator.model.hold_words import again_words
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.text import failing_lines, hold_lines, stop_lines, titled
+from bt_orchestrator.view.report.account.words import UNKNOWN, duration, is_seen
+from bt_orchestrator.view.report.retrospect.course import Work
+from bt_orchestrator.view.report.retrospect.retrospect import Deviation, Pair, Retrospect, title_of
+from bt_orchestrator.view.report.tables import table
+
+MOST_TASKS = 10
+"""Lines of tasks that took longer or shorter; JSON has all."""
+
+_COLUMNS = ('forecast', 'real', 'difference')
+
+
+def period_of(found: Retrospect) -> Period:
+    """Return the time of a job."""
+    begin_us, until_us = found.begin_us, found.real.until_us
+    return Period.all_planned(f'job {found.job}', begin_us, until_us, found.steady)
+
+
+def retrospect_text(found: Retrospect) -> Iterator[str]:
+    """Yield the lines; each part is left out where it has nothing to say."""
+    period, times = period_of(found), found.real.times
+    cell = f'cell {times.cell}, ' if times.cell else ''
+    yield f'{cell}job {found.job}, started {period.when(found.begin_us)}: forecast and reality'
+    yield from (f'  {note}' for note in notes(found))
+    yield ''
+    yield from table(('', *_COLUMNS), [*_ends(found, period), *map(_counted, found.items())])
+    yield from titled('where the time went', _where(found))
+    yield from titled('at work', _timed(found.busy()))
+    yield from titled('tasks that took longer or shorter', _tasks(found))
+    yield from _deviations(found, period)
+    yield from titled('stops, the longest first', stop_lines(times))
+    yield from titled('holds', hold_lines(times, period))
+    yield from titled('failed attempts', failing_lines(times))
+
+
+def notes(found: Retrospect) -> Iterator[str]:
+    """Say what the forecast is, and what limits it."""
+    durations = 'that tasks had taken before' if found.usual else 'of the cell file'
+    run = f'a virtual run from event {found.first_seq} on'
+    yield f'the forecast is {run}, with the durations {durations}'
+    if found.real.end_us is None:
+        until = period_of(found).when(found.real.until_us)
+        yield f'the job has not ended: times and items are compared up to {until}'
+    if found.cell_differs:
+        yield 'the node ran with another cell file than this one'
+
+
+def _ends(found: Retrospect, period: Period) -> Iterator[tuple[str, ...]]:
+    ends = found.forecast.end_us, found.real.end_us
+    told = [UNKNOWN if end is None else period.clock(end) for end in ends]
+    late_us = found.late_us
+    yield 'end', *told, UNKNOWN if late_us is None else _more(late_us)
+
+
+def _where(found: Retrospect) -> Iterator[str]:
+    pairs = [pair._replace(what=title_of(pair.what)) for pair in found.times()]
+    shown = [pair for pair in pairs if is_seen(pair.forecast) or is_seen(pair.real)]
+    yield from _timed([*shown, found.total])
+
+
+def _timed(pairs: Iterable[Pair]) -> Iterator[str]:
+    rows = [
+        (pair.what, duration(pair.forecast), duration(pair.real), _more(pair.more))
+        for pair in pairs
+    ]
+    if rows:
+        yield from table(('', *_COLUMNS), rows)
+
+
+def _tasks(found: Retrospect) -> Iterator[str]:
+    pairs = list(found.tasks())
+    rows = [
+        (
+            f'{one.component} {one.name}',
+            str(one.times),
+            _each(one.forecast_us, one.times),
+            _each(one.real_us, one.times),
+            _more(one.more_us),
+        )
+        for one in pairs[:MOST_TASKS]
+    ]
+    if rows:
+        yield from table(('', 'times', 'forecast each', 'real each', 'difference'), rows)
+    if len(pairs) > MOST_TASKS:
+        yield f'and {len(pairs) - MOST_TASKS} more'
+
+
+def _deviations(found: Retrospect, period: Period) -> Iterator[str]:
+    for which, one in (('first', found.first_deviation()), ('worst', found.worst_deviation())):
+        if one is not None:
+            yield ''
+            yield f'{which} deviation, at {period.clock(one.real.end_us)}:'
+            yield f'  {words_of(one)}'
+
+
+def words_of(one: Deviation) -> str:
+    """Say of an attempt how it went otherwise."""
+    real, forecast = one.real, one.forecast
+    end = f'failed: {real.reason}' if real.reason else 'ended'
+    if forecast is None or one.late_us is None:
+        return f'{_work(real)} {end}; it is not in the forecast'
+    if not is_seen(one.late_us):
+        return f'{_work(real)} {end}'
+    began = _late(real.start_us - forecast.start_us)
+    took = f'took {duration(real.took_us)}'
+    if is_seen(real.took_us - forecast.took_us):
+        took += f' in place of {duration(forecast.took_us)}'
+    comma = ',' if real.reason else ''
+    return f'{_work(real)} {end}{comma} {_late(one.late_us)}: it began {began} and {took}'
+
+
+def _work(real: Work) -> str:
+    key = real.key
+    again = again_words(key.round, key.attempt)
+    section = f'section {key.task.section}, ' if key.task.section else ''
+    more = f', {again}' if again else ''
+    return f'{section}{key.task} ({real.name}) at {real.component}{more}'
+
+
+def _late(us: int) -> str:
+    if not is_seen(us):
+        return 'in time'
+    return f'{duration(abs(us))} {"late" if us > 0 else "early"}'
+
+
+def _counted(pair: Pair) -> tuple[str, ...]:
+    more = f'{pair.more:+}' if pair.more else '='
+    return pair.what.replace('_', ' '), str(pair.forecast), str(pair.real), more
+
+
+def _each(us: int, times: int) -> str:
+    return f'{us / times / 1e6:.2f} s'
+
+
+def _more(us: int) -> str:
+    if not is_seen(us):
+        return '='
+    return f'+{duration(us)}' if us > 0 else duration(us)

@@ -1,0 +1,113 @@
+"""The log of all waits in a virtual run, with exact times.
+
+Virtual time does not advance inside a settle, and nothing changes between two settles. So one look
+after each settle finds every wait, with its exact beginning and end.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait
+from bt_orchestrator.view.report.causes import Cause, cause_of
+
+_Row = tuple[str, str]
+"""Whether it is a part of the cell or a component, and its name."""
+
+_PART, _COMPONENT = 'part', 'component'
+
+
+class WaitSpan(NamedTuple):
+    """From when to when something waited, and for what."""
+
+    start_s: float
+    end_s: float
+    causes: tuple[Cause, ...]
+    """More than one: for all of them at once."""
+
+
+@dataclass(frozen=True)
+class Waits:
+    """All waits of a run."""
+
+    spans: Mapping[_Row, Sequence[WaitSpan]] = field(default_factory=dict)
+
+    def of_section(self, number: int) -> Sequence[WaitSpan]:
+        """Return when a section neither worked nor had a goal in flight."""
+        return self.spans.get((_PART, f'section {number}'), ())
+
+    def of_component(self, name: str) -> Sequence[WaitSpan]:
+        """Return when a component had a task to begin, and could not."""
+        return self.spans.get((_COMPONENT, name), ())
+
+    @property
+    def of_initialization(self) -> Sequence[WaitSpan]:
+        """When initialization could not go on."""
+        return self.spans.get((_PART, INITIALIZATION), ())
+
+    @property
+    def of_belt(self) -> Sequence[WaitSpan]:
+        """When the belt could not move."""
+        return self.spans.get((_PART, BELT), ())
+
+
+NO_WAITS = Waits()
+"""Of a run whose waits were not recorded."""
+
+
+class WaitLog:
+    """Records all waits each time it is shown the cell."""
+
+    def __init__(self) -> None:
+        self._spans: dict[_Row, list[WaitSpan]] = defaultdict(list)
+        self._open: dict[_Row, tuple[float, tuple[Cause, ...]]] = {}
+
+    def look(self, state: CellState, waits: Sequence[PartWait], now_s: float) -> None:
+        """Note waits that begin or end now."""
+        current = _causes(state, waits)
+        for row in [row for row, (_, causes) in self._open.items() if current.get(row) != causes]:
+            self._close(row, now_s)
+        for row, causes in current.items():
+            self._open.setdefault(row, (now_s, causes))
+
+    def end(self, now_s: float) -> Waits:
+        """Return everything up to now."""
+        for row in list(self._open):
+            self._close(row, now_s)
+        return Waits(dict(self._spans))
+
+    def _close(self, row: _Row, now_s: float) -> None:
+        start_s, causes = self._open.pop(row)
+        if now_s > start_s:
+            self._spans[row].append(WaitSpan(start_s, now_s, causes))
+
+
+def _causes(state: CellState, waits: Sequence[PartWait]) -> dict[_Row, tuple[Cause, ...]]:
+    """Return what each row waits for; those that work are left out."""
+    belt = [one.wait for one in waits if one.part == BELT]
+    working = {(_PART, _part(key)) for key in state.running}
+    found: dict[_Row, dict[Cause, None]] = defaultdict(dict)
+    for one in waits:
+        cause = cause_of(one.wait, belt)
+        for row in _rows(one):
+            found[row][cause] = None
+    busy = {(_COMPONENT, name) for name, key in state.reserved.items() if key in state.running}
+    idle = found.keys() - busy - working
+    return {row: tuple(causes) for row, causes in found.items() if row in idle}
+
+
+def _part(key: TaskKey) -> str:
+    if key.job is None:
+        return BELT
+    return INITIALIZATION if key.section is None else f'section {key.section}'
+
+
+def _rows(wait: PartWait) -> Iterable[_Row]:
+    yield _PART, wait.part
+    for component in wait.wait.components:
+        yield _COMPONENT, component

@@ -1,0 +1,129 @@
+"""The view in plain lines, one for each change that matters: for logs, pipes, dumb terminals."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.branch import Branch
+from bt_orchestrator.model.folds.holds import hold_of
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.view.screen import words
+from bt_orchestrator.view.screen.advice import Shell, hold_advice, next_choices, next_lines
+from bt_orchestrator.view.screen.progress import Progress
+from bt_orchestrator.view.screen.tree_view import paths
+from bt_orchestrator.view.screen.viewer import Hearing
+
+
+class EventLines:
+    """Says what happens, what an operator can do about it, and nothing else."""
+
+    def __init__(self, shell: Shell, say: Callable[[str], object]) -> None:
+        self._shell = shell
+        self._say = say
+        self._progress = Progress()
+        self._is_first = True
+        self._role: Role | None = None
+        self._next: list[str] = []
+        self._notes: tuple[str, ...] = ()
+
+    def on_status(self, status: CellStatus) -> None:
+        """Say what can be typed where the cell has come to stand."""
+        self._role = status.unauthenticated_role
+        if self._is_first:
+            self._say_all(self._held(status))
+        self._is_first = False
+        effects = [choice.effect for choice in next_choices(status)]
+        if effects != self._next:
+            self._next = effects
+            self._say_all(f'next: {text}' for text in next_lines(status, self._shell))
+
+    def _held(self, status: CellStatus) -> Iterator[str]:
+        """Yield the holds that were raised before the first status."""
+        for hold in status.holds:
+            yield words.hold_text(hold)
+            yield from (f'  {text}' for text in hold_advice(hold, self._shell, self._role))
+
+    def on_event(self, event: e.Event) -> None:
+        """Say what happened."""
+        self._say_all(self._progress.follow(event))
+        if isinstance(event, e.HoldRaised):
+            advice = hold_advice(hold_of(event), self._shell, self._role)
+            self._say_all(f'  {text}' for text in advice)
+
+    def on_notes(self, notes: Sequence[str]) -> None:
+        """Say notes that are new."""
+        self._say_all(note for note in notes if note not in self._notes)
+        self._notes = tuple(notes)
+
+    def on_tree(self, tree: Branch) -> None:
+        """Say nothing."""
+
+    def on_blackboard(self, values: Mapping[str, str]) -> None:
+        """Say nothing."""
+
+    def refresh(self) -> None:
+        """Say nothing."""
+
+    def _say_all(self, texts: Iterable[str]) -> None:
+        for text in texts:
+            self._say(text)
+
+
+class PlainView(EventLines):
+    """Says how the cell stands at first, and then what changes."""
+
+    def __init__(self, shell: Shell, say: Callable[[str], object]) -> None:
+        super().__init__(shell, say)
+        self._hearing = Hearing(time.monotonic())
+        self._is_away = True
+        self._troubles: list[str] = []
+        self._stopped = ''
+        self._behaviours: dict[str, str] = {}
+        self._variables: dict[str, str] = {}
+
+    def on_status(self, status: CellStatus) -> None:
+        """Print the status at first and when the node is back; later only what is no event."""
+        self._hearing.heard(time.monotonic())
+        troubles = [text for text in (words.failure(status), *words.troubles(status)) if text]
+        if self._is_away:
+            self._is_away = False
+            self._is_first = False
+            self._next = [choice.effect for choice in next_choices(status)]
+            self._say_all(words.status_lines(status, self._shell))
+        else:
+            super().on_status(status)
+            self._say_all(text for text in troubles if text not in self._troubles)
+            gone = [text for text in self._troubles if text not in troubles]
+            self._say_all(f'over: {text}' for text in gone)
+            if words.stopped(status) != self._stopped:
+                self._say_all(text for text in [words.stopped(status)] if text)
+        self._stopped = words.stopped(status)
+        self._troubles = troubles
+
+    def on_tree(self, tree: Branch) -> None:
+        """Say which behaviours came to something else."""
+        found = {
+            path: f'{branch.status.word}  {branch.words}'.rstrip() for path, branch in paths(tree)
+        }
+        self._say_changes('tree', self._behaviours, found)
+        self._behaviours = found
+
+    def on_blackboard(self, values: Mapping[str, str]) -> None:
+        """Say which variables changed."""
+        found = dict(values)
+        self._say_changes('blackboard', self._variables, found)
+        self._variables = found
+
+    def refresh(self) -> None:
+        """Say when the node went away."""
+        silent_s = self._hearing.silent_s(time.monotonic())
+        if silent_s is not None and not self._is_away:
+            self._is_away = True
+            self._say(f'no news from {self._shell.node} for {words.duration(silent_s)}')
+
+    def _say_changes(self, what: str, before: Mapping[str, str], now: Mapping[str, str]) -> None:
+        self._say_all(f'{what} {k}  {v}' for k, v in now.items() if before.get(k) != v)
+        self._say_all(f'{what} {key}  is gone' for key in before if key not in now)

@@ -1,6 +1,0 @@
-"""The past: events, jobs, items, and the last work of sections and components."""
-
-from bt_orchestrator.web.archive.archive import Archive
-from bt_orchestrator.web.archive.endpoints import endpoints
-
-__all__ = ['Archive', 'endpoints']

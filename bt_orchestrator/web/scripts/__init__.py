@@ -1,6 +1,0 @@
-"""Scripts on the page: by name for new orders, by digest with their lists, and as a drawing."""
-
-from bt_orchestrator.web.scripts.endpoints import endpoints
-from bt_orchestrator.web.scripts.shelf import Shelf
-
-__all__ = ['Shelf', 'endpoints']

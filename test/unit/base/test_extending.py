@@ -1,0 +1,65 @@
+"""The table of extensions: that of setup.py says the same, and no contract forgets one."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from pathlib import Path
+
+import pytest
+
+from bt_orchestrator import extensions
+from bt_orchestrator.base.extending import EXTENSIONS, PAGE, RECIPES, Extension, ExtensionMissing
+from bt_orchestrator.cli.verbs import VERBS
+from bt_orchestrator.extensions.recipes.generating import extension
+from bt_orchestrator.script.orders.by_recipe import Recipes
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_the_extras_are_the_extensions() -> None:
+    (found,) = (
+        ast.literal_eval(node.value)
+        for node in ast.walk(ast.parse((ROOT / 'setup.py').read_text()))
+        if isinstance(node, ast.keyword) and node.arg == 'extras_require'
+    )
+    del found['test']
+    assert found == {one.name: list(one.packages.values()) for one in EXTENSIONS}
+
+
+@pytest.mark.parametrize('one', EXTENSIONS, ids=lambda one: one.name)
+def test_none_is_forgotten_by_the_contract(one: Extension) -> None:
+    contracts = (ROOT / 'pyproject.toml').read_text()
+    contract = contracts.split('id = "extensions"')[1].partition('[[')[0]
+    assert 'independence' in contract
+    assert f'"{one.room}"' in contract
+    assert not one.verb or one.verb in VERBS
+
+
+def test_each_room_of_the_extensions_is_one_of_the_table() -> None:
+    folder = Path(extensions.__file__).parent
+    found = {one.name for one in folder.iterdir() if (one / '__init__.py').exists()}
+    assert found == {one.name for one in EXTENSIONS}
+
+
+def test_recipes_are_what_the_core_asks_for() -> None:
+    recipes: Recipes = extension  # mypy compares them
+    assert recipes is extension
+
+
+def test_what_is_missing_is_named_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, 'uvicorn', None)
+    with pytest.raises(ExtensionMissing) as raised:
+        PAGE.demand()
+    assert str(raised.value) == (
+        'page: uvicorn cannot be imported; install what the operator page needs with: '
+        "pip install 'starlette>=0.31' 'uvicorn>=0.27', or on Ubuntu: "
+        'apt install python3-starlette python3-uvicorn'
+    )
+    PAGE.demand(with_packages=False)
+
+
+def test_a_room_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, RECIPES.room, None)
+    with pytest.raises(ExtensionMissing, match=f'{RECIPES.room} cannot be imported'):
+        RECIPES.demand(with_packages=False)

@@ -1,0 +1,105 @@
+"""Commands in plain texts, and the requests that they stand for."""
+
+from __future__ import annotations
+
+import pytest
+
+from bt_orchestrator.extensions.opcua.mes.plain_commands import (
+    Unclear,
+    answer_of,
+    command_of,
+    order_of,
+    verbs,
+)
+from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
+from bt_orchestrator.model.requests import REQUESTS, About
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.state import Hold
+
+
+def hold(id_: str, *answers: str, item: str | None = None) -> Hold:
+    return Hold(id_, 'WO-1', 3, item, None, 'failed', 'it failed', answers, 0.0)
+
+
+def test_an_order_has_its_parameters_as_texts() -> None:
+    found = order_of('WO-1', 'mix', 3, ['speed=12', ' lot = a=b ', 'note='])
+    assert found == WorkOrder('mix', 'WO-1', 3, {'speed': '12', 'lot': 'a=b', 'note': ''})
+
+
+def test_a_quantity_of_zero_leaves_it_to_the_script() -> None:
+    assert order_of('WO-1', 'mix', 0, []).quantity is None
+
+
+def test_an_order_may_name_a_recipe() -> None:
+    made = order_of('WO-1', 'P-1', 2, ['lot=7'], ['P-1'])
+    assert (made.script, made.recipe) == ('', RecipeChoice(('P-1',)))
+    assert order_of('WO-1', 'mix', 2, [], ['P-1']).script == 'mix'
+
+
+def test_every_mistake_of_an_order_is_told() -> None:
+    with pytest.raises(Unclear) as error:
+        order_of('', '', 1, ['lot', '=1', 'a=1', 'a=2'])
+    assert error.value.findings == (
+        "Id: '' cannot be one: it is empty",
+        'Script: it is empty; name a script, or a recipe',
+        "Parameters: expected name=value, found 'lot'",
+        "Parameters: expected name=value, found '=1'",
+        'Parameters: a is given twice',
+    )
+
+
+@pytest.mark.parametrize(
+    ('verb', 'job', 'name'),
+    [
+        ('abort', '', 'cell.abort'),
+        (' Stop ', '', 'cell.stop'),
+        ('stop', 'WO-1', 'job.stop'),
+        ('hold', 'WO-1', 'job.hold'),
+        ('next', 'WO-1', 'job.next'),
+    ],
+)
+def test_a_verb_is_for_the_cell_or_for_a_job(verb: str, job: str, name: str) -> None:
+    found = command_of(verb, job)
+    assert found.request is REQUESTS[name]
+    assert found.arguments == ({'job': job} if job else {})
+
+
+@pytest.mark.parametrize(('verb', 'job'), [('cancel', ''), ('reset', 'WO-1'), ('move', 'WO-1')])
+def test_a_verb_that_is_of_the_other_or_not_enough_is_told(verb: str, job: str) -> None:
+    with pytest.raises(Unclear, match=rf"^Verb: expected a command to .*; found '{verb}'$"):
+        command_of(verb, job)
+
+
+def test_nothing_that_needs_more_than_a_verb_is_offered() -> None:
+    offered = {one.name for about in (About.CELL, About.JOB) for one in verbs(about)}
+    assert {'cell.reset', 'cell.stop_after_item', 'job.cancel'} <= offered
+    assert 'job.move' not in offered
+
+
+def test_an_answer_is_one_that_is_possible_now() -> None:
+    holds = [hold('3', 'retry', 'skip'), hold('4', 'remove_item', item='WO-1/2')]
+    found = answer_of('3', 'Retry', holds)
+    assert (found.request.name, found.arguments) == ('hold.retry', {'hold': '3'})
+    removed = answer_of('4', 'remove_item', holds)
+    assert (removed.request.name, removed.arguments) == ('item.remove_item', {'item': 'WO-1/2'})
+    with pytest.raises(Unclear, match=r'possible now \(retry, skip\); found .reject.'):
+        answer_of('3', 'reject', holds)
+    with pytest.raises(Unclear, match=r'one that waits \(3, 4\); found .5.'):
+        answer_of('5', 'retry', holds)
+
+
+def test_7_1_a_wrong_answer_is_told_those_of_the_role() -> None:
+    holds = [hold('3', 'retry', 'abort_job')]
+    expected = r'possible now \(retry; an engineer may also: abort_job\); found'
+    with pytest.raises(Unclear, match=expected):
+        answer_of('3', 'skip', holds, Role.OPERATE)
+
+
+def test_every_hold_takes_remarks() -> None:
+    found = answer_of('7', 'acknowledge', [hold('7', 'resume')])
+    assert (found.request.name, found.arguments) == ('hold.acknowledge', {'hold': '7'})
+
+
+def test_a_pause_is_released_by_its_id() -> None:
+    found = answer_of('7', 'resume', [hold('7', 'resume')])
+    assert (found.request.name, found.arguments) == ('cell.resume', {'hold': '7'})

@@ -1,0 +1,414 @@
+"""Every request of the table, for every role, posted to the page; the journal is looked at.
+
+A request that is new in the table is tested as well.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fakes.browser import Answered, Browser
+from fakes.page_bench import ROLES, CellBench
+from fakes.quick_users import PASSWORD
+
+from bt_orchestrator.extensions.page.web.access import IDLE_S
+from bt_orchestrator.model.limits import REASON
+from bt_orchestrator.model.requests import TABLE, About, Kind, Request, Why
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.ports.doors.tickets import SETTLED_S
+from bt_orchestrator.store.memory import MemoryStore
+
+SUBJECTS = {About.JOB: 'WO-1', About.ITEM: 'WO-1/1', About.HOLD: '1'}
+
+VALUES = {
+    Kind.WHOLE: 1,
+    Kind.TEXT: 'd1ge57',
+    Kind.TEXTS: ['WO-1'],
+    Kind.ORDERS: [{'order': 'WO-7', 'script': 'small', 'quantity': 1}],
+}
+"""Of parameters that a request cannot do without."""
+
+_tickets = itertools.count(1)
+
+every_request = pytest.mark.parametrize('request_', TABLE, ids=lambda one: one.name)
+
+
+def new_ticket() -> str:
+    return f'{next(_tickets):016x}'
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[CellBench]:
+    made = CellBench(tmp_path)
+    yield made
+    made.close()
+
+
+def body_of(request: Request, **more: Any) -> tuple[str, dict[str, Any]]:
+    subject = SUBJECTS.get(request.about, '')
+    about = {request.subject.name: subject} if request.subject else {}
+    needed = {
+        one.name: VALUES[one.kind]
+        for one in request.parameters
+        if one.is_required and one is not request.subject
+    }
+    path = f'/api/requests/{request.name}'
+    return path, {**about, **needed, 'reason': 'a test', 'ticket': new_ticket(), **more}
+
+
+def post(browser: Browser, request: Request, **more: Any) -> Answered:
+    return browser.post(*body_of(request, **more))
+
+
+def add(browser: Browser, *orders: str, **more: Any) -> Answered:
+    plain = [{'order': one, 'script': 'small', 'quantity': 1} for one in orders]
+    return browser.post('/api/queue/add', {'orders': plain, **more})
+
+
+# --- each request for each role -----------------------------------------------------------------
+
+
+@every_request
+@pytest.mark.parametrize('name', ROLES)
+def test_a_request_is_for_the_roles_of_the_table(
+    bench: CellBench, request_: Request, name: str
+) -> None:
+    browser, before = bench.logged_in(name), len(bench.journal)
+    path, body = body_of(request_, who='the boss', role='engineer')
+    body.pop('role')
+    answer = browser.post(path, body)
+    if ROLES[name] not in request_.roles:
+        assert answer.status == 403
+        assert f'{request_.name} is for the role' in answer.message
+        assert f'{name} has the role {ROLES[name].value} (page login)' in answer.message
+        assert len(bench.journal) == before, 'nothing was asked of the cell'
+        return
+    assert answer.status in (200, 409), answer.body
+    assert answer.json['accepted'] is (answer.status == 200)
+    recorded = bench.commands[-1]
+    assert recorded.who == name
+    assert recorded.origin == f'page {body["ticket"]}'
+    assert (recorded.role, recorded.known) == (ROLES[name].value, 'page login')
+    assert recorded.reason == 'a test'
+    assert answer.json['recorded']['seq'] == recorded.seq
+    assert answer.json['who'] == name
+
+
+@every_request
+def test_an_argument_that_no_request_has_is_refused(bench: CellBench, request_: Request) -> None:
+    wrong = post(bench.logged_in('eve'), request_, height=3)
+    assert wrong.status == 422
+    assert 'found height' in wrong.message
+
+
+def test_a_name_that_the_table_does_not_have_is_refused(bench: CellBench) -> None:
+    answer = bench.logged_in('eve').post('/api/requests/cell.fly', {'reason': 'a test'})
+    assert answer.status == 422
+    assert answer.message.startswith('name is one of cell.reset, ')
+
+
+WRONG = (
+    {'cookie': 'bt_orchestrator_8080=guessed'},
+    {'origin': 'http://evil.example.org'},
+    {'origin': ''},
+    {'host': 'evil.example.org'},
+    {'content_type': 'text/plain'},
+)
+
+
+@every_request
+def test_what_does_not_come_from_the_page_is_refused(bench: CellBench, request_: Request) -> None:
+    before = len(bench.journal)
+    for name in ROLES:
+        browser = bench.logged_in(name)
+        for wrong in WRONG:
+            answer = browser.post(*body_of(request_), **wrong)
+            assert answer.status in (401, 403, 415), (name, wrong)
+            assert answer.message
+    assert len(bench.journal) == before
+    assert not bench.doors.asked
+
+
+@every_request
+def test_without_a_session_nothing_is_asked(bench: CellBench, request_: Request) -> None:
+    answer = post(bench.browser(), request_)
+    assert (answer.status, answer.json['why']) == (401, 'login')
+    assert not bench.doors.asked
+
+
+@every_request
+def test_a_locked_session_is_for_emergencies(bench: CellBench, request_: Request) -> None:
+    browser = bench.logged_in('eve')
+    bench.now += IDLE_S
+    answer = post(browser, request_)
+    if request_.why is Why.AFTERWARDS:
+        assert answer.status in (200, 409)
+        assert bench.commands[-1].origin.endswith(', locked session')
+    else:
+        assert (answer.status, answer.json['why']) == (403, 'locked')
+        assert not bench.doors.asked
+        browser.post('/api/unlock', {'password': PASSWORD})
+        assert post(browser, request_).status in (200, 409)
+
+
+@every_request
+def test_a_reason_is_asked_for_as_the_table_says(bench: CellBench, request_: Request) -> None:
+    browser = bench.logged_in('eve')
+    answer = post(browser, request_, reason='  ')
+    if request_.why is Why.FIRST:
+        assert (answer.status, len(bench.doors.asked)) == (422, 0)
+        assert 'needs a reason' in answer.message
+    else:
+        assert answer.status in (200, 409)
+
+
+def test_the_emergencies_are_abort_pause_and_stop() -> None:
+    assert {one.name for one in TABLE if one.why is Why.AFTERWARDS} == {
+        'cell.abort',
+        'cell.pause',
+        'cell.stop',
+    }
+
+
+@every_request
+def test_while_the_node_is_silent_only_an_emergency_is_sent(
+    bench: CellBench, request_: Request
+) -> None:
+    browser = bench.logged_in('eve')
+    bench.doors.is_silent = True
+    bench.doors.loses_answers = True
+    answer = post(browser, request_)
+    assert answer.status == 503
+    assert answer.json['is_unknown'] is (request_.why is Why.AFTERWARDS)
+    assert bool(bench.doors.asked) is (request_.why is Why.AFTERWARDS)
+
+
+@every_request
+def test_an_unknown_argument_is_refused(bench: CellBench, request_: Request) -> None:
+    answer = post(bench.logged_in('eve'), request_, nonsense=1)
+    assert answer.status == 422
+    assert 'nonsense' in answer.message
+    assert not bench.doors.asked
+
+
+def test_a_trusted_computer_is_on_record_as_a_claim(tmp_path: Path) -> None:
+    bench = CellBench(tmp_path, local_user='pat')
+    assert bench.browser().post('/api/cell/abort', {}).status == 200
+    recorded = bench.commands[-1]
+    assert (recorded.who, recorded.known) == ('pat', 'ros unauthenticated')
+    bench.close()
+
+
+def test_a_role_that_the_node_does_not_count_is_told(bench: CellBench) -> None:
+    """As over ROS, to a node without trust_local_doors."""
+    browser = bench.logged_in('ann')
+    real = bench.doors.ask
+
+    async def distrusting(asked: Any) -> Any:
+        import dataclasses
+
+        from bt_orchestrator.model.by import Known
+
+        by = dataclasses.replace(
+            asked.by, role=Role.ENGINEER, known=Known.ROS, claims='operate (page login)'
+        )
+        return await real(dataclasses.replace(asked, by=by))
+
+    bench.doors.ask = distrusting  # type: ignore[method-assign]
+    answer = browser.post('/api/cell/abort', {'reason': 'smoke'}).json
+    assert answer['recorded']['claims'] == 'operate (page login)'
+    assert 'records operate (page login) as a claim' in answer['note']
+    assert 'trust_local_doors' in answer['note']
+
+
+# --- what is in a body --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ('path', 'body', 'message'),
+    [
+        ('/api/cell/explode', {}, 'command is one of reset, start'),
+        ('/api/cell/abort', {'reason': 1}, 'reason is a text'),
+        ('/api/cell/abort', {'reason': 'x' * (REASON + 1)}, 'reason is a text of at most 2000'),
+        ('/api/cell/abort', {'ticket': 'abc'}, 'ticket is 16 hexadecimal digits'),
+        ('/api/cell/abort', {'ticket': 'ABCDEF0123456789'}, 'ticket is 16 hexadecimal digits'),
+        ('/api/cell/abort', {'ticket': ['0' * 16]}, 'ticket is 16 hexadecimal digits'),
+        ('/api/cell/resume', {'reason': 'r', 'everyones': 1}, 'everyones of cell.resume is yes'),
+        ('/api/queue/move', {'reason': 'r', 'job': 'WO-1'}, 'job.move needs position'),
+        ('/api/queue/move', {'reason': 'r', 'job': 'W', 'position': True}, 'is whole number'),
+        ('/api/queue/update', {'reason': 'r', 'job': 'x' * 201}, 'job has 201 characters'),
+        (
+            '/api/holds/' + 'x' * 201 + '/answer',
+            {'reason': 'r', 'answer': 'retry'},
+            'hold has 201',
+        ),
+        ('/api/queue/add', {}, 'orders is a list of 1 to 250 work orders'),
+        ('/api/queue/add', {'orders': []}, 'orders is a list'),
+        ('/api/queue/add', {'orders': [1]}, 'each work order is an object'),
+        ('/api/queue/add', {'orders': [{'script': 'small'}]}, 'needs an id of its own'),
+        ('/api/queue/add', {'orders': [{'order': 'WO-1', 'scrap': 1}]}, 'scrap'),
+    ],
+)
+def test_what_does_not_fit_is_told_and_not_asked(
+    bench: CellBench, path: str, body: dict[str, Any], message: str
+) -> None:
+    answer = bench.logged_in('eve').post(path, body)
+    assert answer.status == 422
+    assert message in answer.message
+    assert not bench.doors.asked
+
+
+def test_an_mes_gives_a_job_no_other_script(bench: CellBench) -> None:
+    browser = bench.logged_in('mes')
+    body = {'job': 'WO-1', 'script': 'small', 'reason': 'r'}
+    answer = browser.post('/api/queue/update', body)
+    assert answer.status == 403
+    assert 'job.update with script is for the role engineer' in answer.message
+
+
+def test_orders_are_queued_and_a_script_that_is_not_there_is_told(bench: CellBench) -> None:
+    browser = bench.logged_in('mes')
+    assert add(browser, 'WO-1', 'WO-2', held=True).json['accepted']
+    assert [job.id for job in bench.node.running.overview.status(0.0).jobs] == ['WO-1', 'WO-2']
+    refused = browser.post('/api/queue/add', {'orders': [{'order': 'WO-3', 'script': 'gone'}]})
+    assert refused.status == 409
+    assert any('gone' in finding for finding in refused.json['findings'])
+    assert refused.json['recorded']['seq'] == bench.commands[-1].seq
+
+
+def test_the_same_order_again_is_refused_by_its_id(bench: CellBench) -> None:
+    browser = bench.logged_in('mes')
+    assert add(browser, 'WO-1', held=True).status == 200
+    again = add(browser, 'WO-1', held=True)
+    assert again.status == 409
+    assert 'WO-1' in again.json['message']
+
+
+# --- tickets ------------------------------------------------------------------------------------
+
+
+def test_the_same_ticket_again_is_answered_alike_and_not_done_twice(bench: CellBench) -> None:
+    browser, ticket = bench.logged_in('ann'), new_ticket()
+    first = browser.post('/api/cell/abort', {'ticket': ticket})
+    again = browser.post('/api/cell/abort', {'ticket': ticket})
+    assert (first.status, first.body) == (again.status, again.body)
+    assert len(bench.doors.asked) == 1
+    assert len(bench.commands) == 1
+
+
+def test_the_same_ticket_at_the_same_time(bench: CellBench) -> None:
+    browser, ticket = bench.logged_in('mes'), new_ticket()
+    orders = [{'order': 'WO-1', 'script': 'small', 'quantity': 1}]
+
+    async def twice() -> list[Answered]:
+        bench.doors.gate = asyncio.Event()
+        body = {'orders': orders, 'ticket': ticket, 'held': True}
+        both = [asyncio.ensure_future(browser.posted('/api/queue/add', body)) for _ in range(2)]
+        while not bench.doors.asked:
+            await asyncio.sleep(0)
+        bench.doors.gate.set()
+        return await asyncio.gather(*both)
+
+    first, second = bench.loop.run_until_complete(twice())
+    assert first.body == second.body
+    assert first.json['accepted']
+    assert len(bench.doors.asked) == 1
+
+
+def test_a_ticket_is_of_one_command_and_one_person(bench: CellBench) -> None:
+    ticket = new_ticket()
+    assert bench.logged_in('ann').post('/api/cell/abort', {'ticket': ticket}).status == 200
+    other = bench.logged_in('ann').post('/api/cell/stop', {'ticket': ticket})
+    assert (other.status, len(bench.doors.asked)) == (422, 1)
+    assert bench.logged_in('eve').post('/api/cell/abort', {'ticket': ticket}).status == 422
+    assert 'is of another command' in other.message
+
+
+def test_without_a_ticket_the_page_makes_one(bench: CellBench) -> None:
+    browser = bench.logged_in('ann')
+    tickets = {browser.post('/api/cell/abort', {}).json['ticket'] for _ in range(2)}
+    assert len(tickets) == 2
+    assert all(browser.get(f'/api/tickets/{one}').json['found'] for one in tickets)
+
+
+def test_an_answer_that_was_lost_is_found_in_the_journal(bench: CellBench) -> None:
+    browser, ticket = bench.logged_in('ann'), new_ticket()
+    bench.doors.loses_answers = True
+    lost = browser.post('/api/cell/abort', {'ticket': ticket, 'reason': 'smoke'})
+    assert (lost.status, lost.json['is_unknown'], lost.json['ticket']) == (503, True, ticket)
+    assert 'whether it was carried out is not known' in lost.message
+    bench.doors.loses_answers = False
+    found = browser.get(f'/api/tickets/{ticket}').json
+    assert (found['found'], found['accepted'], found['who']) == (True, True, 'ann')
+    assert found['seq'] == bench.commands[-1].seq
+    assert found['message'] == 'ann decided abort'
+    again = browser.post('/api/cell/abort', {'ticket': ticket, 'reason': 'smoke'})
+    assert (again.status, again.json['seq']) == (200, found['seq'])
+    assert len(bench.doors.asked) == 1, 'it was not done twice'
+
+
+def test_a_command_that_never_arrived_is_not_found_and_goes_again_later(bench: CellBench) -> None:
+    browser, ticket = bench.logged_in('ann'), new_ticket()
+    browser.post('/api/cell/pause', {})
+    bench.node.switch_off()
+    assert browser.post('/api/cell/abort', {'ticket': ticket}).json['is_unknown']
+    searched = browser.get(f'/api/tickets/{ticket}').json
+    assert (searched['found'], searched['node_silent']) == (False, True)
+    bench.node.switch_on(bench.store)
+    searched = browser.get(f'/api/tickets/{ticket}').json
+    assert (searched['found'], searched['node_silent']) == (False, False)
+    assert searched['looked_to'] == bench.journal[-1].seq
+    again = browser.post('/api/cell/abort', {'ticket': ticket})
+    assert (again.status, again.json['is_unknown'], len(bench.doors.asked)) == (503, True, 2)
+    assert 'ask again in 10 s' in again.message, 'it might still be on its way'
+    bench.now += SETTLED_S
+    assert browser.post('/api/cell/abort', {'ticket': ticket}).status == 200
+    assert browser.post('/api/cell/abort', {'ticket': ticket}).status == 200
+    assert len(bench.doors.asked) == 3, 'once'
+    assert len([one for one in bench.commands if ticket in one.origin]) == 1
+
+
+def test_after_a_restart_of_the_page_the_journal_tells(bench: CellBench) -> None:
+    browser, done, refused = bench.logged_in('mes'), new_ticket(), new_ticket()
+    assert add(browser, 'WO-1', 'WO-2', ticket=done, held=True).status == 200
+    assert add(browser, 'WO-1', ticket=refused).status == 409
+    bench.restart_page()
+    browser = bench.logged_in('mes')
+    found = browser.get(f'/api/tickets/{done}').json
+    assert (found['found'], found['accepted']) == (True, True)
+    assert found['message'] == 'mes decided add: WO-1; mes decided add: WO-2'
+    found = browser.get(f'/api/tickets/{refused}').json
+    assert (found['found'], found['accepted']) == (True, False)
+    assert 'WO-1' in found['message']
+    before = len(bench.journal)
+    assert add(browser, 'WO-1', 'WO-2', ticket=done, held=True).status == 200
+    assert add(browser, 'WO-1', ticket=refused).status == 409
+    assert len(bench.journal) == before, 'nothing was done again'
+    other = {'ticket': done, 'reason': 'r', 'job': 'WO-1'}
+    assert browser.post('/api/queue/command', {**other, 'command': 'cancel'}).status == 422
+
+
+def test_a_ticket_that_nobody_has(bench: CellBench) -> None:
+    browser = bench.logged_in('ann')
+    assert browser.get('/api/tickets/nonsense').status == 422
+    searched = browser.get(f'/api/tickets/{new_ticket()}').json
+    assert not searched['found']
+
+
+def test_another_journal_has_other_numbers(bench: CellBench) -> None:
+    """A node without a journal file begins anew: then old tickets are gone, and say so."""
+    browser, ticket = bench.logged_in('ann'), new_ticket()
+    for _ in range(5):
+        browser.post('/api/cell/abort', {})
+    bench.doors.loses_answers = True
+    browser.post('/api/cell/abort', {'ticket': ticket})
+    bench.node.switch_off()
+    bench.store = MemoryStore()
+    bench.node.switch_on(bench.store)
+    searched = browser.get(f'/api/tickets/{ticket}').json
+    assert (searched['found'], searched['node_silent']) == (False, False)

@@ -1,0 +1,261 @@
+"""The parts of the page say what the status says, at every moment of a run."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from fakes.line import THREE, Line, with_initialization, with_section
+from fakes.page_parts import NODE, marks, page_parts, scripts_of, status_of
+from fakes.statuses import hold
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.engine.runtime.overview import description_of
+from bt_orchestrator.extensions.page.web.parts import parts_of
+from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.status_words import task_label
+
+LISTED = with_section(
+    2,
+    """
+    - {id: turn, @a2}
+    - parallel: [{id: left, @b2}, [{id: right, @arm}, {id: after, @arm.TASK_B}]]
+    - {id: late, @a2.TASK_B, requires_conveyor: false}
+    """,
+)
+
+KINDS = {'cell', 'now', 'belt', 'flags', 'line', 'why', 'section', 'hold', 'job', 'component'}
+
+
+def check_parts(run: VirtualRun) -> None:
+    """Compare every part with the status of the same moment."""
+    status, parts = status_of(run), page_parts(run)
+    assert {key.partition('/')[0] for key in parts} <= KINDS
+    assert json.loads(json.dumps(parts, allow_nan=False)) == parts
+    assert parts == page_parts(run), 'two looks at one moment'
+    cell = parts['cell']
+    assert (cell['state'], cell['since']) == (status.state.value, status.state_since)
+    assert cell['sections'] == [one.number for one in status.sections]
+    assert cell['holds'] == [hold.id for hold in status.holds], 'as they were raised'
+    assert cell['jobs'] == [job.id for job in status.jobs]
+    assert parts['now']['seq'] == status.seq
+    assert parts['belt']['moving'] == status.belt.moving
+    for section in status.sections:
+        part = parts[f'section/{section.number}']
+        assert [wait['words'] for wait in part['waits']] == [str(one) for one in section.waits]
+        at_work = {task['id'] for task in part['tasks'] if task['mark'] == 'running'}
+        assert at_work == {task.id for task in section.running}
+        over = {'done', 'marked_done', 'skipped', 'continued', 'rejected', 'aborted'}
+        ended = {task['id']: task['mark'] for task in part['tasks'] if task['mark'] in over}
+        left = section.finished.passed if section.finished and not section.item else ()
+        assert ended == {task.id: task.end.value for task in (*section.passed, *left)}
+        done = part['finished'] and {one['id']: one['mark'] for one in part['finished']['tasks']}
+        assert (done or {}) == done_in_this_beat(run, section.number)
+        slot = part['slot']
+        assert (slot and slot['id']) == (section.slot and section.slot.id)
+    for job in status.jobs:
+        part = parts[f'job/{job.id}']
+        assert (part['left'], part['on_line']) == (job.left, job.on_line)
+        assert part['is_over'] == (job.ended_at is not None)
+
+
+def done_in_this_beat(run: VirtualRun, section: int) -> dict[str, str]:
+    """Return the tasks of the last cycle that ended since the belt moved, by the journal."""
+    ended: dict[str, str] = {}
+    since: list[dict[str, Any]] = []
+    for record in run.records:
+        since.append(record)
+        if record['event'] == 'belt.indexed':
+            ended, since = {}, []
+        if record['event'] == 'cycle.completed' and record['section'] == section:
+            ended = {
+                one['task']: _ENDS[one['event']]
+                for one in run.records[: record['seq']]
+                if one.get('item') == record['item']
+                and one.get('section') == section
+                and one['event'] in _ENDS
+            }
+    return ended if any(one.slot for one in run.state.sections.values()) else {}
+
+
+_ENDS = {'task.succeeded': 'done', 'task.skipped': 'skipped', 'task.marked_done': 'marked_done'}
+
+
+def test_a_section_that_waits_for_the_belt_keeps_its_tasks_done() -> None:
+    run = Line(seconds={'a1': 4.0}).begin(THREE, 3).go(until=7.5)
+    assert marks(page_parts(run), 2) == [('work', 'done')]
+    assert page_parts(run)['section/2']['finished']['item'] == 'J/1'
+    run.go(until=12.5)
+    assert page_parts(run)['section/2']['slot']['id'] == 'J/2'
+    assert marks(page_parts(run), 2) == [('work', 'running')]
+
+
+def test_a_cycle_ahead_and_the_finished_one_are_both_shown() -> None:
+    pick = '{id: pick, @b1, requires_conveyor: false}'
+    text = with_section(1, f'[{pick}, {{id: place, @a1, qty_change: 1}}]')
+    run = Line(seconds={'a2': 9.0}).begin(text, 3).go(until=8.0)
+    part = page_parts(run)['section/1']
+    assert marks(page_parts(run), 1) == [('pick', 'done'), ('place', 'waiting')]
+    assert part['item']['id'] == 'J/3'
+    assert part['finished']['item'] == part['slot']['id'] == 'J/2'
+    assert {one['mark'] for one in part['finished']['tasks']} == {'done'}
+
+
+@pytest.mark.parametrize('sections', [3, 5, 9])
+def test_each_part_says_what_the_status_says_all_along_a_run(sections: int) -> None:
+    run = Line(sections).begin(LISTED, 4)
+    while not run.ended:
+        check_parts(run)
+        due = run.sim.clock.next_deadline()
+        assert due is not None
+        run.go(until=due)
+    check_parts(run)
+
+
+def test_two_jobs_with_two_scripts_share_the_line() -> None:
+    line = Line(3)
+    run = VirtualRun(line.cell, line.types)
+    run.submit('J', line.script(THREE, 'one'), 2)
+    run.submit('K', line.script(LISTED, 'two'), 2)
+    lists = set()
+    while not run.ended:
+        check_parts(run)
+        lists.add(tuple(id_ for id_, _ in marks(page_parts(run), 2)))
+        due = run.sim.clock.next_deadline()
+        assert due is not None
+        run.go(until=due)
+    assert lists == {('work',), ('turn', 'left', 'right', 'after', 'late')}
+
+
+def test_the_whole_list_of_a_section_has_the_step_and_track_of_each_task() -> None:
+    run = Line(3).begin(LISTED)
+    run.go(until=4.5)
+    tasks = page_parts(run)['section/2']['tasks']
+    found = [(task['id'], task['step'], task['track'], task['mark']) for task in tasks]
+    assert found == [
+        ('turn', 1, 1, 'done'),
+        ('left', 2, 1, 'running'),
+        ('right', 2, 2, 'running'),
+        ('after', 2, 2, 'new'),
+        ('late', 3, 1, 'new'),
+    ]
+    left = tasks[1]
+    assert (left['component'], left['attempt'], left['started']) == ('b2', 1, 4.0)
+    assert left['expected_s'] == 1.0
+    assert [task['requires_conveyor'] for task in tasks] == [True, True, True, True, False]
+
+
+def test_a_section_without_a_cycle_shows_the_list_of_the_next_job() -> None:
+    run = Line(3).begin(LISTED)
+    run.go(until=0.5)
+    assert marks(page_parts(run), 2) == [
+        (task, 'new') for task in ('turn', 'left', 'right', 'after', 'late')
+    ]
+
+
+def test_a_held_task_says_why_and_its_hold_what_can_be_answered() -> None:
+    run = Line(3, faults={'a2': 'TASK_A=abort'}).begin()
+    run.go()
+    parts = page_parts(run)
+    assert marks(parts, 2) == [('work', 'held')]
+    (hold,) = parts['cell']['holds']
+    assert parts['section/2']['holds'] == [hold]
+    part = parts[f'hold/{hold}']
+    assert (part['task'], part['item'], part['component']) == ('work', 'J/1', 'a2')
+    assert (part['attempt'], part['attempts'], part['is_pause']) == (1, 1, False)
+    (task,) = parts['section/2']['tasks']
+    assert task['reason'].startswith(part['reason'])
+    assert (task['hold'], task['waits']) == (hold, [])
+    assert parts['cell']['state_kind'] == 'trouble'
+
+
+def test_a_task_that_waits_says_for_what_as_data() -> None:
+    run = Line(3, seconds={'a1': 9.0}).begin(THREE, 3)
+    run.go(until=1.0)
+    assert run.service('a2', out=True).accepted
+    run.go(until=15.0)
+    (task,) = page_parts(run)['section/2']['tasks']
+    assert (task['mark'], task['hold']) == ('waiting', '')
+    assert [(wait['kind'], wait['name']) for wait in task['waits']] == [('out_of_service', 'a2')]
+
+
+def test_initialization_tasks_stand_with_their_job() -> None:
+    text = with_initialization('[{id: warm, @a1.PREPARE}, {id: light, @lamp.PREPARE}]')
+    line = Line(3)
+    run = VirtualRun(line.cell, line.types)
+    run.submit('J', line.script(text))
+    run.submit('K', line.script(text))
+    run.go(until=0.5)
+    parts = page_parts(run)
+    assert [(task['id'], task['mark']) for task in parts['job/J']['tasks']] == [
+        ('warm', 'running'),
+        ('light', 'running'),
+    ]
+    assert {task['mark'] for task in parts['job/K']['tasks']} == {'new'}
+
+
+def test_nothing_changes_in_a_part_while_only_time_goes_by() -> None:
+    run = Line(3, seconds={'a1': 50.0}).begin(THREE, 3)
+    run.go(until=1.0)
+    before = page_parts(run)
+    run.sim.clock.call_at(20.0, lambda: None)
+    run.go(until=20.0)
+    after = page_parts(run)
+    assert {key for key in after if before.get(key) != after[key]} == {'now'}
+
+
+def test_a_status_of_which_no_script_is_known_still_has_its_parts() -> None:
+    from bt_orchestrator.engine.runtime.overview import description_of
+    from bt_orchestrator.extensions.page.web.parts import parts_of
+
+    run = Line(3).begin()
+    run.go(until=0.5)
+    parts = parts_of(status_of(run), description_of(run.state.cell), {}, '/node')
+    section = parts['section/1']
+    assert isinstance(section, dict)
+    assert section['tasks'] == []
+
+
+@pytest.mark.parametrize(
+    ('task', 'name', 'label'),
+    [
+        ('weigh', 'TASK_A', 'weigh'),
+        ('4.2', 'TASK_A', '4.2 TASK_A'),
+        ('init.1', 'HOME', 'init.1 HOME'),
+        ('', 'TASK_A', 'TASK_A'),
+    ],
+)
+def test_a_task_is_named_as_its_script_names_it(task: str, name: str, label: str) -> None:
+    assert task_label(task, name) == label
+
+
+def test_a_wait_is_said_in_each_language_with_the_hold_that_it_is_for() -> None:
+    run = Line(3, faults={'a2': '#1=abort'}).begin(THREE, 3)
+    run.go()
+    parts = page_parts(run)
+    said = [wait['said'] for wait in parts['section/1']['waits'] if wait['kind'] == 'hold']
+    assert said == [
+        {
+            'en': 'waiting for an answer to hold 1 (work: the controller gave up)',
+            'de': 'wartet auf Antwort auf Störung 1 (work: der Controller hat abgebrochen)',
+        }
+    ]
+    links = [link for chain in parts['why']['chains'] for link in chain['links']]
+    assert said[0] in [link['said'] for link in links]
+
+
+def test_holds_are_listed_as_they_were_raised_also_after_a_set_clock() -> None:
+    run = Line().begin(LISTED, 1)
+    told = replace(status_of(run), holds=(hold('1', since=3600.0), hold('2', since=60.0)))
+    parts: Any = parts_of(told, description_of(run.state.cell), scripts_of(run), NODE)
+    assert parts['cell']['holds'] == ['1', '2']
+
+
+def test_a_contest_is_said_in_each_language() -> None:
+    run = Line(3).begin(THREE, 3).go(until=1.0)
+    run.state.contests['a2'] = Contest(servers=('/here', '/there'))
+    said = page_parts(run)['component/a2']['contested_said']
+    assert said['en'].startswith('2 servers of /a2/do: /here, /there')
+    assert said['de'].startswith('2 Server für /a2/do: /here, /there')

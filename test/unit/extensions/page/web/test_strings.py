@@ -1,0 +1,123 @@
+"""Every word of the page stands in both languages, is used, and says what the table says."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from fakes.page_files import LANGUAGES, STATIC, keys_asked_for, modules, words
+
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.requests import REQUESTS
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.wait import WaitKind
+from bt_orchestrator.model.words import SENTENCES
+from bt_orchestrator.view.drawing import card, line, mark
+
+DRAWING = 'drawing.'
+OF_THE_NODE = ('wait.', 'message.')
+"""Words that the page has from its node (`extensions/page/web/wording.py`)."""
+DRAWINGS = Path(card.__file__).parent
+
+
+def test_both_languages_have_the_same_keys() -> None:
+    assert words('en').keys() == words('de').keys()
+
+
+def test_places_in_the_text_are_the_same_in_both_languages() -> None:
+    for key, text in words('en').items():
+        assert _places(text) == _places(words('de')[key]), key
+
+
+def test_every_key_that_is_asked_for_exists() -> None:
+    known = words('en')
+    for path, key in keys_asked_for():
+        stem = key.removesuffix('${')
+        found = any(one.startswith(stem) for one in known) if key.endswith('${') else key in known
+        assert found, f'{path.name} asks for {key}'
+
+
+def test_every_key_is_used() -> None:
+    source = '\n'.join(path.read_text(encoding='utf-8') for path in modules())
+    stems = tuple(key.removesuffix('${') for _, key in keys_asked_for() if key.endswith('${'))
+    unused = [
+        key
+        for key in words('en')
+        if f"'{key}'" not in source and not key.startswith((*stems, DRAWING, *OF_THE_NODE))
+    ]
+    assert unused == []
+
+
+def test_the_words_of_drawings_stand_there_by_their_english() -> None:
+    found = words('en').items()
+    known = {key.removeprefix(DRAWING): text for key, text in found if key.startswith(DRAWING)}
+    assert known == {key: key for key in known}
+    assert known.keys() == {*_said(), *_tables()}
+
+
+def _said() -> Iterator[str]:
+    """Yield all words that the drawing says, but those of tables."""
+    for path in DRAWINGS.glob('*.py'):
+        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+            match node:
+                case ast.Call(func=func, args=[ast.Constant(value=str(said)), *_]):
+                    if ast.unparse(func).endswith('say'):
+                        yield said
+
+
+def _tables() -> Iterator[str]:
+    yield from (card.OFF_BELT, card.NEEDS_NO_BELT, card.AT_REST, mark.NOT_BEGUN)
+    yield from (*card.POLICY.values(), *card.RUNS_FOR.values(), *mark.MEANINGS.values())
+    yield from (line.INITIALIZATION, line.BELT_MOVES, line.GROUP)
+    yield from (line.FLAG_IS, line.FLAG_SET, line.FLAG_TAKEN)
+
+
+def test_requests_have_words_in_all_languages_and_the_effect_of_the_table() -> None:
+    english = words('en')
+    for language in LANGUAGES:
+        known = words(language)
+        for name, request in REQUESTS.items():
+            assert {f'word.{name}', f'effect.{name}'} <= known.keys()
+            for one in request.parameters:
+                if one is not request.subject:
+                    assert f'parameter.{name}.{one.name}' in known
+    assert {name: english[f'effect.{name}'] for name in REQUESTS} == {
+        name: request.effect for name, request in REQUESTS.items()
+    }
+
+
+def test_states_reasons_roles_and_waits_have_words() -> None:
+    known = words('de').keys()
+    assert {f'state.{state.value}' for state in PackmlState} <= known
+    assert {f'stop_reason.{reason.value}' for reason in StopReason} <= known
+    assert {f'role.{role.value}' for role in Role} <= known
+    assert {f'wait.{kind.value}' for kind in WaitKind} <= known
+
+
+def test_sentences_of_the_node_stand_there_as_in_its_own_catalogue() -> None:
+    english = {key: text for key, text in words('en').items() if key.startswith('message.')}
+    assert english.pop('message.or') == 'or'
+    assert english == {f'message.{kind}': text for kind, text in SENTENCES.items()}
+
+
+def test_english_has_no_german_letters_and_german_no_english_sentence() -> None:
+    assert not [key for key, text in words('en').items() if re.search('[äöüß]', str(text))]
+    same = [key for key, text in words('en').items() if ' ' in str(text)]
+    assert [key for key in same if words('de')[key] == words('en')[key] and _is_prose(key)] == []
+
+
+def test_languages_are_those_of_the_modules() -> None:
+    source = (STATIC / 'core' / 'text.js').read_text(encoding='utf-8')
+    assert all(f'{language}:' in source for language in LANGUAGES)
+
+
+def _places(text: object) -> set[str]:
+    if isinstance(text, dict):
+        return {place for one in text.values() for place in _places(one)}
+    return set(re.findall(r'\{(\w+)\}', str(text)))
+
+
+def _is_prose(key: str) -> bool:
+    text = re.sub(r'\{\w+\}', '', str(words('en')[key]))
+    return len(re.findall(r'[A-Za-z]{3,}', text)) > 1

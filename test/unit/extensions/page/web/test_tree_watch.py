@@ -1,0 +1,105 @@
+"""The behaviour tree is watched while somebody looks, and not a moment longer than ten seconds."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any, cast
+
+import pytest
+
+from bt_orchestrator.extensions.page.web import tree_watch
+from bt_orchestrator.extensions.page.web.tree_watch import TreeWatch, plain_branch
+from bt_orchestrator.model.branch import Branch, Outcome
+from bt_orchestrator.ports import CellLink
+
+LEAF = Branch('TASK_A', Outcome.RUNNING, 'running at /a', is_decorator=False, children=())
+ROOT = Branch('CELL', Outcome.RUNNING, '', is_decorator=False, children=(LEAF,))
+
+
+class Door:
+    """Says what is watched."""
+
+    def __init__(self) -> None:
+        self.hear: Callable[[Branch], None] | None = None
+        self.opened = 0
+
+    def do(self, work: Callable[[CellLink], object]) -> None:
+        work(cast('CellLink', cast('Any', self)))
+
+    def watch_tree(self, hear: Callable[[Branch], None]) -> Door:
+        self.hear = hear
+        self.opened += 1
+        hear(ROOT)
+        return self
+
+    def close(self) -> None:
+        self.hear = None
+
+
+def test_a_tree_as_json() -> None:
+    assert plain_branch(ROOT) == {
+        'name': 'CELL',
+        'status': 'running',
+        'message': '',
+        'is_decorator': False,
+        'children': [
+            {
+                'name': 'TASK_A',
+                'status': 'running',
+                'message': 'running at /a',
+                'is_decorator': False,
+                'children': [],
+            }
+        ],
+    }
+
+
+def test_the_first_look_opens_the_watch_and_the_next_ones_keep_it() -> None:
+    async def look() -> None:
+        door = Door()
+        watch = TreeWatch(door.do)
+        assert door.opened == 0
+        first = await watch.newest(0)
+        assert first == {'version': 1, 'tree': plain_branch(ROOT)}
+        assert await watch.newest(1) == {'version': 1, 'tree': None}
+        assert door.hear is not None
+        door.hear(LEAF)
+        await asyncio.sleep(0)
+        assert await watch.newest(1) == {'version': 2, 'tree': plain_branch(LEAF)}
+        assert door.opened == 1
+        watch.close()
+
+    asyncio.run(look())
+
+
+def test_the_watch_is_closed_some_time_after_the_last_look(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(tree_watch, 'KEPT_OPEN_S', 0.0)
+
+    async def look() -> None:
+        door = Door()
+        watch = TreeWatch(door.do)
+        await watch.newest(0)
+        while watch.is_open:
+            await asyncio.sleep(0.001)
+        assert door.hear is None
+        monkeypatch.setattr(tree_watch, 'KEPT_OPEN_S', 10.0)
+        again = await watch.newest(0)
+        assert again is not None
+        assert again['version'] == 2, 'a reader of before is not told that nothing has changed'
+        watch.close()
+
+    asyncio.run(asyncio.wait_for(look(), 10.0))
+
+
+def test_a_node_that_tells_no_tree(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tree_watch, 'FIRST_WITHIN_S', 0.01)
+
+    async def look() -> None:
+        watch = TreeWatch(lambda _: None)
+        assert await watch.newest(0) is None
+        watch.close()
+
+    asyncio.run(look())

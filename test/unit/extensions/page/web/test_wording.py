@@ -1,0 +1,137 @@
+"""Drawings in the languages of the page: complete, and the same line."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+
+import pytest
+from fakes.line import THREE, Line
+from fakes.long_line import LONG, long_line
+from fakes.page_parts import status_of
+
+from bt_orchestrator.extensions.page.web.scripts.drawing import Drawings
+from bt_orchestrator.extensions.page.web.wording import wordings
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.words import sentence
+from bt_orchestrator.view.drawing.line_state import Mark
+
+GERMAN = wordings()['de']
+
+
+def test_english_is_that_of_the_code_without_words_of_programs() -> None:
+    english = wordings()['en']
+    text = 'waiting for section 2 to finish with WO-1/5'
+    assert english.wait(Wait(text, WaitKind.TURN, sections=(2,))) == text
+    hold = Wait('waiting for an answer to hold 1 (mark: task_result_false)', WaitKind.HOLD, '1')
+    assert english.wait(hold) == 'waiting for an answer (hold 1)'
+    assert english.failure('task_result_false', '') == 'done, but without success'
+
+
+@pytest.mark.parametrize(
+    ('language', 'words'),
+    [
+        ('en', 'waiting for answers to holds 1, 2 and 3'),
+        ('de', 'wartet auf Antworten auf die Störungen 1, 2 und 3'),
+    ],
+)
+def test_a_wait_for_several_holds_names_all(language: str, words: str) -> None:
+    wait = Wait(
+        'waiting for answers to holds 1, 2 and 3', WaitKind.HOLD, '1', holds=('1', '2', '3')
+    )
+    assert wordings()[language].wait(wait) == words
+
+
+def test_a_drawing_has_the_same_parts_in_each_language() -> None:
+    line = long_line()
+    run = line.begin(LONG)
+    run.go(until=2.5)
+    script, drawings = run.job().job.script, Drawings()
+
+    async def drawn(language: str, *, is_bare: bool = False) -> str:
+        found = await drawings.drawn(
+            digest(script), script, line.cell, status_of(run), language, is_bare=is_bare
+        )
+        return found.svg.decode()
+
+    english, german = (asyncio.run(drawn(language)) for language in ('en', 'de'))
+    assert english == asyncio.run(drawn('en')), 'another language was kept in its place'
+    assert 'Legende' in german
+    assert 'Legende' not in asyncio.run(drawn('de', is_bare=True))
+    parts = r' id="([^"]+)"'
+    assert re.findall(parts, english) == re.findall(parts, german)
+
+
+@pytest.mark.parametrize('kind', WaitKind)
+def test_each_wait_is_said(kind: WaitKind) -> None:
+    said = GERMAN.wait(Wait('waiting', kind, 'a', (1, 2, 3, 4, 5), 'weld'))
+    assert '{' not in said
+    assert 'waiting' not in said
+
+
+def test_a_wait_says_the_state_of_the_cell_and_how_many_sections_more() -> None:
+    complete = Wait('the cell is Complete', WaitKind.CELL_STATE, 'Complete')
+    assert GERMAN.wait(complete) == 'die Zelle ist: Alle Aufträge fertig'
+    assert GERMAN.wait(Wait('x', WaitKind.CELL_STATE, 'item')) == 'die Linie fährt leer und stoppt'
+    many = Wait('x', WaitKind.TURN, sections=(1, 2, 3, 4, 5))
+    assert GERMAN.wait(many) == 'wartet auf Station 1, Station 2, Station 3, 2 weitere'
+
+
+def test_states_marks_and_failures_are_said_and_what_a_server_said_stays() -> None:
+    for state in PackmlState:
+        assert GERMAN.state(state) != state.value
+    for mark in Mark:
+        assert GERMAN.mark(mark) != mark.word
+    for reason in Reason:
+        assert GERMAN.failure(reason.value, '') != reason.value
+    assert GERMAN.failure('timeout', 'Too late') == 'hat zu lange gedauert (Too late)'
+    assert GERMAN.passed('timeout (Too late)') == 'hat zu lange gedauert (Too late)'
+    assert GERMAN.passed('rejected item') == 'das Teil ist Ausschuss'
+    assert GERMAN.passed('as somebody said') == 'as somebody said'
+
+
+def test_messages_of_the_engine_are_german_on_a_german_page() -> None:
+    restarted = sentence('unfinished', jobs=1, goals=2)
+    assert GERMAN.message(restarted) == 'unfertige Aufträge: 1, laufende Ziele: 2'
+    late = sentence('no_end', seconds=5, cause='timeout')
+    said = GERMAN.failure('in_doubt', f'{late}; arm is blocked')
+    assert 'kein Ende binnen 5 s' in said
+    assert 'arm is blocked' in said
+    why = 'no reject or abort_job: it is not known whether J/1 was placed in section 2'
+    known = 'kein reject oder abort_job: es ist nicht bekannt, ob J/1 in Station 2 eingelegt wurde'
+    assert GERMAN.message(why) == known
+
+
+def test_reasons_of_unknown_ends_are_german_each_in_its_sentence() -> None:
+    line = Line()
+    run = line.begin(THREE, 3)
+    run.submit('K', line.script(THREE), 2)
+    run.control('hold', 'K')
+    run.go(until=1.0)
+    run.service('a2', out=True)
+    why = run.sim.status().jobs[1].end_unknown
+    held = 'K ist in der Warteschlange zurückgehalten'
+    assert GERMAN.message(why) == f'{held}; K braucht a2, außer Betrieb'
+
+
+@pytest.mark.parametrize(
+    ('words', 'german'),
+    [
+        ('${results.a.x} from 4.8 to ${params.most}', '${results.a.x} von 4.8 bis ${params.most}'),
+        ('when ${results.a.x} at least 5', 'wenn ${results.a.x} mindestens 5'),
+        ('unless ${results.a.b} is not 3', 'außer ${results.a.b} nicht 3'),
+        ('(${a} at most 5 and ${b}) or ${c} = 2', '(${a} höchstens 5 und ${b}) oder ${c} = 2'),
+        ('${results.a.x} one of 1, 2', '${results.a.x} eines von 1, 2'),
+    ],
+)
+def test_conditions_are_said_and_their_values_stay(words: str, german: str) -> None:
+    assert GERMAN.condition(words) == german
+    assert wordings()['en'].condition(words) == words
+
+
+def test_what_a_verdict_expected_is_german() -> None:
+    said = sentence('refused_result', wanted='${results.a.x} at least 5', found='4.2')
+    assert GERMAN.message(said) == 'erwartet: ${results.a.x} mindestens 5; gefunden: 4.2'

@@ -1,0 +1,291 @@
+"""The verb `generate`, without ROS 2."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.glue_cell import CELL, RECIPE
+from fakes.shipped import ROOT
+
+from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.cli.door import instead_of_a_door
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.extensions.recipes.generating.file import NotReplaced
+from bt_orchestrator.extensions.recipes.generating.verb import add_arguments, generate
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.requests import Asked
+from bt_orchestrator.script.admission import admitted
+from bt_orchestrator.script.cell_file import read_cell
+
+TYPES = FakeActionTypes()
+DECK = ROOT / 'recipes' / 'wm_100.yaml'
+DECK_CELL = ROOT / 'config' / 'cell_with_capabilities.yaml'
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path('cell.yaml').write_text(CELL)
+    Path('box.yaml').write_text(RECIPE)
+    return tmp_path
+
+
+def generated(
+    *words: str | Path, recipe: Path = Path('box.yaml'), cell: Path | str = 'cell.yaml'
+) -> int:
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    return generate(parser.parse_args([str(recipe), '--cell', str(cell), *map(str, words)]), TYPES)
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str | Path, status: int = 0) -> str:
+    capsys.readouterr()
+    assert generated(*words) == status
+    told = capsys.readouterr()
+    return told.out + told.err
+
+
+def edit(file: str, old: str, new: str) -> None:
+    text = Path(file).read_text()
+    assert old in text
+    Path(file).write_text(text.replace(old, new))
+
+
+def test_a_choice_by_times_that_nobody_gave_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    edit('cell.yaml', '{TASK_A: 4.0, TASK_B: 2.0}', '{TASK_B: 2.0}')
+    assert generated('-o', 'script.yaml') == 0
+    assert '`TASK_A` of `robot_b` has no nominal time' in capsys.readouterr().err
+
+
+# --- the script -------------------------------------------------------------------------------
+
+
+def test_the_script_of_the_deck(capsys: pytest.CaptureFixture[str]) -> None:
+    assert generated(recipe=DECK, cell=DECK_CELL) == 0
+    text = capsys.readouterr().out
+    script = admitted(text, 'text', read_cell(DECK_CELL, TYPES), TYPES)
+    assert script.made_from is not None
+    assert (script.made_from.recipe, script.made_from.version) == ('WM-100', 1)
+    assert (
+        '    # label (print_label) by component_3b: the only one that can\n'
+        '    - {id: label, task: TASK_A, action: /component_3b/task, '
+        'args: {special_argument_1: "${params.label}"}}\n'
+    ) in text
+
+
+def test_equal_files_give_equal_bytes() -> None:
+    found = set()
+    for seed in ('0', '1', '4711'):
+        program = (
+            'import sys; sys.path[:0] = sys.argv[1:2]\n'
+            'import argparse\n'
+            'from fakes.action_types import FakeActionTypes\n'
+            'from bt_orchestrator.extensions.recipes.generating import verb\n'
+            'parser = argparse.ArgumentParser()\n'
+            'verb.add_arguments(parser)\n'
+            'sys.exit(verb.generate(parser.parse_args(sys.argv[2:]), FakeActionTypes()))\n'
+        )
+        words = [str(ROOT / 'test'), 'box.yaml', '--cell', 'cell.yaml']
+        done = subprocess.run(
+            [sys.executable, '-c', program, *words],
+            env={**os.environ, 'PYTHONHASHSEED': seed},
+            capture_output=True,
+            check=True,
+            timeout=60,
+        )
+        found.add(done.stdout)
+    assert len(found) == 1
+
+
+def test_why_each_operation_is_where_it_is(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said(capsys, '--explain')
+    assert 'box: 4 tasks in 4 sections, fits cell glue_cell\n  pace: ' in text
+    assert '\noperation  section  component  capability  why\n' in text
+    assert '\nglue       2        robot_a    glue        any other' in text
+    assert 'makes the line slower; robot_b: +4 s\n' in text
+    assert 'script: box' not in text
+
+
+def test_all_that_is_known_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
+    found = json.loads(said(capsys, '--json', '-o', 'script.yaml'))
+    assert found['text'] == Path('script.yaml').read_text()
+    glue = next(one for one in found['tasks'] if one['task'] == 'glue')
+    assert (glue['component'], glue['alternatives']) == ('robot_a', ['robot_b'])
+    assert found['per_item_s'] == found['pace']['per_item_s'] == 3.0
+    assert found['made_from']['version'] == 3
+    assert (found['bound_s'], found['gap']) == (3.0, 0.0)
+    assert 'prices' not in found
+    (price,) = json.loads(said(capsys, '--json', '--explain'))['prices']['glue']
+    assert (price['component'], price['more_s'], price['words']) == ('robot_b', 4.0, '+4 s')
+
+
+# --- files ------------------------------------------------------------------------------------
+
+
+def test_a_file_is_checked_and_written_again(capsys: pytest.CaptureFixture[str]) -> None:
+    assert said(capsys, '-o', 'script.yaml').startswith('script.yaml written\nbox: 4 tasks')
+    assert said(capsys, '--check', 'script.yaml') == 'script.yaml is what box.yaml gives\n'
+    assert said(capsys, '--diff', 'script.yaml') == ''
+    edit('box.yaml', 'version: 3', 'version: 4')
+    told = said(capsys, '--check', 'script.yaml', status=1)
+    assert 'script.yaml is out of date: it is of version 3 of the recipe; 4 lines differ' in told
+    assert '+  version: 4\n' in said(capsys, '--diff', 'script.yaml', status=1)
+    edit('cell.yaml', 'TASK_A: 4.0', 'TASK_A: 4.5')
+    edit('box.yaml', '{id: close, do: close}', '{id: close, do: close, retries: 1}')
+    told = said(capsys, '--check', 'script.yaml', status=1)
+    assert 'it is of version 3 of the recipe, the cell changed' in told
+    said(capsys, '-o', 'script.yaml')
+    said(capsys, '--check', 'script.yaml')
+    edit('box.yaml', 'retries: 1', 'retries: 2')
+    told = said(capsys, '--check', 'script.yaml', status=1)
+    assert 'the recipe changed, and still calls itself version 4' in told
+
+
+def test_what_was_edited_by_hand_is_not_lost(capsys: pytest.CaptureFixture[str]) -> None:
+    said(capsys, '-o', 'script.yaml')
+    edit('script.yaml', 'action: /robot_b/task', 'action: /robot_b/task, retries: 3')
+    told = (
+        'script.yaml was edited by hand (1 line differs); put them into overrides, or give '
+        'another -o'
+    )
+    assert said(capsys, '--check', 'script.yaml', status=1) == f'{told}\n'
+    with pytest.raises(NotReplaced) as refused:
+        generated('-o', 'script.yaml')
+    assert str(refused.value) == told
+    edit('cell.yaml', 'TASK_A: 4.0', 'TASK_A: 4.5')
+    with pytest.raises(NotReplaced, match='was edited by hand; put them into overrides'):
+        generated('-o', 'script.yaml')
+    assert 'retries: 3' in Path('script.yaml').read_text()
+    Path('other.yaml').write_text('script: mine\nsections: {}\n')
+    with pytest.raises(NotReplaced, match=r'other\.yaml is there and was not generated'):
+        generated('-o', 'other.yaml')
+    with pytest.raises(NotReplaced, match=r'cell\.yaml is there and is no script'):
+        generated('-o', 'cell.yaml')
+    with pytest.raises(NotReplaced, match=r'cannot write nowhere/script\.yaml: No such file'):
+        generated('-o', 'nowhere/script.yaml')
+
+
+def test_ends_of_lines_are_no_edit(capsys: pytest.CaptureFixture[str]) -> None:
+    said(capsys, '-o', 'script.yaml')
+    path = Path('script.yaml')
+    path.write_bytes(path.read_bytes().replace(b'\n', b'\r\n'))
+    said(capsys, '--check', 'script.yaml')
+
+
+# --- overrides, outages -----------------------------------------------------------------------
+
+
+def test_overrides_are_kept(capsys: pytest.CaptureFixture[str]) -> None:
+    Path('box.overrides.yaml').write_text('bind: {glue: robot_b}\nset: {close: {timeout: 20.0}}\n')
+    text = said(capsys, '--overrides', 'box.overrides.yaml')
+    assert '# glue by robot_b: bound by override\n' in text
+    assert 'task: TASK_B, action: /robot_b/task, timeout: 20.0' in text
+    assert 'overrides_digest: ' in text
+
+
+def test_as_little_as_possible_is_moved(capsys: pytest.CaptureFixture[str]) -> None:
+    Path('box.overrides.yaml').write_text('bind: {glue: robot_b}\n')
+    said(capsys, '-o', 'old.yaml', '--overrides', 'box.overrides.yaml')
+    text = said(capsys, '-o', 'new.yaml', '--keep', 'old.yaml')
+    assert '  0 operations elsewhere than in old.yaml, 7.0 s for each item\n' in text
+    assert '  without --keep: 1 operation elsewhere, 3.0 s for each item\n' in text
+
+
+def test_kept_as_it_is_generated_it_is_the_same_file(capsys: pytest.CaptureFixture[str]) -> None:
+    said(capsys, '-o', 'old.yaml')
+    said(capsys, '-o', 'new.yaml', '--keep', 'old.yaml')
+    assert Path('new.yaml').read_text() == Path('old.yaml').read_text()
+
+
+def test_what_comes_of_each_outage(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = said(capsys, '--without-each').splitlines()
+    assert lines == [
+        'all in service  3.0 s per item',
+        'loader          not to be made: load only there',
+        'robot_a         7.0 s per item (+133 %), 1 operation elsewhere',
+        'robot_b         not to be made: close only there',
+        'packer          not to be made: pack only there',
+    ]
+    found = json.loads(said(capsys, '--without-each', '--json'))
+    (robot_a,) = (one for one in found['without'] if one['component'] == 'robot_a')
+    assert (robot_a['per_item_s'], robot_a['elsewhere']) == (7.0, ['glue'])
+    assert '# Without robot_a.\n' in said(capsys, '--without', 'robot_a')
+
+
+# --- mistakes ---------------------------------------------------------------------------------
+
+
+class Door:
+    """A node that is asked, and does it."""
+
+    def __init__(self) -> None:
+        self.asked: list[Asked] = []
+
+    def __enter__(self) -> Door:
+        return self
+
+    def __exit__(self, *_: object) -> None: ...
+
+    def ask(self, asked: Asked) -> Answer:
+        self.asked.append(asked)
+        return Answer(accepted=True, message='it is released')
+
+
+RELEASE = ('--release', '--reason', 'read it')
+
+
+def test_what_stands_in_a_file_is_released(capsys: pytest.CaptureFixture[str]) -> None:
+    door = Door()
+    with instead_of_a_door(door):
+        assert 'it is released' in said(capsys, '-o', 'script.yaml', *RELEASE)
+        assert 'it is released' in said(capsys, '--check', 'script.yaml', *RELEASE)
+        (_, asked) = door.asked
+        cell = read_cell(Path('cell.yaml'), TYPES)
+        script = admitted(Path('script.yaml').read_text(), 'script.yaml', cell, TYPES)
+        assert asked.request.name == 'script.release_script'
+        assert asked.arguments == {'script': digest(script), 'cell_digest': digest(cell)}
+        edit('script.yaml', 'pack by', 'packed by')
+        said(capsys, '--check', 'script.yaml', *RELEASE, status=1)
+    assert len(door.asked) == 2, 'what is not what the recipe gives is not released'
+
+
+@pytest.mark.parametrize(
+    ('words', 'why'),
+    [
+        ((*RELEASE,), 'goes with -o FILE or --check FILE'),
+        (('-o', 'script.yaml', '--json', *RELEASE), 'without --json'),
+        (('-o', 'script.yaml', '--release'), '--release needs --reason'),
+    ],
+)
+def test_a_release_needs_a_file_and_a_reason(words: tuple[str, ...], why: str) -> None:
+    with pytest.raises(WrongUse, match=why):
+        generated(*words)
+    assert not Path('script.yaml').exists()
+
+
+def test_why_there_is_no_script(capsys: pytest.CaptureFixture[str]) -> None:
+    told = said(capsys, '--without', 'robot_b', status=1)
+    assert told == 'box.yaml: `close`: only robot_b could, and it is out of service\n'
+    found = json.loads(said(capsys, '--without', 'robot_b', '--json', status=1))
+    assert (found['ok'], found['proven']) == (False, True)
+    with pytest.raises(WrongUse, match='has no component robot_x; did you mean `robot_'):
+        generated('--without', 'robot_x')
+
+
+def test_mistakes_in_files(capsys: pytest.CaptureFixture[str]) -> None:
+    edit('box.yaml', 'do: glue', 'do: glueing')
+    with pytest.raises(Refused) as refused:
+        generated()
+    (finding,) = refused.value.findings
+    assert 'did you mean `glue`?' in str(finding)
+    assert json.loads(said(capsys, '--json', status=1))['ok'] is False
+    with pytest.raises(Refused, match=r'none\.yaml:1:1: the file does not exist'):
+        generated(recipe=Path('none.yaml'))

@@ -1,0 +1,83 @@
+"""The solver: whole numbers, bounds, limits, and what is said where it is missing."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from random import Random
+
+import pytest
+from fakes.planned import ENDS, made_of
+
+from bt_orchestrator.extensions.recipes.planning.outcome import Impossible, NotFound
+from bt_orchestrator.extensions.recipes.planning.solver import VERSION, Answer, Model
+
+ROOT = Path(__file__).parents[5]
+
+
+def knapsack(seed: int) -> tuple[Model, dict[int, int]]:
+    """Return numbers to choose from so that they add up to half of their sum, and the costs."""
+    random, model = Random(seed), Model()
+    numbers = {model.variable(): random.randint(10**5, 10**6) for _ in range(40)}
+    model.equal(numbers, sum(numbers.values()) // 2)
+    return model, {number: random.randint(1, 99) for number in numbers}
+
+
+def test_8_5_rows_that_contradict_each_other_have_no_answer() -> None:
+    model = Model()
+    one, other = model.variable(), model.variable()
+    model.at_least({one: 1, other: 1}, 2)
+    model.at_most({one: 1, other: 1}, 1)
+    assert model.minimise({one: 1}, nodes=10) is None
+
+
+def test_8_5_a_limit_without_a_solution_is_not_called_impossible() -> None:
+    model, cost = knapsack(1)
+    with pytest.raises(NotFound) as why:
+        model.minimise(cost, nodes=0)
+    assert not isinstance(why.value, Impossible)
+    assert why.value.reasons == ('not found within 0 nodes; not proven impossible',)
+
+
+def test_8_5_an_answer_that_is_not_proven_has_a_lower_bound() -> None:
+    """Numbers are parted into two heaps that differ as little as can be."""
+    random, model = Random(3), Model()
+    twice = {model.variable(): 2 * random.randint(10**3, 10**4) for _ in range(30)}
+    apart = model.variable(10**6)
+    model.at_least({**twice, apart: 1}, sum(twice.values()) // 2)
+    model.at_most({**twice, apart: -1}, sum(twice.values()) // 2)
+    one_heap = sum(twice.values()) // 2
+    begin = Answer([*([0] * 30), one_heap], one_heap, 0)
+    answer = model.minimise({apart: 1}, 0, begin)
+    assert answer is not None
+    assert answer.bound < answer.cost <= one_heap
+
+
+def test_8_5_rows_can_be_forgotten() -> None:
+    model = Model()
+    one = model.variable(7)
+    size = model.size
+    model.at_least({one: 1}, 5)
+    assert [answer.cost for answer in [model.minimise({one: 1}, 10)] if answer] == [5]
+    model.forget(size)
+    assert [answer.cost for answer in [model.minimise({one: 1}, 10)] if answer] == [0]
+
+
+def test_8_5_without_highs_planning_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, 'highspy', None)
+    with pytest.raises(NotFound) as why:
+        made_of(ENDS, '- {id: place, do: put}\n- {id: box, do: pack}')
+    (reason,) = why.value.reasons
+    assert f"pip install 'highspy=={VERSION}'" in reason
+
+
+def test_all_name_the_same_release_of_highs() -> None:
+    for file in ('setup.py', 'scripts/requirements/recipes.txt', 'docs/recipes.md'):
+        assert f'highspy=={VERSION}' in (ROOT / file).read_text(), file
+
+
+def test_8_5_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
+    """A script may be printed to the same stream."""
+    model = Model()
+    model.minimise({model.variable(): 1}, 100)
+    assert capfd.readouterr() == ('', '')

@@ -1,0 +1,191 @@
+"""Books where the journal, or what is asked of it, is not as usual."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from fakes.day import at
+from fakes.hand_made_shift import the_day
+from fakes.kept_books import book_all
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.ports import Snapshot
+from bt_orchestrator.store.sqlite.records import SqliteRecords
+from bt_orchestrator.store.sqlite.store import SqliteStore
+from bt_orchestrator.view.report.account import kept
+from bt_orchestrator.view.report.account.account import Account, account, whole
+from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.planned import US, Planned, us_of
+from bt_orchestrator.view.report.account.total import Times
+from bt_orchestrator.view.report.reading import Reading
+
+EVENTS = the_day().events
+LAST = EVENTS[-1].seq
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / 'journal'
+
+
+def write(path: Path, events: Sequence[e.Event], *, before: int = 0) -> None:
+    """Write a journal with books, and remove the events before one."""
+    with closing(SqliteStore(path, synchronous='NORMAL')) as store:
+        store.append(events)
+        book_all(store, path)
+        if before:
+            store.begin_with(Snapshot(before, '', '{}'))
+            while store.remove_batch(before):
+                pass
+
+
+def change(path: Path, statement: str) -> None:
+    with closing(sqlite3.connect(path, isolation_level=None)) as database:
+        database.execute(statement)
+
+
+def told(path: Path, period: Period | None = None) -> tuple[Account, list[str]]:
+    said: list[str] = []
+    with closing(SqliteRecords(path)) as records:
+        reading = Reading(records, said.append)
+        return account(reading, period or whole(reading, 'J'), None), said
+
+
+def times(path: Path) -> Times:
+    return told(path)[0].figures.times
+
+
+def span(begin: str, end: str) -> Period:
+    return Period.all_planned('p', us_of(at(begin)), us_of(at(end)))
+
+
+def damage_the_slot_of_ten(path: Path) -> None:
+    begin = us_of(at('10:00'))
+    change(path, f"UPDATE book_slots SET slot = '{{}}' WHERE begin_us = {begin}")
+
+
+def test_a_damaged_slot_is_told_and_made_good_by_its_events(path: Path) -> None:
+    write(path, EVENTS)
+    whole_times = times(path)
+    damage_the_slot_of_ten(path)
+    found, said = told(path)
+    assert found.figures.times == whole_times
+    assert found.source.unreadable == 1
+    assert [one for one in said if 'the account from 2026-05-18 10:00 UTC on is damaged' in one]
+
+
+def test_of_a_damaged_slot_whose_events_are_gone_nothing_is_known(path: Path) -> None:
+    write(path, EVENTS, before=LAST)
+    expected = times(path).planned
+    damage_the_slot_of_ten(path)
+    found, _ = told(path)
+    assert found.figures.times.planned == expected
+    quarter = 15 * 60 * US
+    assert found.figures.times.lost_us[Loss.NOT_RECORDED] == quarter
+
+
+def test_books_of_another_version_are_told_and_made_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, other = tmp_path / 'journal', tmp_path / 'other'
+    write(other, EVENTS)
+    with monkeypatch.context() as newer:
+        newer.setattr(kept, 'VERSION', kept.VERSION + 1)
+        write(path, EVENTS)
+    found, said = told(path)
+    assert (found.figures.times, found.books.span) == (times(other), ())
+    assert len(said) == 1
+    assert 'those of another version' in said[0]
+    with closing(SqliteStore(path)) as store:
+        book_all(store, path, 100, said.append)
+    found, said = told(path)
+    assert (found.figures.times, said) == (times(other), [])
+    assert found.books.span
+
+
+@pytest.mark.parametrize(
+    ('begin', 'end', 'rounded'),
+    [
+        ('10:00', '10:15', ('10:00', '10:15')),
+        ('10:05', '11:00', ('10:00', '11:00')),
+        ('10:10', '11:02', ('10:15', '11:00')),
+        ('10:01', '10:03', ('10:00', '10:15')),
+    ],
+)
+def test_where_the_events_are_gone_edges_are_rounded_to_slots(
+    path: Path, begin: str, end: str, rounded: tuple[str, str]
+) -> None:
+    write(path, EVENTS, before=LAST)
+    found, _ = told(path, span(begin, end))
+    exact, _ = told(path, span(*rounded))
+    assert found.figures.times == exact.figures.times
+    assert found.period.planned == exact.period.planned
+    is_rounded = (begin, end) != rounded
+    assert any('rounded to whole slots' in note for note in found.notes()) == is_rounded
+    assert sum(bar.us for bar in found.figures.waterfall() if bar.loss is None) > 0
+
+
+def test_where_events_are_kept_edges_are_exact(tmp_path: Path) -> None:
+    with_books, without = tmp_path / 'with', tmp_path / 'without'
+    write(with_books, EVENTS)
+    with closing(SqliteStore(without)) as store:
+        store.append(EVENTS)
+    period = Period(
+        'p',
+        us_of(at('06:01')),
+        us_of(at('13:59')),
+        Planned.of(
+            [(us_of(at('06:02')), us_of(at('09:10'))), (us_of(at('09:20')), us_of(at('13:31')))]
+        ),
+    )
+    found, expected = told(with_books, period)[0], told(without, period)[0]
+    assert found.books.span
+    assert not expected.books.span
+    first = found.notes()[0]
+    assert first.startswith('made from books of 2026-05-18')
+    assert ' and events 2 to ' in first
+    assert found.figures.times == expected.figures.times
+
+
+def test_books_follow_a_journal_that_goes_on_from_an_earlier_event(tmp_path: Path) -> None:
+    """What was booked of the lost events is gone with them."""
+    path, other = tmp_path / 'journal', tmp_path / 'other'
+    cut = LAST // 2
+    write(path, EVENTS)
+    with closing(SqliteStore(path)) as store:
+        book_all(store, path)  # takes in nothing new
+    began = e.OrchestratorStarted(cell='c', digest='d')
+    anew = [began.stamped(cut + 1, EVENTS[cut].time + 5000.0)]
+    with closing(SqliteStore(path)) as store:
+        store.go_on_after(EVENTS[cut - 1].seq)
+        store.append(anew)
+        book_all(store, path)
+    write(other, [*EVENTS[:cut], *anew])
+    assert times(path) == times(other)
+
+
+def test_a_clock_that_jumps_by_years_makes_one_slot_of_them(path: Path) -> None:
+    node = e.OrchestratorStarted(cell='c', digest='d')
+    write(path, [node.stamped(1, 10.0), node.stamped(2, at('06:00'))])
+    with closing(sqlite3.connect(path)) as database:
+        assert database.execute('SELECT count(*) FROM book_slots').fetchone()[0] <= 3
+    assert times(path).lost_us == {Loss.NO_ORDER: us_of(at('06:00')) - 10 * US}
+    year, _ = told(path, Period.all_planned('p', us_of(at('01:02')), us_of(at('03:04'))))
+    assert year.figures.times.lost_us == {Loss.NO_ORDER: (2 * 60 + 2) * 60 * US}
+
+
+def test_damaged_tables_of_books_do_not_keep_a_node_from_its_work(path: Path) -> None:
+    write(path, EVENTS)
+    change(path, 'DROP TABLE book_states')
+    with closing(SqliteStore(path)) as store:
+        assert store.booked() == 0
+        store.go_on_after(LAST - 1)
+        store.append([EVENTS[-1]])
+        store.begin_with(Snapshot(LAST, '', '{}'))
+        store.remove_batch(LAST)
+        assert store.first_seq() == LAST

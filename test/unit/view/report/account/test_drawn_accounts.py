@@ -1,0 +1,218 @@
+"""The account of drawn runs: it closes, and a second opinion comes to the same."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan
+from fakes.line import Line
+from fakes.naive_account import naive_account
+from fakes.plan_operator import operate
+from fakes.plan_runs import ProductBench
+from fakes.profiles import examples
+from fakes.stepped import Steps, drawn_steps, stepped
+from fakes.virtual_run import VirtualRun
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import from_record, to_record
+from bt_orchestrator.model.proof.pace import pace
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.view.report.account.figures import Figures, Paces, figures
+from bt_orchestrator.view.report.account.fold import FOLLOWED, AccountFold, Times
+from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.planned import Planned, us_of
+from bt_orchestrator.view.report.account.steady_time import SteadyTime
+
+pytestmark = pytest.mark.timeout(24 * 3600)
+
+MARKS = st.lists(st.integers(0, 12), min_size=4, max_size=4, unique=True).map(sorted)
+"""Where planned time begins, breaks, goes on and ends, in twelfths of the run."""
+
+ALL = [0, 6, 6, 12]
+"""Without a break, the whole run."""
+
+SECONDS = st.integers(0, 150).map(lambda tenths: tenths / 10)
+
+TEXT = """
+initialization: [{id: warm, @lamp}]
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: work, @a2, retries: 1}]
+  3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+"""
+
+
+def accounts(
+    records: list[dict[str, Any]], marks: list[int], cell: Cell, scripts: Mapping[str, Script]
+) -> Figures:
+    """Return the account of a run that both agree about.
+
+    :param scripts: by job
+    """
+    end = max(round(records[-1]['time'] * 1_000_000), 12)
+    first, off, on, last = (mark * end // 12 for mark in marks)
+    planned = Planned.of([(first, off), (on, last)])
+    records = [one for one in records if round(one['time'] * 1_000_000) <= last]
+    events = [from_record(one) for one in records if one['event'] in FOLLOWED]
+    fold, asked = AccountFold(planned, is_whole=True), AccountFold(planned, is_whole=True)
+    for event in events:
+        fold.follow(event)
+        asked.follow(event)
+        asked.until(us_of(event.time) + 3_000_000)
+    assert asked.until(last) == fold.until(last) == fold.until(last)
+    mine = figures(fold.until(last), Paces(cell))
+
+    def pace_us(job: str) -> Fraction:
+        found = pace(scripts[job], cell)
+        return Fraction(0) if found is None else found.limit.per_item_us
+
+    naive = naive_account(records, planned.pieces, pace_us)
+    booked = {loss.value: us for loss, us in mine.times.lost_us.items()}
+    assert +Counter({**booked, 'production': mine.times.producing_us}) == +naive.times
+    assert (mine.good, mine.produced) == (naive.good, naive.produced)
+    if mine.has_paces:  # one that gets stuck has none, and an item of it may be taken off by hand
+        assert mine.oee == naive.oee
+        closes(mine)
+    return mine
+
+
+def stepped_accounts(records: list[dict[str, Any]], marks: list[int], steps: Steps) -> None:
+    """Compare the accounts of a run whose clock was set with that of the same run without."""
+    run = [from_record(one) for one in records]
+    events = stepped(run, steps)
+    steady = SteadyTime()
+    followed = [one for one in map(steady.of, events) if one.event in FOLLOWED]
+    begin, end = us_of(run[0].time), us_of(run[-1].time) + 1_000_000
+    whole = Planned.of([(begin, end)])
+    assert times_of(followed, whole, end) == times_of(run, whole, end)
+
+    low, high = steady.clock_span(begin, end)
+    first, off, on, last = (low + mark * (high - low) // 12 for mark in marks)
+    planned = Planned.of([(first, off), (on, last)])
+    period = Period('drawn', first, last, planned).on(steady)
+    shown = figures(times_of(followed, period.planned, period.end_us), Paces(None))
+    known = [to_record(one) for one in events]
+    naive = naive_account(known, planned.pieces, lambda _: Fraction(0))
+    booked = {loss.value: us for loss, us in shown.times.lost_us.items()}
+    assert +Counter({**booked, 'production': shown.times.producing_us}) == +naive.times
+    assert (shown.good, shown.produced) == (naive.good, naive.produced)
+
+
+def times_of(events: Sequence[e.Event], planned: Planned, end: int) -> Times:
+    fold = AccountFold(planned, is_whole=True)
+    for event in events:
+        if event.event in FOLLOWED and us_of(event.time) <= end:
+            fold.follow(event)
+    return fold.until(end)
+
+
+def closes(shown: Figures) -> None:
+    """Assert that what is left and what is lost add up, exactly, at every step."""
+    left, *bars = shown.waterfall()
+    for bar in bars:
+        assert bar.loss is not None or bar.us == left.us, bar
+        left = bar if bar.loss is None else left._replace(us=left.us - bar.us)
+    assert left.us == shown.value_us
+    if shown.produced and shown.times.production_us:
+        assert shown.availability is not None
+        assert shown.performance is not None
+        assert shown.quality is not None
+        assert shown.oee == shown.availability * shown.performance * shown.quality
+    times = shown.times
+    held = sum(one.lost_us for one in times.holds) + sum(times.left_out_us.values())
+    assert held <= sum(times.lost_us.get(loss, 0) for loss in (Loss.OWN_FAULT, Loss.OPERATOR))
+    assert sum(one.us for one in times.stops) == sum(times.lost_us.values())
+
+
+def test_faults_pauses_and_starvation() -> None:
+    seen: Counter[str] = Counter()
+
+    @examples(6, 400)
+    @given(
+        unready=st.tuples(SECONDS, SECONDS),
+        works=SECONDS,
+        fault=st.sampled_from(['#2=abort #3=abort', '#1=abort', '#2=late:9', '#4=cancel']),
+        answers=st.lists(st.tuples(SECONDS, st.integers(0, 5)), min_size=1, max_size=4),
+        pause=st.tuples(SECONDS, SECONDS),
+        marks=MARKS,
+    )
+    def holds(
+        unready: tuple[float, float],
+        works: float,
+        fault: str,
+        answers: list[tuple[float, int]],
+        pause: tuple[float, float],
+        marks: list[int],
+    ) -> None:
+        faults = {'a1': not_ready(unready[0]), 'a2': fault, 'a3': not_ready(unready[1])}
+        line = Line(topics=('a1', 'a3'), faults=faults, seconds={'a2': works + 0.1})
+        run = line.begin(TEXT, 3)
+        operate_by_hand(run, pause, answers)
+        scripts = {'J': line.script(TEXT)}
+        accounts(run.records, marks, line.cell, scripts)
+        shown = accounts(run.records, ALL, line.cell, scripts)
+        seen.update(loss.value for loss in shown.times.lost_us)
+        seen['made'] += shown.produced
+
+    holds()
+    for name in ('starved', 'blocked', 'own_fault', 'operator', 'rework', 'setup', 'made'):
+        assert seen[name], seen
+
+
+def not_ready(seconds: float) -> str:
+    """Return the fault of a component that is not ready for so long after its second task."""
+    return f'#2=not_ready:{seconds + 2.5}'
+
+
+def operate_by_hand(
+    run: VirtualRun, pause: tuple[float, float], answers: list[tuple[float, int]]
+) -> None:
+    """Pause a line once, and answer its holds, each after a while."""
+    run.go(until=pause[0])
+    wait(run, pause[0])
+    assert run.pause().accepted
+    wait(run, pause[1])
+    assert run.resume().accepted
+    run.go()
+    for delay, which in answers * 4:
+        if run.ended:
+            break
+        wait(run, delay)
+        (hold,) = run.state.holds.values()
+        run.answer(hold.answers[which % len(hold.answers)], hold.id)
+        run.go()
+
+
+def wait(run: VirtualRun, seconds: float) -> None:
+    """Let so much time pass."""
+    run.sim.clock.call_at(run.now + seconds, lambda: None)
+    run.go(until=run.now + seconds)
+
+
+@examples(2, 300)
+@given(lines(), MARKS)
+def test_drawn_lines(plan: Plan, marks: list[int]) -> None:
+    """Several jobs and scripts, rounds, stops, aborts, components out of service."""
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    scripts = {job: bench.scripts[name] for job, name in bench.accepted.items()}
+    if bench.run.records:
+        accounts(bench.run.records, marks, bench.cell, scripts)
+
+
+@examples(4, 300)
+@given(lines(), MARKS, drawn_steps())
+def test_a_clock_that_is_set_changes_no_figure(plan: Plan, marks: list[int], steps: Steps) -> None:
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    if bench.run.records:
+        stepped_accounts(bench.run.records, marks, steps)

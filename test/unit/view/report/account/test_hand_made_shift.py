@@ -1,0 +1,144 @@
+"""The account of one shift that was written and worked out by hand.
+
+Early shift, 06:00 to 14:00 with a break from 09:00 to 09:30: 27,000 s are planned. The line makes
+an item every 30 s at its pace. What is lost, second by second:
+
+    no order     06:00 to 06:10                                            600
+    operator     06:10 to 06:15 not started, 08:00 to 08:10 paused,
+                 12:10 to 12:15 stopped                                  1,200
+    setup        06:15 to 06:20                                            300
+    own fault    07:00 to 07:20 hold 1, 13:10 to 13:12 hold 3            1,320
+    rework       07:20 to 07:25                                            300
+    waiting      1 s before it was starved, 1 s before it was blocked        2
+    starved      10:00:01 to 10:10:01                                      600
+    blocked      11:00:01 to 11:05:01                                      300
+    emergency    12:00 to 12:10                                            600
+    no node      13:00 to 13:10, killed                                    600
+
+Planned busy 26,400 s; without 4,922 s of availability the actual production time is 21,478 s. 518
+items were made, 15,540 s at the pace: 5,638 s were slow cycles. 18 of them were not good: 540 s.
+OEE = 500 x 30 s of 26,400 s.
+"""
+
+from __future__ import annotations
+
+import json
+from datetime import date
+from fractions import Fraction
+
+import pytest
+from fakes.day import at
+from fakes.hand_made_shift import LINE, SHIFTS, the_day
+
+from bt_orchestrator.script.shifts.shifts_file import parse_shifts
+from bt_orchestrator.view.report.account.account import Account, account
+from bt_orchestrator.view.report.account.calendar import shift_on, zone_of
+from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.plain import account_plain
+from bt_orchestrator.view.report.account.stops import Stop
+from bt_orchestrator.view.report.account.text import account_text
+from bt_orchestrator.view.report.account.troubles import FailingTask, Repairs
+from bt_orchestrator.view.report.reading import Reading
+
+S = 1_000_000
+
+
+@pytest.fixture(scope='module')
+def made() -> Account:
+    shifts = parse_shifts(SHIFTS, 'shifts.yaml')
+    zone = zone_of(shifts)
+    monday = shift_on(shifts.shifts['early'], date(2026, 5, 18), zone, at('23:00'))
+    return account(Reading(the_day().records()), monday, LINE.cell)
+
+
+def test_the_waterfall_is_the_one_of_the_page_above(made: Account) -> None:
+    bars = [(bar.title, float(bar.us) / S) for bar in made.figures.waterfall()]
+    assert bars == [
+        ('planned time', 27000.0),
+        ('no order', 600.0),
+        ('planned busy time', 26400.0),
+        ('node not running', 600.0),
+        ('own fault', 1320.0),
+        ('operator', 1200.0),
+        ('starved', 600.0),
+        ('blocked', 300.0),
+        ('emergency', 600.0),
+        ('setup', 300.0),
+        ('waiting', 2.0),
+        ('actual production time', 21478.0),
+        ('rework', 300.0),
+        ('slow cycles', 5638.0),
+        ('net production time', 15540.0),
+        ('rejects', 540.0),
+        ('value adding time', 15000.0),
+    ]
+
+
+def test_oee_is_the_product_of_its_parts(made: Account) -> None:
+    shown = made.figures
+    assert shown.availability == Fraction(21478, 26400)
+    assert shown.performance == Fraction(15540, 21478)
+    assert shown.quality == Fraction(500, 518)
+    assert shown.oee == Fraction(15000, 26400)
+    assert shown.oee == shown.availability * shown.performance * shown.quality
+
+
+def test_quantities_and_rate(made: Account) -> None:
+    (job,) = made.figures.times.made
+    counts = (job.good, job.nonconforming, job.rejected, job.by_hand, job.outside)
+    assert counts == (500, 6, 10, 2, 20)
+    assert made.figures.per_item_us == Fraction(21478 * S, 518)
+    assert made.figures.pace_us == 30 * S
+
+
+def test_each_loss_goes_down_to_its_holds(made: Account) -> None:
+    holds = [
+        (one.hold, one.loss, one.lost_us // S, one.who, one.answer, one.reason)
+        for one in made.figures.times.holds
+    ]
+    assert holds == [
+        ('1', Loss.OWN_FAULT, 1200, 'ann', 'retry', 'cleared the jam'),
+        ('2', Loss.OPERATOR, 600, 'ann', 'resume', 'back'),
+        ('9', None, 0, 'ann', 'clear', ''),
+        ('3', Loss.OWN_FAULT, 120, 'ann', 'resume', 'looked at it'),
+    ]
+    assert made.figures.times.holds[0].words == (
+        'section 2, work (TASK_A) of J/1 at a2 (/a2/do), attempt 1 of 1: aborted (jam)'
+    )
+
+
+def test_the_stops_by_cause(made: Account) -> None:
+    assert made.figures.times.stops[:4] == (
+        Stop(Loss.OWN_FAULT, 'TASK_A aborted', 'a2', 1, 1200 * S),
+        Stop(Loss.EMERGENCY, 'abort', '', 1, 600 * S),
+        Stop(Loss.NO_NODE, '', '', 1, 600 * S),
+        Stop(Loss.NO_ORDER, '', '', 1, 600 * S),
+    )
+    waits = [one for one in made.figures.times.stops if one.loss is Loss.WAITING]
+    assert waits == [
+        Stop(Loss.WAITING, 'a1 not ready', 'a1', 1, S),
+        Stop(Loss.WAITING, 'a3 not ready', 'a3', 1, S),
+    ]
+
+
+def test_failures_and_the_time_to_repair(made: Account) -> None:
+    """What `abort` cancelled is no failure of the component."""
+    times = made.figures.times
+    first, last = times.failing
+    assert first == FailingTask('a2', 'TASK_A', 'in_doubt', 1, 3299 * S)
+    assert last == FailingTask('a2', 'TASK_A', 'aborted', 1, 2400 * S)
+    (repairs,) = times.repairs
+    assert repairs == Repairs('a2', 1, 1200 * S)
+    assert made.figures.mttr_us(repairs) == 1200 * S
+    assert made.figures.mtbf_us(repairs) == 25200 * S
+
+
+def test_text_and_json_say_the_same(made: Account) -> None:
+    text = '\n'.join(account_text(made))
+    assert 'OEE  56.8 % = availability 81.4 % x performance 72.4 % x quality 96.5 %' in text
+    assert 'rate 41.5 s an item, 86.8 an hour of production; the pace is 30.0 s an item' in text
+    plain = json.loads(json.dumps(account_plain(made)))
+    assert plain['oee']['oee'] == 0.568182
+    assert plain['losses']['own_fault'] == 1320.0
+    assert sum(plain['losses'].values()) == 27000.0 - 15000.0
+    assert plain['made_from']['history'] == 'day'
