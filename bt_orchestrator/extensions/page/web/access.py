@@ -67,7 +67,7 @@ class Access:
         return f'bt_orchestrator_{self.port}'
 
     def check(self) -> None:
-        """Refuse options that would let in anybody.
+        """Refuse options that would let in anybody, and a file of users that cannot be read.
 
         :raises AccessRefused: says what was expected
         """
@@ -84,7 +84,8 @@ class Access:
                 f'people in, or leave --host out: then only this computer ({LOOPBACK}) sees the '
                 'page'
             )
-        if (not self.is_local or self.proxy_header) and not self._has_users:
+        has_users = self._has_users
+        if (not self.is_local or self.proxy_header) and not has_users:
             raise AccessRefused(
                 f'there are no users in {self.users}; add one, who can look, with: '
                 'bt-orchestrator user add NAME --role ROLE'

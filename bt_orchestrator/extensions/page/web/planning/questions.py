@@ -69,7 +69,7 @@ class Questions:
                 'after': _ends(found.after, moment),
                 'jobs': [_changed(one, moment.now_s) for one in found.changes],
                 'refusals': list(found.refusals),
-                'unknown': {job: said_in_each(why) for job, why in found.unknown.items()},
+                'unknown': _said(found.unknown),
                 'notes': list(found.notes),
                 'left_out': max(0, queued - QUEUE_SHOWN),
                 'computed_s': round(time.monotonic() - began, 1),
@@ -91,7 +91,7 @@ class Questions:
             return {
                 **found._asdict(),
                 'jobs': [_proposed(one, moment.now_s) for one in found.jobs],
-                'unknown': dict(found.unknown),
+                'unknown': _said(found.unknown),
                 'offer': offer,
                 'left_out': max(0, queued - QUEUE_SHOWN),
             }
@@ -162,6 +162,10 @@ def _orders(plain: object) -> object:
         return [order_from(one) for one in plain]
     except Refused as refused:
         raise ValueError('; '.join(map(str, refused.findings))) from refused
+
+
+def _said(reasons: Mapping[str, str]) -> dict[str, dict[str, str]]:
+    return {job: said_in_each(why) for job, why in reasons.items()}
 
 
 def _ends(jobs: Sequence[ExpectedJob], moment: Moment) -> list[Body]:

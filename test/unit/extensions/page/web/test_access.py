@@ -37,6 +37,13 @@ def test_on_this_computer_nothing_is_needed_for_looking(tmp_path: Path) -> None:
     assert access.looks_freely
 
 
+def test_a_damaged_file_of_users_is_told_at_the_start(tmp_path: Path) -> None:
+    damaged = tmp_path / 'users.yaml'
+    damaged.write_text('users: [ann')
+    damaged.chmod(0o600)
+    assert 'not a file of users, or it is damaged' in refusal(users=damaged)
+
+
 @pytest.mark.parametrize('host', ['0.0.0.0', '192.168.1.5', '::', 'line-1.example.org', ''])
 def test_elsewhere_it_needs_users_and_tls(
     host: str, users: Path, tmp_path: Path, certificate: tuple[Path, Path]

@@ -59,7 +59,7 @@ PROPOSAL = Proposal(
     looked_at=2,
     orders=2,
     is_best=True,
-    unknown={'A': 'A is held'},
+    unknown={'A': 'A is held in the queue'},
 )
 
 
@@ -172,7 +172,12 @@ def test_a_proposed_order_comes_with_the_offer_that_applies_it(bench: Bench) -> 
     }
     assert (second['ends'], second['new_ends']) == (1020.0, None)
     assert (found['late_s'], found['new_late_s'], found['is_best']) == (10.0, 0.0, True)
-    assert found['unknown'] == {'A': 'A is held'}
+    assert found['unknown'] == {
+        'A': {
+            'en': 'A is held in the queue',
+            'de': 'A ist in der Warteschlange zurückgehalten',
+        }
+    }
     assert found['left_out'] == 2
     offer, order = found['offer'], {'jobs': ['B', 'A'], 'queue_digest': 'd1ge57'}
     assert offer['path'] == '/api/requests/queue.arrange'
