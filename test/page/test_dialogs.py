@@ -10,7 +10,10 @@ from page.browsing import Person, Tab
 from page.conftest import Sit
 from page.stands import Stand, stand
 
+from bt_orchestrator.model.by import By, Known, named
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
+from bt_orchestrator.model.requests import ask
+from bt_orchestrator.model.roles import Role
 
 FAULTS = ['component_3a.TASK_A#3=abort', 'component_3a.TASK_A#4=false']
 """The third item is held, and held again when it is retried."""
@@ -66,15 +69,24 @@ def a_hold_that_somebody_else_answers_closes_its_dialog(tab: Tab, line: Stand) -
     tab.page.locator('[data-hold="1"] [data-offer="hold.skip"]').click()
     dialog = tab.page.locator('dialog[data-dialog="hold.skip"]')
     assert ITEM in dialog.locator('h2').inner_text()
-    line.ask('hold.retry', hold='1', reason='turned it')
+    ann = By('Ann', 'the stand', 'turned it', Role.ENGINEER, Known.ROS)
+    assert line.cell.ask(ask('hold.retry', ann, hold='1')).accepted
     dialog.wait_for(state='detached')
     note = tab.page.locator('[data-note="told"]')
     note.wait_for()
-    assert 'Ann has answered “Retry”. “turned it”' in note.inner_text()
+    assert 'Somebody who claims to be Ann has answered “Retry”. “turned it”' in note.inner_text()
     assert 'Nothing was sent from here.' in note.inner_text()
+    names_are_marked_unless_they_are_proven(tab)
     tab.until(lambda: tab.count('[data-hold="2"]'), 'the next hold')
     wait = tab.page.locator('[data-section="4"] .section-wait').last.inner_text()
     assert 'done, but without success' in wait
+
+
+def names_are_marked_unless_they_are_proven(tab: Tab) -> None:
+    script = "async said => (await import('/static/core/text.js')).named(said.who, said.known)"
+    for known in ('', *(one.value for one in Known)):
+        shown = tab.page.evaluate(script, {'who': 'Bob', 'known': known})
+        assert shown.lower() == named('Bob', known).lower(), known
 
 
 def focus_goes_on_after_an_answer(tab: Tab) -> None:

@@ -1,7 +1,7 @@
 /** What became of a hold that a dialog is about, where somebody else has ended it. */
 
 import { part, recentEvents, subscribe } from '../core/store.js';
-import { quoted, sentence, t, tOr } from '../core/text.js';
+import { named, quoted, sentence, t, tOr } from '../core/text.js';
 import { note } from './notes.js';
 
 /** Its events come a moment after the cell without it. */
@@ -33,9 +33,9 @@ function decisionOf(hold) {
 
 function endWords(decision) {
   if (!decision) return t('ask.hold_over');
-  const { who, answer, reason } = decision;
+  const { who, known, answer, reason } = decision;
   const values = {
-    who: who || t('stands.somebody'),
+    who: named(who, known),
     answer: tOr(`word.hold.${answer}`, tOr(`word.cell.${answer}`, answer)),
   };
   const why = reason ? ` ${quoted(reason)}` : '';
