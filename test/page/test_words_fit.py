@@ -99,6 +99,22 @@ def test_no_word_is_broken_and_the_top_bar_is_whole(held: Stand, sit: Sit, langu
     assert not found
 
 
+@pytest.mark.parametrize('language', ['en-GB', 'de-DE'])
+def test_the_reason_of_an_abort_is_whole(tmp_path: Path, sit: Sit, language: str) -> None:
+    reason = 'somebody reached into station 4 because a part had fallen between belt and guide'
+    with stand(tmp_path, fail=['none']) as one:
+        one.ask('cell.abort', reason=reason)
+        tab = sit(one.port, locale=language).open()
+        tab.until(lambda: reason in tab.page.locator('.state-why').inner_text(), 'the reason')
+        found = {}
+        for width, height in SIZES:
+            tab.page.set_viewport_size({'width': width, 'height': height})
+            tab.until_quiet()
+            if wrong := broken(tab) + cut(tab) + outside(tab):
+                found[width] = wrong
+        assert not found
+
+
 def test_where_no_end_is_known_the_reason_takes_the_place_of_the_table(
     held: Stand, sit: Sit
 ) -> None:
