@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from bt_orchestrator.view.drawing.label import Entry, Label, Text, wrapped
+from bt_orchestrator.model.words import AND
+from bt_orchestrator.view.drawing.label import CARD_COLUMNS, Entry, Label, Text, wrapped
 from bt_orchestrator.view.drawing.line_state import LineState, Mark, SectionMark, TaskMark
 from bt_orchestrator.view.drawing.style import FAINT, SLOT_FILL
 from bt_orchestrator.view.drawing.wording import Wording
@@ -15,6 +16,10 @@ REASON_LINES = 2
 CARD_HEIGHT = 15.0 + 11 * REASON_LINES + 4
 SLOT_HEIGHT = 61.0
 """Points."""
+
+SLOT_LINES = 4
+SLOT_COLUMNS = 28
+"""Room in a slot, used or not; letters of its heading, which are bold."""
 
 MOST_JOBS = 4
 ELLIPSIS = ' \u2026'
@@ -38,7 +43,7 @@ MEANINGS = {
 
 def card_state(mark: TaskMark, wording: Wording) -> Sequence[Text]:
     """Return what a card says of its task, above everything else."""
-    reason = _cut(wrapped(mark.reason), REASON_LINES)
+    reason = _cut(wrapped(_told(mark.reason)), REASON_LINES)
     return [_now(mark, wording), *(Text(text or ' ', 9) for text in reason)]
 
 
@@ -57,13 +62,20 @@ def slot_label(
     there = f'({mark.slot})' if mark.is_empty_position else mark.slot or say('empty')
     work = next(_work(mark, wording), say('no cycle'))
     waits = '' if mark.works_on else ' '.join(mark.waiting[:1])
-    texts = (
-        Text(say('slot {number}: {there}', number=number, there=there), bold=True),
-        Text(_fate(mark, wording) or ' ', 9, bold=True),
-        Text(work, 9),
-        Text(_cut(wrapped(waits), 1)[0] or ' ', 9, FAINT),
-    )
-    inside = Entry(texts, centred=True, width=width, height=height)
+    texts = [Text(say('slot {number}: {there}', number=number, there=there), bold=True)]
+    if len(texts[0].text) > SLOT_COLUMNS:
+        shown = there if len(there) <= CARD_COLUMNS else f'\u2026{there[1 - CARD_COLUMNS :]}'
+        texts = [Text(say('slot {number}', number=number), bold=True), Text(shown, 8)]
+    fate = _fate(mark, wording)
+    if fate or len(texts) == 1:
+        texts.append(Text(fate or ' ', 9, bold=True))
+    rest = SLOT_LINES - len(texts)
+    if not mark.works_on and rest > 1:
+        texts.append(Text(_cut(wrapped(work), 1)[0], 9))
+        texts.append(Text(_cut(wrapped(waits), 1)[0] or ' ', 9, FAINT))
+    else:
+        texts += [Text(line.strip() or ' ', 9) for line in _cut(wrapped(work), rest)]
+    inside = Entry(tuple(texts), centred=True, width=width, height=height)
     fill = Mark.REJECTED.fill if mark.is_rejected else SLOT_FILL
     return Label(((inside,),), 3 if mark.works_on else 0, fill)
 
@@ -130,6 +142,15 @@ def _now(mark: TaskMark, wording: Wording) -> Text:
 
 def _text(mark: TaskMark, wording: Wording) -> str:
     return ' '.join(filter(None, (mark.mark.sign, wording.mark(mark.mark), mark.words)))
+
+
+def _told(reason: str) -> str:
+    """Return the sentences of a reason that a card has room for: none is cut but the first."""
+    whole = reason
+    while len(wrapped(reason)) > REASON_LINES and AND in whole:
+        whole = whole.rpartition(AND)[0]
+        reason = whole + ELLIPSIS
+    return reason
 
 
 def _cut(texts: Sequence[str], count: int) -> list[str]:

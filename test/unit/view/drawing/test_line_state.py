@@ -159,6 +159,15 @@ def test_a_hold_says_what_may_be_answered() -> None:
     assert picture.look('task.look').get('stroke-width') == '3'
 
 
+def test_a_card_says_whole_sentences_of_a_hold_or_none() -> None:
+    message = 'the gripper has lost the item on its way'
+    held = hold(section=2, item='WO-1/1', task='look', message=message)
+    picture = drawn(status(section_2(), holds=[held]))
+    said = ' '.join(picture.words('task.look')[1:3])
+    assert said == f'timeout ({message}) \u2026'
+    assert f'timeout ({message}); answer with retry | skip' in picture.about('task.look')
+
+
 def test_a_hold_of_the_whole_cell_stands_at_the_top() -> None:
     of_cell = hold(job=None, reason='restarted', answers=('resume',))
     found = line_state(status(holds=[of_cell]), Line().script(SCRIPT), Line().cell)
@@ -245,6 +254,26 @@ def test_a_section_that_works_for_another_script_says_so() -> None:
     picture = drawn(status(at_work, jobs=[job(), other]))
     assert picture.words('slot.2')[1] == 'works on WO-2/1, script other'
     assert marks(picture)['look'] == 'not begun'
+
+
+def test_what_a_slot_says_stays_in_its_box() -> None:
+    long, script = 'WO-1123-1909-PACKING-LEFT-B', 'packing_of_boxes_left'
+    running = [statuses.task('look')]
+    at_work = changed(
+        statuses.section(2, f'{long}/12', job=long, running=running),
+        slot=statuses.item(f'{long}/12', rejected=True),
+    )
+    picture = drawn(status(at_work, jobs=[job(), job(long, script=script)]))
+    words = picture.words('slot.2')
+    assert max(map(len, words)) <= 34
+    assert words[:2] == ['slot 2', f'{long}/12']
+    assert words[2] == '\u2717 REJECTED'
+    assert words[3].startswith('works on')
+    assert words[3].endswith('\u2026')
+    whole = changed(at_work, slot=statuses.item('WO-1/1'))
+    shown = drawn(status(whole, jobs=[job(), job(long, script=script)]))
+    assert max(map(len, shown.words('slot.2'))) <= 34
+    assert f'works on {long}/12, script {script}' in picture.about('slot.2')
 
 
 def test_flags_show_their_counts() -> None:
