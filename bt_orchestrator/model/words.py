@@ -84,6 +84,21 @@ SENTENCES: Mapping[str, str] = {
     'belt_released': 'the section has released the belt',
     'placed_unknown': 'it is not known whether {item} was placed in section {section}',
     'taken_out_unknown': 'it is not known whether {item} was taken out of section {section}',
+    # what is wrong with an order
+    'order_id': '{id} cannot be an order id: {words}',
+    'id_empty': 'it is empty',
+    'id_slash': 'a slash separates the order from the number of the item',
+    'id_space': 'it begins or ends with a space',
+    'id_unprintable': 'it has characters that cannot be printed',
+    'id_sign': 'it has `<` or `>`, which pages and reports take for the begin of a command',
+    'id_long': 'it has {count} characters, at most {most} are allowed',
+    'id_instead': 'write for instance `{id}`',
+    'id_used': '{job} is the id of another job',
+    'id_other': 'choose another',
+    'most_items': '`quantity` is {quantity}, and an order of this cell has at most {most} items',
+    'less_items': 'order less at a time, or raise `most_items` in the cell file',
+    'quantity': '`quantity` must be from 1 to {most}, not {found}',
+    'one_item': 'order at least one item',
 }
 """By kind. `said`: words of a device or a person, or others that are known in words only."""
 

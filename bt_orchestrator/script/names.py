@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from bt_orchestrator.model.jobs.order import order_id_fault
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.report import Place, Report
 from bt_orchestrator.script.yaml_nodes import quoted
 
@@ -58,4 +59,4 @@ def wrong_order_id(text: str) -> tuple[str, str] | None:
     if fault is None:
         return None
     legal = re.sub(r'[^\w .-]+', '-', text).strip(' -')[:LONGEST_NAME] or 'WO-1001'
-    return f'{quoted(text)} cannot be an order id: {fault}', f'write for instance `{legal}`'
+    return sentence('order_id', id=quoted(text), words=fault), sentence('id_instead', id=legal)

@@ -25,6 +25,7 @@ from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import (
     ActionTypes,
     CheckedOrder,
@@ -114,7 +115,7 @@ class EngineWhatIf:
         """Tell whether an order would be queued: it is read, and then the engine is asked."""
         wrong = mistakes(order)
         if wrong:
-            return _with_mistakes(wrong)
+            return _with_mistakes(self._all_mistakes(order) or wrong)
         given = order_from(order)
         elsewhere = self._elsewhere(given)
         if elsewhere is not None:
@@ -127,16 +128,28 @@ class EngineWhatIf:
             script = self._script(run, given)
             if isinstance(script, CheckedOrder):
                 return script
-            cell = run.state.cell
-            job = bound(order, script, action_types(cell, self._types), cell.most_items)
+            job = self._bound(run, order, script)
             if not isinstance(job, Job):
                 return _with_mistakes(job)
             if order.get('order') in run.state.jobs:
-                used = WrongField('order', f'{job.id} is the id of another job', 'choose another')
+                used = WrongField('order', sentence('id_used', job=job.id), sentence('id_other'))
                 return _with_mistakes((used,))
             asked = ask('queue.add', NOBODY, orders=[given])
             answer = self._node(run).answer(asked)
             return CheckedOrder(answer.accepted, '' if answer.accepted else answer.message)
+
+    def _all_mistakes(self, order: Mapping[str, object]) -> tuple[WrongField, ...]:
+        """Return every mistake of an order; empty: no script of it can be read here."""
+        with closing(self._begin()) as run:
+            script = self._desk(run).script(str(order.get('script') or ''))
+            job = self._bound(run, order, script) if isinstance(script, Script) else ()
+        return () if isinstance(job, Job) else job
+
+    def _bound(
+        self, run: RunOn, order: Mapping[str, object], script: Script
+    ) -> Job | tuple[WrongField, ...]:
+        cell = run.state.cell
+        return bound(order, script, action_types(cell, self._types), cell.most_items)
 
     def _elsewhere(self, order: WorkOrder) -> str | None:
         """Say why only the node can check an order: what it names is not here; None: it is."""

@@ -116,3 +116,22 @@ def english_lines(text: str) -> list[str]:
     for said in FREE:  # of which a card of the picture has room for the beginning
         text = re.sub(rf'{said[:15]}[^)\n]*', '', text)
     return [line for line in text.splitlines() if _ENGLISH.search(line)]
+
+
+def test_what_is_wrong_with_an_order_is_german_at_each_field(tmp_path: Path, sit: Sit) -> None:
+    with stand(tmp_path, fail=['none']) as one:
+        tab = sit(one.port, locale='de-DE').open('order')
+        tab.until_news()
+        source = tab.page.locator('[name="script"]')
+        tab.until(lambda: source.locator('option').count() > 1, 'the scripts')
+        source.select_option('inspect_and_assemble')
+        tab.page.locator('[name="order"]').fill('A/1')
+        tab.page.locator('[name="quantity"]').fill('99999999')
+        tab.page.locator('[data-do="order"]').click()
+        for field, words in (
+            ('order', '`A/1` kann keine Auftragsnummer sein: ein Schrägstrich trennt'),
+            ('quantity', '99999999 Teile sind zu viele: Ein Auftrag dieser Zelle hat höchstens'),
+        ):
+            tab.page.locator(f'[name="{field}"][aria-invalid="true"]').wait_for()
+            warning = tab.page.locator(f'.field:has([name="{field}"]) .field-warning')
+            assert words in warning.inner_text()

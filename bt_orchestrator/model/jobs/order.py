@@ -9,6 +9,7 @@ from datetime import datetime, timezone
 from typing import Any
 
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.words import sentence
 
 
 @dataclass(frozen=True)
@@ -117,15 +118,15 @@ def order_id_fault(text: str) -> str | None:
     Journals may have ids that were taken when less was asked of them.
     """
     if not text:
-        return 'it is empty'
+        return sentence('id_empty')
     if '/' in text:
-        return 'a slash separates the order from the number of the item'
+        return sentence('id_slash')
     if text != text.strip():
-        return 'it begins or ends with a space'
+        return sentence('id_space')
     if not text.isprintable():
-        return 'it has characters that cannot be printed'
+        return sentence('id_unprintable')
     if '<' in text or '>' in text:
-        return 'it has `<` or `>`, which pages and reports take for the begin of a command'
+        return sentence('id_sign')
     if len(text) > LONGEST_ORDER_ID:
-        return f'it has {len(text)} characters, at most {LONGEST_ORDER_ID} are allowed'
+        return sentence('id_long', count=len(text), most=LONGEST_ORDER_ID)
     return None

@@ -12,6 +12,7 @@ from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import MOST_ITEMS
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.script import Parameter, Script
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
 from bt_orchestrator.script.fields import Fields, file_fields
@@ -256,15 +257,18 @@ def _quantity(
         report.keep(places.finding(Wrong('quantity', what, 'add for instance `quantity: 12`')))
         return 1
     if type(quantity) is not int or not 1 <= quantity <= LARGEST_WHOLE:
-        what = f'`quantity` must be from 1 to {LARGEST_WHOLE}, not {found_value(quantity)}'
-        report.keep(places.finding(Wrong('quantity', what, 'order at least one item')))
+        what = sentence('quantity', most=LARGEST_WHOLE, found=found_value(quantity))
+        report.keep(places.finding(Wrong('quantity', what, sentence('one_item'))))
         return 1
     if quantity > most:
-        what = f'`quantity` is {quantity}, and an order of this cell has at most {most} items'
-        hint = 'order less at a time, or raise `most_items` in the cell file'
-        report.keep(places.finding(Wrong('quantity', what, hint)))
+        report.keep(places.finding(Wrong('quantity', *wrong_quantity(quantity, most))))
         return 1
     return quantity
+
+
+def wrong_quantity(quantity: int, most: int) -> tuple[str, str]:
+    """Say that a cell takes no order of so many items, and what to do."""
+    return sentence('most_items', quantity=quantity, most=most), sentence('less_items')
 
 
 def _check_names(

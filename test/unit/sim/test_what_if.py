@@ -228,6 +228,10 @@ def test_an_order_is_checked_before_anybody_gives_it(tmp_path: Path) -> None:
         assert of() == CheckedOrder(True, '')
         assert [one.field for one in of(quantity='x').wrong] == ['quantity']
         assert [one.field for one in of(params={'n': 'x'}).wrong] == ['params.n']
+        several = of(order='D/1', quantity=10**9, params={'n': 'x'})
+        assert sorted(one.field for one in several.wrong) == ['order', 'params.n', 'quantity']
+        unread = of(order='D/1', script='broken')
+        assert [one.field for one in unread.wrong] == ['order']
         used = of(order='B')
         assert not used.accepted
         assert [one.field for one in used.wrong] == ['order']

@@ -202,5 +202,8 @@ def _plain(found: CheckedOrder) -> Body:
         'accepted': found.accepted,
         'is_checked': found.is_checked,
         'message': found.message,
-        'findings': [one._asdict() for one in found.wrong],
+        'findings': [
+            {**one._asdict(), 'said': said_in_each('; '.join(filter(None, (one.what, one.hint))))}
+            for one in found.wrong
+        ],
     }

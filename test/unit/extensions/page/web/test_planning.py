@@ -42,11 +42,11 @@ from bt_orchestrator.ports import (
     QueuePage,
     WrongField,
 )
+from bt_orchestrator.script.orders.order_file import wrong_quantity
 
 NOW_S = 1000.0
 ORDER = {'script': 'other', 'order': 'WO-9', 'quantity': 2, 'params': {'lot': '5'}}
 SCRIPT = expanded(f'script: other\nparams: {{lot: {{type: str}}}}\n{THREE}')
-
 
 PROPOSAL = Proposal(
     (
@@ -61,6 +61,9 @@ PROPOSAL = Proposal(
     is_best=True,
     unknown={'A': 'A is held in the queue'},
 )
+
+
+TOO_MANY = WrongField('quantity', *wrong_quantity(99, 9))
 
 
 class Planned:
@@ -86,7 +89,7 @@ class Planned:
     def check(self, moment: Moment, order: Mapping[str, object]) -> CheckedOrder:
         self._refuse(moment)
         self.checked.append(order)
-        return CheckedOrder(False, '1 mistake', (WrongField('params.lot', 'is missing', 'add'),))
+        return CheckedOrder(False, '1 mistake', (TOO_MANY,))
 
     def close(self) -> None:
         self.is_closed = True
@@ -255,7 +258,19 @@ def test_an_order_is_checked(bench: Bench) -> None:
         'accepted': False,
         'is_checked': True,
         'message': '1 mistake',
-        'findings': [{'field': 'params.lot', 'what': 'is missing', 'hint': 'add'}],
+        'findings': [
+            {
+                'field': 'quantity',
+                'what': '`quantity` is 99, and an order of this cell has at most 9 items',
+                'hint': 'order less at a time, or raise `most_items` in the cell file',
+                'said': {
+                    'en': '`quantity` is 99, and an order of this cell has at most 9 items; '
+                    'order less at a time, or raise `most_items` in the cell file',
+                    'de': '99 Teile sind zu viele: Ein Auftrag dieser Zelle hat höchstens 9; '
+                    'weniger auf einmal bestellen, oder `most_items` in der Zellendatei erhöhen',
+                },
+            }
+        ],
     }
     assert bench.planned.checked == [ORDER]
     assert bench.browser.post('/api/orders/check', {'order': 'WO-9'}).status == 422

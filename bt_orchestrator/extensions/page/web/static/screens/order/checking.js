@@ -31,7 +31,7 @@ export function checking(form, said) {
     const mine = (turn += 1);
     const { order } = form.value();
     if (!order.script && !order.recipe) {
-      const rest = isAll ? [{ field: 'script', what: t('order.script_missing'), hint: '' }] : [];
+      const rest = isAll ? [{ field: 'script', what: t('order.script_missing') }] : [];
       form.warn(rest, isAll);
       say('open', isAll ? t('order.mend') : '');
       return false;

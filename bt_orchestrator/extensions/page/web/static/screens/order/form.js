@@ -1,7 +1,7 @@
 /** The form of an order. What is right in it, the page says: here is only what was entered. */
 
 import { h, children } from '../../core/dom.js';
-import { t } from '../../core/text.js';
+import { said, t } from '../../core/text.js';
 import { fieldWith } from '../../asking/entry.js';
 import { jsonField } from '../../asking/json_field.js';
 import { recipeFields } from '../../asking/recipe_fields.js';
@@ -123,7 +123,7 @@ export function orderForm(changed, left) {
   }
 
   function value() {
-    const said = {
+    const written = {
       ...source.value(),
       ...recipe?.values(),
       order: order.value(),
@@ -134,7 +134,7 @@ export function orderForm(changed, left) {
       details: details.read(),
     };
     const filled = Object.fromEntries(
-      Object.entries(said).filter(([, one]) => one !== '' && one !== undefined),
+      Object.entries(written).filter(([, one]) => one !== '' && one !== undefined),
     );
     const given = entries.values();
     if (Object.keys(given).length) filled.params = given;
@@ -149,10 +149,10 @@ export function orderForm(changed, left) {
     warn(findings, isAll) {
       const known = fields();
       const words = new Map();
-      for (const { field, what, hint } of findings) {
+      for (const { field, what, said: told } of findings) {
         const name = known.has(field) ? field : source.tells(field);
-        const told = [words.get(name), hint ? `${what}; ${hint}` : what];
-        words.set(name, plainMistake(name) || told.filter(Boolean).join('. '));
+        const all = [words.get(name), told ? said(told) : what];
+        words.set(name, plainMistake(name) || all.filter(Boolean).join('. '));
       }
       for (const [name, field] of known)
         field.warn(isAll || touched.has(name) ? (words.get(name) ?? '') : '');
