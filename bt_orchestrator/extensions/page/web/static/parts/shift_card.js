@@ -2,7 +2,7 @@
 
 import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { part, shownMoment } from '../core/store.js';
-import { about, difference, duration, number, ratio, seconds, t } from '../core/text.js';
+import { about, difference, duration, number, ratio, seconds, t, tOr } from '../core/text.js';
 
 const REPORT = '/api/shift/report.html';
 const FACTORS = ['availability', 'performance', 'quality'];
@@ -174,7 +174,8 @@ function sayStopped(element, shift) {
   const isSaid = since >= SHORT_S;
   show(element, isSaid);
   if (!isSaid) return;
-  const what = [t(`loss.${stopped.loss}`), stopped.component].filter(Boolean).join(', ');
+  const word = tOr(`shift.now_${stopped.loss}`, t(`loss.${stopped.loss}`));
+  const what = [word, stopped.component].filter(Boolean).join(', ');
   attribute(element, 'data-loss-now', stopped.loss);
   text(element, t('shift.now', { what, time: about(stopped.since), lost: duration(since) }));
 }
