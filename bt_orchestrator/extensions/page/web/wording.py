@@ -34,7 +34,7 @@ _NAMED = {
 
 _SKIPPED = 'skip_'
 
-_COMPARED = {
+COMPARED = {
     'when': re.compile(r'^when (?P<value>.)'),
     'except': re.compile(r'^unless (?P<value>.)'),
     'between': re.compile(r' from (?P<low>\S+) to (?P<high>\S+)'),
@@ -126,7 +126,7 @@ class PageWording(Wording):
     def condition(self, words: str) -> str:
         """Say a condition, which is in English; its names and values stay."""
         known = self._strings['condition']
-        for name, pattern in _COMPARED.items():
+        for name, pattern in COMPARED.items():
             words = pattern.sub(partial(_said, known[name]), words)
         return words
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from fakes.page_files import LANGUAGES, STATIC, keys_asked_for, modules, words
 
+from bt_orchestrator.extensions.page.web.wording import COMPARED
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import REQUESTS
 from bt_orchestrator.model.roles import Role
@@ -99,6 +100,14 @@ def test_sentences_of_the_node_stand_there_as_in_its_own_catalogue() -> None:
     english = {key: text for key, text in words('en').items() if key.startswith('message.')}
     assert english.pop('message.or') == 'or'
     assert english == {f'message.{kind}': text for kind, text in SENTENCES.items()}
+
+
+def test_conditions_are_read_alike_at_the_page_and_in_its_browser() -> None:
+    text = (STATIC / 'parts' / 'twig_words.js').read_text(encoding='utf-8')
+    block = text.partition('const COMPARED')[2].partition('});')[0]
+    there = re.findall(r'^  (\w+): /(.+)/g?,$', block, re.MULTILINE)
+    here = [(name, one.pattern.replace('(?P<', '(?<')) for name, one in COMPARED.items()]
+    assert there == here
 
 
 def test_english_has_no_german_letters_and_german_no_english_sentence() -> None:
