@@ -18,7 +18,12 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 PACKAGE = 'bt_orchestrator'
-TESTS = ('test/unit/rules', 'test/unit/engine/runtime', 'test/unit/extensions/recipes/planning')
+TESTS = (
+    'test/unit/rules',
+    'test/unit/engine/runtime',
+    'test/unit/extensions/recipes/planning',
+    'test/unit/sim',
+)
 
 TESTS_FAILED = 1
 """Exit code of pytest; every other one but 0 is a mistake of the caller."""
