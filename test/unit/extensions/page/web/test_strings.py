@@ -8,6 +8,7 @@ from pathlib import Path
 from fakes.page_files import LANGUAGES, STATIC, keys_asked_for, modules, words
 
 from bt_orchestrator.extensions.page.web.wording import COMPARED
+from bt_orchestrator.model.by import Known
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import REQUESTS
 from bt_orchestrator.model.roles import Role
@@ -108,6 +109,12 @@ def test_conditions_are_read_alike_at_the_page_and_in_its_browser() -> None:
     there = re.findall(r'^  (\w+): /(.+)/g?,$', block, re.MULTILINE)
     here = [(name, one.pattern.replace('(?P<', '(?<')) for name, one in COMPARED.items()]
     assert there == here
+
+
+def test_a_browser_marks_claimed_names_as_the_model_does() -> None:
+    text = (STATIC / 'core' / 'text.js').read_text(encoding='utf-8')
+    proven = text.partition('const PROVEN = [')[2].partition(']')[0]
+    assert re.findall("'(.+?)'", proven) == [one.value for one in Known if one.proves_name]
 
 
 def test_english_has_no_german_letters_and_german_no_english_sentence() -> None:
