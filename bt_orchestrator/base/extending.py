@@ -54,7 +54,7 @@ class Extension(NamedTuple):
     @property
     def _packages_missing(self) -> str:
         lacking = [package for name, package in self.packages.items() if _is_missing(name)]
-        names = ' and '.join(re.split('[<>=]', one)[0] for one in lacking)
+        names = ' and '.join(re.split(r'[\[<>=]', one)[0] for one in lacking)
         needed = ' '.join(f"'{one}'" for one in self.packages.values())
         ubuntu = f', or on Ubuntu: apt install {self.ubuntu}' if self.ubuntu else ''
         how = f'install what {self.what} needs with: pip install {needed}{ubuntu}'
@@ -96,8 +96,14 @@ PARQUET = Extension(
     'the format parquet',
     {'pyarrow': 'pyarrow>=15'},
 )
+POSTGRES = Extension(
+    'postgres',
+    "the plant's database",
+    {'psycopg': 'psycopg[binary]>=3.1'},
+    ubuntu='python3-psycopg',
+)
 
-EXTENSIONS = (PAGE, OPCUA, RECIPES, PARQUET)
+EXTENSIONS = (PAGE, OPCUA, RECIPES, PARQUET, POSTGRES)
 
 
 def of_others(kind: str) -> Mapping[str, EntryPoint]:

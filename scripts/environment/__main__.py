@@ -9,6 +9,7 @@ Steps, each skipped when nothing it reads has changed since it last ended well:
     recipes       HiGHS, which plans the scripts of recipes
     browser       only if asked for: Chromium, and playwright, which steers it
     parquet       only if asked for: pyarrow
+    postgres      only if asked for: psycopg, and a PostgreSQL server
     node          only if asked for: Node, and packages of npm
 """
 
@@ -22,6 +23,7 @@ from pathlib import Path
 
 from browser import install_missing_browser
 from lock import only_one
+from postgres import install_missing_server
 from projects import remember
 from report import Failure, say
 from steps import Environment
@@ -48,6 +50,9 @@ def main() -> None:
             environment.add_browser_driver()
         if options.parquet:
             environment.add_parquet()
+        if options.postgres:
+            install_missing_server(environment.folder.with_suffix('.apt.log'))
+            environment.add_postgres()
         if options.node:
             environment.add_node_packages()
 
@@ -80,6 +85,12 @@ def parse_arguments() -> argparse.Namespace:
         '--parquet',
         action='store_true',
         help='what writes Parquet too: for events --format parquet, and for the gate unit',
+    )
+    parser.add_argument(
+        '--postgres',
+        action='store_true',
+        help='what talks to PostgreSQL too, and a server, by apt-get where it '
+        'is missing: for feed, and for the gates unit and system',
     )
     parser.add_argument(
         '--node',

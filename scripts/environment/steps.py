@@ -22,6 +22,7 @@ INSTALLERS = REQUIREMENTS / 'installers.txt'
 BROWSER = REQUIREMENTS / 'browser.txt'
 RECIPES = REQUIREMENTS / 'recipes.txt'
 PARQUET = REQUIREMENTS / 'parquet.txt'
+POSTGRES = REQUIREMENTS / 'postgres.txt'
 NODE = REQUIREMENTS / 'node.txt'
 NODE_PACKAGES = REQUIREMENTS / 'node'
 ROS = SCRIPTS.parent / 'bt_orchestrator' / 'ros'
@@ -98,6 +99,10 @@ class Environment:
     def add_parquet(self) -> None:
         """Install what writes Parquet, which is large and which one gate alone needs."""
         self._add('parquet', 'what writes Parquet', PARQUET)
+
+    def add_postgres(self) -> None:
+        """Install what talks to PostgreSQL."""
+        self._add('postgres', 'what talks to PostgreSQL', POSTGRES)
 
     def _add(self, name: str, what: str, packages: Path) -> None:
         stamp = digest([packages], REQUIREMENTS)

@@ -1,0 +1,139 @@
+"""A PostgreSQL server of a test: its own cluster in a temporary folder, not as root."""
+
+from __future__ import annotations
+
+import os
+import pwd
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+PATIENCE_S = 60.0
+USER = 'plant'
+"""Owns every database."""
+
+_FAST = {
+    'listen_addresses': '',
+    'max_connections': '40',
+    'shared_buffers': '16MB',
+    'fsync': 'off',
+    'synchronous_commit': 'on',
+    'log_min_messages': 'fatal',
+}
+
+
+def program(name: str) -> str:
+    """Return the path of a program of the server; empty: there is none."""
+    folders = sorted(
+        Path('/usr/lib/postgresql').glob(f'*/bin/{name}'), key=lambda p: int(p.parts[-3])
+    )
+    return str(folders[-1]) if folders else shutil.which(name) or ''
+
+
+class PostgresServer:
+    """A server on a socket in its folder, which may be stopped, killed and started again."""
+
+    def __init__(self, **settings: str) -> None:
+        self.folder = Path(tempfile.mkdtemp(prefix='pg', dir='/tmp'))
+        self._as: dict[str, Any] = {}
+        if os.geteuid() == 0:
+            who = _somebody()
+            os.chown(self.folder, who.pw_uid, who.pw_gid)
+            self._as = {'user': who.pw_uid, 'group': who.pw_gid, 'extra_groups': []}
+        self._settings = {
+            **_FAST,
+            'unix_socket_directories': str(self.folder),
+            **settings,
+        }
+        self._process: subprocess.Popen[bytes] | None = None
+        self._names = count(1)
+        self._run(
+            *('initdb', '--no-sync', '--auth=trust', '--encoding=UTF8', '--locale=C'),
+            *(f'--username={USER}', f'--pgdata={self.folder / "data"}'),
+        )
+
+    def start(self) -> None:
+        """Start it, and wait until it answers."""
+        options = [f'--{name}={value}' for name, value in self._settings.items()]
+        log = (self.folder / 'log').open('ab')
+        with log:
+            self._process = subprocess.Popen(
+                [program('postgres'), '-D', str(self.folder / 'data'), *options],
+                cwd='/',
+                stdout=log,
+                stderr=log,
+                **self._as,
+            )
+        import psycopg
+
+        deadline = time.monotonic() + PATIENCE_S
+        while True:
+            try:
+                psycopg.connect(self.address('postgres')).close()
+            except psycopg.OperationalError:
+                if time.monotonic() > deadline or self._process.poll() is not None:
+                    raise
+                time.sleep(0.02)
+            else:
+                return
+
+    def stop(self, how: int = signal.SIGINT) -> None:
+        """End it: SIGINT ends connections, SIGQUIT ends at once as after a crash."""
+        if self._process is not None:
+            self._process.send_signal(how)
+            self._process.wait(PATIENCE_S)
+            self._process = None
+
+    def close(self) -> None:
+        """End it, and remove its folder."""
+        self.stop(signal.SIGQUIT)
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def address(self, database: str) -> str:
+        return f'postgresql://{USER}@/{database}?host={self.folder}'
+
+    def place(self, database: str, cell: str) -> str:
+        """Return the address of a cell."""
+        return f'postgresql://{USER}@/{database}/{cell}?host={self.folder}'
+
+    def database(self) -> str:
+        """Make a new database and return its name."""
+        import psycopg
+
+        name = f'plant_{next(self._names)}'
+        with psycopg.connect(self.address('postgres'), autocommit=True) as connection:
+            connection.execute(f'CREATE DATABASE {name}'.encode())
+        return name
+
+    def _run(self, name: str, *words: str) -> None:
+        path = program(name)
+        assert path, 'needs a PostgreSQL server: ./scripts/bootstrap --postgres'
+        subprocess.run([path, *words], cwd='/', check=True, capture_output=True, **self._as)
+
+
+def _somebody() -> pwd.struct_passwd:
+    """Return a user without rights: the server refuses to run as root."""
+    for name in ('postgres', 'nobody'):
+        try:
+            return pwd.getpwnam(name)
+        except KeyError:
+            continue
+    raise AssertionError('expected a user postgres or nobody; the server does not run as root')
+
+
+@contextmanager
+def postgres_server(**settings: str) -> Iterator[PostgresServer]:
+    """Give a running server."""
+    server = PostgresServer(**settings)
+    try:
+        server.start()
+        yield server
+    finally:
+        server.close()
