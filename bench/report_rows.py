@@ -20,7 +20,7 @@ from fakes.kept_books import book_all
 from bench.rows import Row
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import to_text
-from bt_orchestrator.store.sqlite.checks import check_of_event
+from bt_orchestrator.store.shared.database import check_of_event
 from bt_orchestrator.store.sqlite.database import transaction
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

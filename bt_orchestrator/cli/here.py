@@ -52,7 +52,7 @@ def _cell_here() -> Path:
 
 def _journal_here() -> Path:
     # Imported here, so that other verbs load no SQLite.
-    from bt_orchestrator.store.sqlite.mark import MARK
+    from bt_orchestrator.store.shared.mark import MARK
 
     marks = sorted(path.name for path in Path().glob(f'*{MARK}'))
     found = [Path(name) for mark in marks if Path(name := mark.removesuffix(MARK)).exists()]

@@ -8,10 +8,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.store.shared.mark import PRIVATE
 from bt_orchestrator.store.sqlite.database import log_of
-
-PRIVATE = 0o600
-"""Mode of the files of a journal: owner only. SQLite gives its log the same mode."""
 
 
 def make_private(path: Path) -> None:

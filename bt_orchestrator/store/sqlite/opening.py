@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import IO
 
 from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.store.shared.mark import Reached, mark_of
 from bt_orchestrator.store.sqlite.database import (
     RESTORE,
     cannot_open,
@@ -18,8 +19,12 @@ from bt_orchestrator.store.sqlite.database import (
     unchanging,
 )
 from bt_orchestrator.store.sqlite.keeping import make_folder, make_private
-from bt_orchestrator.store.sqlite.mark import Reached, mark_of
-from bt_orchestrator.store.sqlite.schema import SCHEMA, bring_up_to_date, schema_of
+from bt_orchestrator.store.sqlite.schema import (
+    SCHEMA,
+    bring_up_to_date,
+    is_closed,
+    schema_of,
+)
 
 
 def take_lock(path: Path) -> IO[str]:
@@ -160,3 +165,18 @@ def beside_writer(path: Path) -> sqlite3.Connection:
     database = sqlite3.connect(path, isolation_level=None, timeout=10.0, check_same_thread=False)
     database.execute('PRAGMA query_only = ON')
     return database
+
+
+def is_cut_off(database: sqlite3.Connection, path: Path) -> bool:
+    """Tell whether a node left a log beside a journal, and it is now missing."""
+    if has_log(path) or is_closed(database):
+        return False
+    return not has_log(path)  # a node may have begun writing meanwhile
+
+
+def cut_off(path: Path, last: int) -> str:
+    """Say what is known of a journal without its log and its mark."""
+    return (
+        f'events after event {last} may be missing: the node that wrote the journal did not close '
+        f'it, and neither {log_of(path).name} nor {mark_of(path).name} is there'
+    )

@@ -9,16 +9,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.store.shared.history import history_of
+from bt_orchestrator.store.shared.mark import MARK, Reached, write_mark
 from bt_orchestrator.store.sqlite.database import unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.keeping import aside_of, copy_file, make_private, sync
-from bt_orchestrator.store.sqlite.mark import MARK, Reached, write_mark
 from bt_orchestrator.store.sqlite.opening import refuse_in_use, take_lock
-from bt_orchestrator.store.sqlite.schema import (
-    begin_restored,
-    bring_up_to_date,
-    history_of,
-    schema_of,
-)
+from bt_orchestrator.store.sqlite.schema import begin_restored, bring_up_to_date, schema_of
 
 ENDINGS = ('', '-wal', '-shm')
 """File name endings of one journal. The first is removed first: every start refuses a log without

@@ -14,10 +14,9 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from bt_orchestrator.base.errors import JournalUnusable
-from bt_orchestrator.store.sqlite.checks import check_of
+from bt_orchestrator.store.shared.history import seal
 from bt_orchestrator.store.sqlite.database import pragma, transaction
 
 SCHEMA = 7
@@ -71,7 +70,7 @@ _STEPS: Sequence[Sequence[str]] = (
     ),
     # 4
     (
-        # See `checks`. NULL: written by an older version.
+        # See `shared.database`. NULL: written by an older version.
         'ALTER TABLE events ADD COLUMN checksum INTEGER',
         # 1: the last event of a commit. Only after such an event is a settle complete.
         'ALTER TABLE events ADD COLUMN ends INTEGER',
@@ -84,7 +83,7 @@ _STEPS: Sequence[Sequence[str]] = (
         'ALTER TABLE history ADD COLUMN kept_from INTEGER NOT NULL DEFAULT 1',
         """UPDATE history SET kept_from = coalesce(
                (SELECT min(seq) FROM events), (SELECT max(seq) + 1 FROM beginning), 1)""",
-        # # The events with which jobs begin; not an index on the records, because then no row with
+        # The events with which jobs begin; not an index on the records, because then no row with
         # a damaged record could be removed.
         'CREATE TABLE queued (seq INTEGER PRIMARY KEY, job TEXT NOT NULL) STRICT',
         """INSERT INTO queued SELECT seq, json_extract(record, '$.job') FROM events
@@ -162,46 +161,41 @@ def bring_up_to_date(database: sqlite3.Connection, version: int) -> None:
         for step in _STEPS[version:]:
             for statement in step:
                 database.execute(statement)
-        _seal(database)
+        seal(database)
         database.execute(f'PRAGMA application_id = {APPLICATION_ID}')
         database.execute(f'PRAGMA user_version = {SCHEMA}')
 
 
-class History(NamedTuple):
-    """The name of the history that a journal holds."""
+CHECKED = 4
+"""First schema with checks of rows."""
 
-    id: str
-    is_restored: bool
-    """It continues from a restored copy."""
-    checked_from: int = 1
-    """Events before this one have no checks."""
+_OF_EVENTS = {
+    'events': 'SELECT seq, record, NULL AS checksum, NULL AS ends FROM main.events',
+    'history': 'SELECT coalesce(min(seq), 1) AS kept_from FROM main.events',
+}
 
 
-def history_of(database: sqlite3.Connection) -> History:
-    """Return the history in a journal of the current schema.
-
-    :raises ValueError: it has none, or it is damaged
-    """
-    row = database.execute(f'SELECT {_OF_HISTORY}, checksum FROM history').fetchone()
-    if row is None:
-        raise ValueError('the table history is empty')
-    if row[-1] != _check(row[:-1]):
-        raise ValueError('the row of the table history is damaged')
-    return History(str(row[0]), bool(row[1]), int(row[2]))
+def look_like_today(database: sqlite3.Connection, version: int) -> None:
+    """Let readers see the tables of today in an older file; nothing in it changes."""
+    views = dict(_OF_EVENTS) if version < CHECKED else {}
+    if 1 < version < CHECKED:
+        views['jobs'] = 'SELECT *, NULL AS checksum FROM main.jobs'
+    database.execute('PRAGMA temp_store = MEMORY')
+    for name, query in views.items():
+        database.execute(f'CREATE TEMP VIEW {name} AS {query}')
+    for statement in (one for step in _STEPS[version:] for one in step):
+        if statement.startswith('CREATE TABLE') and statement.split()[2] not in views:
+            database.execute(statement.replace('TABLE', 'TEMP TABLE', 1))
+    if version == 1:
+        database.execute('ALTER TABLE jobs ADD COLUMN checksum INTEGER')
 
 
 def begin_restored(database: sqlite3.Connection) -> None:
     """Begin a new history in a complete copy of the current schema."""
     with transaction(database):
         end_to_write(database)
-        database.execute(f'UPDATE history SET id = {_RANDOM}, restored = 1')
-        _seal(database)
-
-
-def begin_history(database: sqlite3.Connection, history: str) -> None:
-    """Give a journal of the current schema a new history id."""
-    database.execute('UPDATE history SET id = ?, restored = 0', (history,))
-    _seal(database)
+        database.execute(f'UPDATE history SET id = {_RANDOM}, restored = TRUE')
+        seal(database)
 
 
 def begin_to_write(database: sqlite3.Connection) -> bool:
@@ -222,27 +216,3 @@ def end_to_write(database: sqlite3.Connection) -> None:
 def is_closed(database: sqlite3.Connection) -> bool:
     """Tell whether a journal of the current schema was closed by its node."""
     return database.execute('SELECT 1 FROM unclosed').fetchone() is None
-
-
-def kept_from(database: sqlite3.Connection) -> int:
-    """Return the seq of the first event that retention has left; if none, of the next one."""
-    query = 'SELECT coalesce(max(kept_from), 1) FROM history'  # empty if it is damaged
-    return int(database.execute(query).fetchone()[0])
-
-
-def keep_from(database: sqlite3.Connection, seq: int) -> None:
-    """Record that the events before this one are removed."""
-    database.execute('UPDATE history SET kept_from = max(kept_from, ?)', (seq,))
-    _seal(database)
-
-
-_OF_HISTORY = 'id, restored, checked_from, kept_from'
-
-
-def _seal(database: sqlite3.Connection) -> None:
-    row = database.execute(f'SELECT {_OF_HISTORY} FROM history').fetchone()
-    database.execute('UPDATE history SET checksum = ?', (_check(row),))
-
-
-def _check(row: Sequence[object]) -> int:
-    return check_of(1, '\t'.join(str(value) for value in row).encode())

@@ -13,7 +13,7 @@ from fakes.operator import ann
 from fakes.plant import Plant
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.store.sqlite.mark import mark_of
+from bt_orchestrator.store.shared.mark import mark_of
 
 
 @pytest.fixture

@@ -15,8 +15,8 @@ from fakes.journal_reading import journal_reading
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import Snapshot
+from bt_orchestrator.store.shared.mark import mark_of
 from bt_orchestrator.store.sqlite.database import log_of
-from bt_orchestrator.store.sqlite.mark import mark_of
 from bt_orchestrator.store.sqlite.restoring import bring_back
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

@@ -8,7 +8,7 @@ import pytest
 
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.sqlite import snapshots
+from bt_orchestrator.store.shared import snapshots
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 

@@ -13,7 +13,7 @@ import pytest
 from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.sqlite.mark import Reached, mark_of, read_mark, write_mark
+from bt_orchestrator.store.shared.mark import Reached, mark_of, read_mark, write_mark
 from bt_orchestrator.store.sqlite.restoring import bring_back
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

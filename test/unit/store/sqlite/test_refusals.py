@@ -15,7 +15,7 @@ from fakes.long_journal import LongRun
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.engine.runtime.recovery import restore
-from bt_orchestrator.store.sqlite.checks import check_of_event
+from bt_orchestrator.store.shared.database import check_of_event
 from bt_orchestrator.store.sqlite.schema import SCHEMA
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

@@ -12,7 +12,7 @@ import pytest
 
 from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
 from bt_orchestrator.model.events import Event, JobStarted
-from bt_orchestrator.store.sqlite.checks import check_of_event
+from bt_orchestrator.store.shared.database import check_of_event
 from bt_orchestrator.store.sqlite.schema import APPLICATION_ID, SCHEMA
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

@@ -1,4 +1,4 @@
-"""Past states in the journal file: to start from, and to look back.
+"""Past states in a journal: to start from, and to look back.
 
 The newest are for the next start. Some older ones stay as keyframes: a past state is replayed from
 the nearest one and not from the beginning.
@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import hashlib
 import logging
-import sqlite3
 from collections.abc import Sequence
 
 from bt_orchestrator.ports import Snapshot
+from bt_orchestrator.store.shared.database import Database, replace
 
 log = logging.getLogger(__name__)
 
@@ -28,28 +28,28 @@ _ROW = 'seq, stamp, checksum, CAST(state AS BLOB)'
 """Read as bytes: damaged ones may not be valid text."""
 
 
-def kept(database: sqlite3.Connection) -> Sequence[int]:
+def kept(database: Database) -> Sequence[int]:
     """Return the events with snapshots to start from, newest first."""
     try:
         query = 'SELECT seq FROM snapshots ORDER BY seq DESC LIMIT ?'
         rows = database.execute(query, (NEWEST,)).fetchall()
-    except sqlite3.Error as error:
+    except database.Error as error:
         log.warning('the snapshots of the journal cannot be read (%s) and are ignored', error)
         return []
     return [seq for (seq,) in rows]
 
 
-def sound_snapshot(database: sqlite3.Connection, seq: int) -> Snapshot | None:
+def sound_snapshot(database: Database, seq: int) -> Snapshot | None:
     """Return a snapshot; None, with a warning, if it is damaged."""
     try:
         row = database.execute(f'SELECT {_ROW} FROM snapshots WHERE seq = ?', (seq,)).fetchone()
-    except sqlite3.Error as error:
+    except database.Error as error:
         log.warning('the state kept at event %d cannot be read (%s)', seq, error)
         return None
     return None if row is None else _sound(row)
 
 
-def beginning(database: sqlite3.Connection) -> Snapshot | None:
+def beginning(database: Database) -> Snapshot | None:
     """Return the state after the removed first events, if some were removed.
 
     :raises ValueError: it is damaged
@@ -63,10 +63,10 @@ def beginning(database: sqlite3.Connection) -> Snapshot | None:
     return snapshot
 
 
-def keep_snapshot(database: sqlite3.Connection, snapshot: Snapshot) -> None:
+def keep_snapshot(database: Database, snapshot: Snapshot) -> None:
     """Add a snapshot; of the earlier ones, the newest and the keyframes stay."""
     row = (snapshot.seq, snapshot.stamp, _checksum(snapshot), snapshot.state)
-    database.execute('INSERT OR REPLACE INTO snapshots VALUES (?, ?, ?, ?)', row)
+    replace(database, 'snapshots', 'seq', 'stamp, checksum, state', [row])
     query = 'SELECT seq, length(state) FROM snapshots ORDER BY seq DESC LIMIT ?'
     newest = database.execute(query, (NEWEST + 2,)).fetchall()
     if len(newest) == NEWEST + 2:
@@ -81,7 +81,7 @@ def _is_keyframe(seq: int, size: int, before: int) -> bool:
     return behind >= KEYFRAME_EVERY and size <= KEYFRAME_BYTES * behind
 
 
-def state_before(database: sqlite3.Connection, seq: int) -> Snapshot | None:
+def state_before(database: Database, seq: int) -> Snapshot | None:
     """Return the newest sound state at an event or before it; None: there is none."""
     query = 'SELECT seq FROM snapshots WHERE seq <= ? ORDER BY seq DESC'
     for (found,) in database.execute(query, (seq,)).fetchall():
@@ -92,10 +92,13 @@ def state_before(database: sqlite3.Connection, seq: int) -> Snapshot | None:
     return start if start is not None and start.seq <= seq else None
 
 
-def begin_with(database: sqlite3.Connection, snapshot: Snapshot) -> None:
+def begin_with(database: Database, snapshot: Snapshot) -> None:
     """Let replay begin with a state, from now on."""
     row = (snapshot.seq, snapshot.stamp, _checksum(snapshot), snapshot.state)
-    database.execute('INSERT OR REPLACE INTO beginning VALUES (1, ?, ?, ?, ?)', row)
+    database.execute('DELETE FROM beginning')
+    database.execute(
+        'INSERT INTO beginning (seq, stamp, checksum, state) VALUES (?, ?, ?, ?)', row
+    )
 
 
 def _sound(row: tuple[int, str, str, bytes]) -> Snapshot | None:

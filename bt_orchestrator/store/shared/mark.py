@@ -1,8 +1,8 @@
-"""The high-water mark: how far a journal was written, in a file beside it.
+"""The high-water mark: how far a node has written a journal, in a file on its own disk.
 
-After damage, SQLite may show a journal that seems complete but ends earlier. The mark is rewritten
-after each commit, so it is ahead of the journal only if the journal has lost events. If the mark
-is missing too, the journal says whether it was closed (`schema.is_closed`).
+After damage, SQLite may show a journal that seems complete but ends earlier. So does a replica of
+PostgreSQL that was promoted before it had the last events. The mark is rewritten after each
+commit, so it is ahead of the journal only if the journal has lost events.
 """
 
 from __future__ import annotations
@@ -11,12 +11,14 @@ import logging
 import os
 import re
 import zlib
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import NamedTuple
 
-from bt_orchestrator.store.sqlite.keeping import PRIVATE
-
 log = logging.getLogger(__name__)
+
+PRIVATE = 0o600
+"""Mode of the files of a journal: owner only. SQLite gives its log the same mode."""
 
 MARK = '-mark'
 """Ends the name of a mark, which begins with that of its journal.
@@ -149,3 +151,36 @@ def _is_at(file: int, path: Path) -> bool:
         return os.path.samestat(os.fstat(file), path.stat())
     except FileNotFoundError:
         return False
+
+
+def shortfall(mark: Mark, history: str, last_row: int, read: int) -> str:
+    """Say what was written and is lost; empty: nothing, as far as is known.
+
+    :param history: id of the journal's history
+    :param last_row: the last event that has a row, damaged or not
+    :param read: the event up to which the journal could be read
+    """
+    found = mark.found
+    if found is not None and found.history != history:
+        return (
+            f'{mark.path.name} is of another journal (history {found.history}), which was written '
+            f'here up to event {found.seq} of {_utc(found.time)}: the journal was replaced, or '
+            'the mark was'
+        )
+    marked = found.seq if found is not None else 0
+    number = max(marked, last_row) - read
+    if number <= 0:
+        return ''
+    what = f'{number} event{"s are" if number > 1 else " is"} missing'
+    if last_row > read:
+        return f'{what}: a record after event {read} is damaged, or it is not there'
+    assert found is not None
+    return f'{what}: event {found.seq} of {_utc(found.time)} had been written'
+
+
+def _utc(seconds: float) -> str:
+    try:
+        moment = datetime.fromtimestamp(seconds, timezone.utc)
+    except (OverflowError, ValueError, OSError):
+        return f'{seconds:g} s'
+    return f'{moment:%Y-%m-%d %H:%M:%S} UTC'

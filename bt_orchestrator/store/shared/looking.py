@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import sqlite3
 from collections.abc import Iterator
-from contextlib import closing
-from typing import Any
+from typing import Any, NamedTuple
 
 from bt_orchestrator.base.errors import DamagedRecord
 from bt_orchestrator.model.records import Record, Wanted
+from bt_orchestrator.store.shared.database import Database
+from bt_orchestrator.store.shared.rows import COLUMNS, Row
 
 MOST = 1000
 """Most records of a page."""
@@ -18,6 +18,33 @@ MOST_BYTES = 1_000_000
 
 LOOKED_AT = 20_000
 """A page ends after so many rows, wanted or not: the log grows during a long scan."""
+
+
+_AT_ONCE = 200
+"""Rows of one query."""
+
+
+class Terms(NamedTuple):
+    """The terms of SQL for what may be wanted of a record; `?` is the value."""
+
+    job: str
+    since: str
+    until: str
+    event: str
+    """By a name with `*` as wildcard."""
+    if_sound: str = '{}'
+    """Around a condition that fails on a damaged record."""
+
+    def condition(self, wanted: Wanted) -> tuple[str, list[Any]]:
+        """Return the SQL condition for wanted records, and its values."""
+        terms = ((self.job, wanted.job), (self.since, wanted.since), (self.until, wanted.until))
+        given = [(term, value) for term, value in terms if value is not None]
+        parts = [term for term, _ in given]
+        if wanted.events:
+            parts.append(f'({" OR ".join([self.event] * len(wanted.events))})')
+        values = [value for _, value in given]
+        condition = self.if_sound.format(' AND '.join(parts) or 'TRUE')
+        return condition, [*values, *wanted.patterns]
 
 
 class Look:
@@ -39,37 +66,43 @@ class Look:
         self.rest = wanted
         self.is_last = False
 
-    def through(self, database: sqlite3.Connection, sound: str) -> None:
+    def through(self, database: Database, terms: Terms, checked_from: int) -> None:
         """Scan the rows.
 
-        :param sound: SQL condition for an undamaged row
+        :param checked_from: events before this one were written without a check
         """
         length = 0
-        for looked, (seq, text) in enumerate(self._rows(database, sound), 1):
+        for looked, (seq, text) in enumerate(self._rows(database, terms, checked_from), 1):
             if seq != self._next:
                 self._come_to(seq)
             self._next = seq + self._step
-            if isinstance(text, bytes):
+            if text is None:
+                self.damaged.append(DamagedRecord(seq, seq, 'damaged'))
+            elif text:
                 length += len(text)
                 self._take(seq, text)
-            elif text is None:
-                self.damaged.append(DamagedRecord(seq, seq, 'damaged'))
             if len(self.found) == self._most or length > MOST_BYTES or looked == LOOKED_AT:
                 self.rest = self._wanted.past(seq)
                 return
         self._come_to_the_end()
 
-    def _rows(self, database: sqlite3.Connection, sound: str) -> Iterator[tuple[int, Any]]:
-        """Yield numbers with their record; None: it is damaged; 0: it is not wanted."""
-        condition, values = _condition(self._wanted)
+    def _rows(
+        self, database: Database, terms: Terms, checked_from: int
+    ) -> Iterator[tuple[int, bytes | None]]:
+        """Yield numbers with their record; None: it is damaged; empty: it is not wanted."""
+        condition, values = terms.condition(self._wanted)
         order = 'DESC' if self._wanted.newest_first else 'ASC'
         query = (
-            f'SELECT seq, CASE WHEN {sound} THEN '
-            f'CASE WHEN {condition} THEN CAST(record AS BLOB) ELSE 0 END END '
-            f'FROM events WHERE seq BETWEEN ? AND ? ORDER BY seq {order}'
+            f'SELECT {condition}, {COLUMNS} FROM events '
+            f'WHERE seq BETWEEN ? AND ? ORDER BY seq {order} LIMIT {_AT_ONCE}'
         )
-        with closing(database.execute(query, (*values, self._low, self._high))) as rows:
-            yield from rows
+        low, high = self._low, self._high
+        while found := database.execute(query, (*values, low, high)).fetchall():
+            for is_wanted, *columns in found:
+                row = Row(*columns)
+                text = row.text if is_wanted else b''
+                yield row.seq, text if row.is_sound(checked_from) else None
+            low, high = (low, row.seq - 1) if self._wanted.newest_first else (row.seq + 1, high)
 
     def _take(self, seq: int, text: bytes) -> None:
         try:
@@ -94,25 +127,3 @@ class Look:
     def _miss(self, first: int, last: int) -> None:
         if first <= last:
             self.damaged.append(DamagedRecord(first, last, 'not there'))
-
-
-def _condition(wanted: Wanted) -> tuple[str, list[Any]]:
-    """Return the SQL condition for wanted records among sound ones."""
-    parts: list[str] = ['1']
-    found: list[Any] = []
-    conditions = (
-        ("json_extract(record, '$.job') = ?", wanted.job),
-        ("json_extract(record, '$.time') >= ?", wanted.since),
-        ("json_extract(record, '$.time') <= ?", wanted.until),
-    )
-    for part, value in conditions:
-        if value is not None:
-            parts.append(part)
-            found.append(value)
-    if wanted.events:
-        parts.append(f'({" OR ".join([_EVENT_GLOB] * len(wanted.events))})')
-        found += wanted.patterns
-    return ' AND '.join(parts), found
-
-
-_EVENT_GLOB = "json_extract(record, '$.event') GLOB ?"

@@ -3,41 +3,35 @@
 from __future__ import annotations
 
 import json
-import sqlite3
 from collections.abc import Sequence
 
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_from_plain, job_to_plain
 from bt_orchestrator.model.records import Damage, JobPlace, Summaries
-from bt_orchestrator.store.sqlite.checks import check_of
+from bt_orchestrator.store.shared.database import Database, check_of, replace
 
 
-def keep(database: sqlite3.Connection, ended: Sequence[JobRecord]) -> None:
+def keep(database: Database, ended: Sequence[JobRecord]) -> None:
     """Write the summaries of jobs, replacing earlier ones."""
     texts = [(job.job, job.queued, json_of(job_to_plain(job))) for job in ended]
     rows = [(*row, check_of(0, row[-1].encode())) for row in texts]
-    database.executemany('INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)', rows)
+    replace(database, 'jobs', 'job, queued', 'summary, checksum', rows)
 
 
 def page(
-    database: sqlite3.Connection,
+    database: Database,
     after: JobPlace | None,
     most: int,
     *,
     newest_first: bool,
-    has_checks: bool,
 ) -> Summaries:
-    """Return the next jobs, as they were queued.
-
-    :param has_checks: False: the file has an older schema without checks
-    """
+    """Return the next jobs, as they were queued."""
     compare, order = ('<', 'DESC') if newest_first else ('>', 'ASC')
     name = 'CAST(job AS BLOB)'  # a damaged one may not be valid text
     where = '' if after is None else f'WHERE (queued, {name}) {compare} (?, ?)'
     values = () if after is None else (after.queued, after.job.encode(errors=_AS_IT_IS))
-    check = 'checksum' if has_checks else 'NULL'
     query = (
-        f'SELECT queued, {name}, CAST(summary AS BLOB), {check} FROM jobs {where} '
+        f'SELECT queued, {name}, CAST(summary AS BLOB), checksum FROM jobs {where} '
         f'ORDER BY queued {order}, {name} {order} LIMIT ?'
     )
     rows = database.execute(query, (*values, most + 1)).fetchall()

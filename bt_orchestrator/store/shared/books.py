@@ -1,15 +1,14 @@
-"""Books in the journal file: written by its node, read by reports (see `model.books`)."""
+"""Books in a journal: written by its node, read by reports (see `model.books`)."""
 
 from __future__ import annotations
 
 import logging
-import sqlite3
 from collections.abc import Sequence
 from datetime import datetime, timezone
 
 from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState, SlotPage
 from bt_orchestrator.model.records import Damage
-from bt_orchestrator.store.sqlite.checks import check_of
+from bt_orchestrator.store.shared.database import Database, check_of, replace
 
 log = logging.getLogger(__name__)
 
@@ -21,31 +20,33 @@ _STATE = 'seq, now_us, made_of, stays, version, CAST(state AS BLOB), checksum'
 """Read as bytes: damaged ones may not be valid text."""
 
 
-def keep(database: sqlite3.Connection, books: Books) -> None:
+def keep(database: Database, books: Books) -> None:
     """Write books; a slot takes the place of one that begins at the same moment."""
-    _write(database, 'book_slots', books.slots)
+    slot, state = 'until_us, made_of, version, slot', 'now_us, made_of, stays, version, state'
+    _write(database, 'book_slots', 'begin_us', slot, books.slots)
     if books.states:
         database.execute('DELETE FROM book_states WHERE stays = 0')
-    _write(database, 'book_states', books.states)
-    _write(database, 'book_scripts', books.scripts)
+    _write(database, 'book_states', 'seq', state, books.states)
+    _write(database, 'book_scripts', 'digest', 'script', books.scripts)
 
 
 def _write(
-    database: sqlite3.Connection, table: str, rows: Sequence[tuple[int | str | bool, ...]]
+    database: Database,
+    table: str,
+    key: str,
+    others: str,
+    rows: Sequence[tuple[int | str | bool, ...]],
 ) -> None:
-    if rows:
-        marks = ', '.join('?' * (len(rows[0]) + 1))
-        statement = f'INSERT OR REPLACE INTO {table} VALUES ({marks})'
-        database.executemany(statement, [(*row, _check(row)) for row in rows])
+    replace(database, table, key, f'{others}, checksum', [(*row, _check(row)) for row in rows])
 
 
-def forget(database: sqlite3.Connection, seq: int) -> None:
+def forget(database: Database, seq: int) -> None:
     """Remove what was made of events after an event."""
     for table in TABLES:
         _try(database, f'DELETE FROM {table} WHERE made_of > ?', seq)
 
 
-def forget_states(database: sqlite3.Connection, before: int) -> None:
+def forget_states(database: Database, before: int) -> None:
     """Remove the states without use, as events after them are gone; but the last.
 
     :param before: seq of the first event that is kept
@@ -54,26 +55,26 @@ def forget_states(database: sqlite3.Connection, before: int) -> None:
     _try(database, f'DELETE FROM book_states WHERE seq < ? AND seq < {newest}', before - 1)
 
 
-def _try(database: sqlite3.Connection, statement: str, seq: int) -> None:
+def _try(database: Database, statement: str, seq: int) -> None:
     """Remove rows; damaged books must not keep the node from writing events, or removing them."""
     try:
         database.execute(statement, (seq,))
-    except sqlite3.DatabaseError as error:
+    except database.Error as error:
         log.warning('some books of the journal cannot be removed (%s)', error)
 
 
-def reached(database: sqlite3.Connection) -> int:
+def reached(database: Database) -> int:
     """Return the seq of the last event that is in books; 0: none is, or it cannot be read."""
     query = 'SELECT coalesce(max(seq), 0) FROM book_states'
     try:
         return int(database.execute(query).fetchone()[0])
-    except sqlite3.Error as error:
+    except database.Error as error:
         log.warning('the books of the journal cannot be read (%s)', error)
         return 0
 
 
 def slots(
-    database: sqlite3.Connection, begin_us: int, end_us: int, most: int, *, newest_first: bool
+    database: Database, begin_us: int, end_us: int, most: int, *, newest_first: bool
 ) -> SlotPage:
     """Return the slots that lie between two moments, or touch what does."""
     order = 'DESC' if newest_first else 'ASC'
@@ -95,7 +96,7 @@ def slots(
     return SlotPage(found, damage, rows[most][0] if rows[most:] else None)
 
 
-def states(database: sqlite3.Connection, at_us: int, first_seq: int) -> KeptState | None:
+def states(database: Database, at_us: int, first_seq: int) -> KeptState | None:
     """Return the newest sound state that is not after a moment, nor before an event."""
     query = f'SELECT {_STATE} FROM book_states WHERE now_us <= ? AND seq >= ? ORDER BY seq DESC'
     for seq, now_us, made_of, stays, version, text, check in database.execute(
@@ -109,7 +110,7 @@ def states(database: sqlite3.Connection, at_us: int, first_seq: int) -> KeptStat
     return None
 
 
-def script(database: sqlite3.Connection, digest: str) -> KeptScript | None:
+def script(database: Database, digest: str) -> KeptScript | None:
     """Return a script; None: it is not there, or damaged."""
     query = 'SELECT CAST(script AS BLOB), checksum FROM book_scripts WHERE digest = ?'
     row = database.execute(query, (digest,)).fetchone()
