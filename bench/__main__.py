@@ -11,6 +11,8 @@ import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import interrupts
+
 from bench import (
     engine_rows,
     opcua_rows,
@@ -68,6 +70,7 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
 def main() -> int:
     """Run the benchmarks; 0 when every row holds its must."""
     args = _arguments()
+    interrupts.heed()
     if args.merge:
         runs = [report.read(file) for file in args.merge]
         rows, about = merged([run for run, _ in runs]), [said for _, said in runs]

@@ -14,6 +14,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import interrupts
 from bt_orchestrator_interfaces.srv import SubmitOrder
 from fakes.journal_reading import journal_reading
 from process_use import cpu_s, memory_mb
@@ -191,6 +192,7 @@ def main() -> int:
     parser.add_argument('--speed', type=float, default=1.0, help='of the controllers')
     parser.add_argument('--executor', choices=('single', 'events'), default='events')
     args = parser.parse_args()
+    interrupts.heed()
     print(f'{os.cpu_count()} cores, load {os.getloadavg()[0]:.2f}; {vars(args)}', flush=True)
     scratch = tempfile.TemporaryDirectory(prefix='scale_', dir='/var/tmp')
     with OwnDomain(), scratch as folder, LargeLine(Path(folder), args) as line:

@@ -79,11 +79,15 @@ class Stand:
         assert process.stdin is not None
         assert process.stdout is not None
         with process:
-            process.stdout.readline()
-            tail = self.tail()
-            print(file=process.stdin, flush=True)
-            found = _measure(tail, process.pid, cycles)
-            assert process.stdout.readline() == 'done\n'
+            try:
+                process.stdout.readline()
+                tail = self.tail()
+                print(file=process.stdin, flush=True)
+                found = _measure(tail, process.pid, cycles)
+                assert process.stdout.readline() == 'done\n'
+            except BaseException:
+                process.kill()  # without its servers it would wait for ever
+                raise
         return found
 
     def ours(

@@ -24,8 +24,14 @@ def memory_mb(pid: int) -> float:
 
 def family_cpu_s(pid: int) -> float:
     """Return the same of a process and its children, however deep."""
+    return sum(map(cpu_s, family(pid)))
+
+
+def family(pid: int) -> set[int]:
+    """Return a process and its children, however deep.
+
+    :raises OSError: one of them is gone
+    """
     threads = Path(f'/proc/{pid}/task').iterdir()
-    children = {
-        int(one) for thread in threads for one in (thread / 'children').read_text().split()
-    }
-    return cpu_s(pid) + sum(family_cpu_s(child) for child in children)
+    children = [int(child) for one in threads for child in (one / 'children').read_text().split()]
+    return {pid}.union(*map(family, children))

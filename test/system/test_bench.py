@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
+
+import pytest
+from process_use import family
+from program_process import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 CHEAP = ('simulator', 'sections', 'check', 'restart', 'report')
@@ -32,12 +39,46 @@ def test_a_large_line_can_be_run(tmp_path: Path) -> None:
     assert 'ms CPU a goal' in output
 
 
+@pytest.mark.parametrize('row', ['idle', 'dispatch'])
+def test_a_bench_that_is_stopped_leaves_no_process(tmp_path: Path, row: str) -> None:
+    bench = subprocess.Popen(
+        [sys.executable, '-m', 'bench', '--quick', '--only', row],
+        env=environment(),
+        cwd=tmp_path,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    begun = {bench.pid}
+    try:
+        until(lambda: len(family(bench.pid)) > 2, 'servers and a driver')
+        begun |= family(bench.pid)
+        bench.terminate()
+        assert bench.wait(PATIENCE_S) != 0
+        until(lambda: not any(Path(f'/proc/{pid}').exists() for pid in begun), 'their end')
+    finally:
+        for pid in begun:
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+
+
+def until(condition: Callable[[], object], what: str) -> None:
+    """Look at a condition until it holds."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline, f'waited {PATIENCE_S:g} s for {what}'
+        time.sleep(0.02)
+
+
+def environment() -> dict[str, str]:
+    """Return the environment in which the programs are found."""
+    return {**os.environ, 'PYTHONPATH': os.pathsep.join([str(ROOT), str(ROOT / 'test')])}
+
+
 def run(module: str, words: Sequence[str], folder: Path) -> str:
     """Return what one of the programs says."""
-    path = os.pathsep.join([str(ROOT), str(ROOT / 'test')])
     done = subprocess.run(
         [sys.executable, '-m', module, *words],
-        env={**os.environ, 'PYTHONPATH': path},
+        env=environment(),
         cwd=folder,
         capture_output=True,
         text=True,
