@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import IO
 
 from bt_orchestrator.base.extending import PARQUET, of_others
 from bt_orchestrator.base.stop_signals import StopSignals
@@ -26,9 +27,8 @@ from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.view.report.account.booked import steady_time
-from bt_orchestrator.view.report.exports import OUTPUTS
+from bt_orchestrator.view.report.exports import OUTPUTS, Output, Timed
 from bt_orchestrator.view.report.reading import Reading, removed
-from bt_orchestrator.view.report.xes_export import XesExport
 
 POLL_S = 0.2
 """Time between two looks into a journal that is followed."""
@@ -115,8 +115,10 @@ def _refuse_contradictions(args: argparse.Namespace) -> None:
         raise WrongUse('--last and --since-seq both say where to begin; leave one of them out')
     if args.journal is None and any(getattr(args, name) for name in _OF_JOURNAL):
         raise WrongUse('filters, --follow, --format and -o are for a journal: add --journal FILE')
-    if args.follow and args.format in ('xes', PARQUET.name):
-        raise WrongUse(f'{args.format} is written when all events are known; leave --follow out')
+    name = args.format or 'jsonl'
+    is_parquet = name == PARQUET.name
+    if args.follow and (is_parquet or getattr(_export(name), 'at_end', False)):
+        raise WrongUse(f'{name} is written when all events are known; leave --follow out')
 
 
 # --- a running node ---------------------------------------------------------------------------
@@ -194,9 +196,11 @@ def _output(args: argparse.Namespace, reading: Reading) -> Iterator[Callable[[st
         with tables_in(args.output, reading) as write:
             yield write
         return
-    made = OUTPUTS.get(args.format or 'jsonl') or of_others('exports')[args.format].load()
+    made = _export(args.format or 'jsonl')
     with opened(args.output) as file:
-        output = XesExport(file, steady_time(reading)) if made is XesExport else made(file)
+        output = made(file)
+        if isinstance(output, Timed):
+            output.take_steps(steady_time(reading))
 
         def write_at_once(text: str) -> None:
             output.write(text)
@@ -204,6 +208,10 @@ def _output(args: argparse.Namespace, reading: Reading) -> Iterator[Callable[[st
 
         yield write_at_once if args.follow else output.write
         output.close()
+
+
+def _export(name: str) -> Callable[[IO[str]], Output]:
+    return OUTPUTS.get(name) or of_others('exports')[name].load()
 
 
 def _records(reading: Reading, args: argparse.Namespace, stop: StopSignals) -> Iterator[str]:

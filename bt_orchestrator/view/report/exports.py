@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from datetime import datetime
-from typing import IO, Any, Protocol
+from typing import IO, Any, Protocol, runtime_checkable
 
 from bt_orchestrator.model.codec import from_plain
+from bt_orchestrator.view.report.account.steady_time import SteadyTime
 from bt_orchestrator.view.report.csv_export import LEFT_OUT, CsvExport
 from bt_orchestrator.view.report.xes_export import XesExport
 
@@ -15,13 +16,24 @@ _SHOWN_FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
 
 
 class Output(Protocol):
-    """One format of records."""
+    """One format of records.
+
+    One that writes everything at its end declares `at_end = True`: it cannot follow a journal.
+    """
 
     def write(self, text: str) -> None:
         """Take in one record, as JSON."""
 
     def close(self) -> None:
         """Write what is still to be written."""
+
+
+@runtime_checkable
+class Timed(Protocol):
+    """An output that needs to know how the clock was set, also before its first record."""
+
+    def take_steps(self, steady: SteadyTime) -> None:
+        """Take what is known of the steps of the clock; called before the first record."""
 
 
 class JsonLines:

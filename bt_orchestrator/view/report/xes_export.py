@@ -66,13 +66,12 @@ _KEPT = ('section', 'round', 'attempt', 'action', 'reason', 'message')
 class XesExport:
     """Collects the traces and writes them at the end: events of many items come interleaved."""
 
-    def __init__(self, file: IO[str], steady: SteadyTime | None = None) -> None:
-        """Begin.
+    at_end = True
 
-        :param steady: what is known of the steps of the clock; None: what the records say
-        """
+    def __init__(self, file: IO[str]) -> None:
+        """Begin; without `take_steps` the records alone say how the clock was set."""
         self._file = file
-        self._steady = steady or SteadyTime()
+        self._steady = SteadyTime()
         self._ahead_us: int | None = None
         """How far the clock was ahead at the first record."""
         self._traces: dict[str, list[str]] = {}
@@ -80,6 +79,10 @@ class XesExport:
         self._jobs: dict[str, dict[str, Any]] = {}
         """The facts of the job of an item."""
         self._spans = TaskSpans()
+
+    def take_steps(self, steady: SteadyTime) -> None:
+        """Take what is known of the steps of the clock; called before the first record."""
+        self._steady = steady
 
     def write(self, text: str) -> None:
         """Take in one record."""
