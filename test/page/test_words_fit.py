@@ -39,7 +39,7 @@ most => {
 """
 
 WHOLE = (
-    *('.cell-name', '.state-word', '.state-since', '.state-why', 'nav a', '.person-words'),
+    *('.cell-name', '.state-word', '.state-since', 'nav a', '.person-words'),
     *(
         '.section-wait:not([data-ordinary])',
         '.hold-message',
@@ -68,6 +68,11 @@ _OUTSIDE = """
     && !one.closest('.for-readers, .picture-room, .tree')
     && one.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
   .map((one) => `${one.tagName}.${one.className}: ${one.textContent.slice(0, 40)}`)
+"""
+
+_PLACES = """
+() => [...document.querySelectorAll('.section-card, main > * > *')]
+  .map((one) => one.getBoundingClientRect().top)
 """
 
 
@@ -100,19 +105,58 @@ def test_no_word_is_broken_and_the_top_bar_is_whole(held: Stand, sit: Sit, langu
 
 
 @pytest.mark.parametrize('language', ['en-GB', 'de-DE'])
-def test_the_reason_of_an_abort_is_whole(tmp_path: Path, sit: Sit, language: str) -> None:
+def test_a_long_reason_moves_nothing_and_can_be_read_whole(
+    tmp_path: Path, sit: Sit, language: str
+) -> None:
     reason = 'somebody reached into station 4 because a part had fallen between belt and guide'
     with stand(tmp_path, fail=['none']) as one:
-        one.ask('cell.abort', reason=reason)
         tab = sit(one.port, locale=language).open()
-        tab.until(lambda: reason in tab.page.locator('.state-why').inner_text(), 'the reason')
+        tab.until_news()
+        before = {size: height_of_the_bar(tab, size) for size in SIZES}
+        one.ask('cell.abort', reason=f'{reason}; {reason.replace("4", "5")}')
+        why = tab.page.locator('.state-why')
+        tab.until(lambda: reason in (why.text_content() or ''), 'the reason')
+        assert {size: height_of_the_bar(tab, size) for size in SIZES} == before
         found = {}
         for width, height in SIZES:
             tab.page.set_viewport_size({'width': width, 'height': height})
+            why.evaluate('one => one.blur()')
+            tab.page.mouse.move(0, height - 1)
             tab.until_quiet()
-            if wrong := broken(tab) + cut(tab) + outside(tab):
+            if why.get_attribute('data-cut') is not None:
+                why.focus()
+            if wrong := broken(tab) + outside(tab) + tab.page.evaluate(_CUT, '.room-words'):
                 found[width] = wrong
         assert not found
+        assert why.get_attribute('data-cut') is not None, 'a telephone has no room for it'
+
+
+def height_of_the_bar(tab: Tab, size: tuple[int, int]) -> float:
+    """Return it in a window, in pixels."""
+    tab.page.set_viewport_size({'width': size[0], 'height': size[1]})
+    tab.until_quiet()
+    height = tab.page.evaluate("document.getElementById('top').getBoundingClientRect().height")
+    return float(height)
+
+
+def test_a_wait_that_a_card_has_no_room_for_can_be_read_whole(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port, locale='de-DE', viewport={'width': 1366, 'height': 768}).open()
+    tab.until_news()
+    wait = tab.page.locator('[data-section="1"] .section-wait').last
+    below = tab.page.evaluate(_PLACES)
+    long = 'wartet auf Station 2, Station 3, Station 4, 12 weitere; ' * 3
+    wait.evaluate(
+        """(one, words) => {
+          one.dataset.ordinary = '';
+          one.firstChild.textContent = words;
+        }""",
+        long,
+    )
+    tab.until(lambda: wait.get_attribute('data-cut') is not None, 'the sign that it is cut')
+    wait.hover()
+    words = wait.locator('.room-words')
+    assert words.evaluate('one => one.scrollHeight <= one.clientHeight + 1')
+    assert tab.page.evaluate(_PLACES) == below, 'nothing has moved'
 
 
 def test_where_no_end_is_known_the_reason_takes_the_place_of_the_table(

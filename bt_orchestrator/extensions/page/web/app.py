@@ -60,7 +60,7 @@ def endpoints_of(page: WebPage) -> list[Endpoint]:
         *archive.endpoints(page.archive, page),
         *account.endpoints(page.shift, page),
         *scripts.endpoints(page.shelf, page),
-        *tree_watch.endpoints(page.tree),
+        *tree_watch.endpoints(page.tree, page),
         *planning.endpoints(page.questions, PageQueue(page)),
     ]
 

@@ -6,11 +6,13 @@ once, however many read it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from bt_orchestrator.extensions.page.web import messages
 from bt_orchestrator.extensions.page.web.ring import Ring
+from bt_orchestrator.model.by import named
+from bt_orchestrator.model.events import Event, OperatorDecided
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports.doors.facts import Happened, Lost
 
@@ -122,7 +124,8 @@ class Book:
         """Return a message of events, or of a gap in them."""
         if isinstance(found, Lost):
             return messages.gap(self.history, found.first, found.last)
-        return messages.happened(self.history, found[-1].last, (one.text for one in found))
+        names = _names(one.event for one in found)
+        return messages.happened(self.history, found[-1].last, (one.text for one in found), names)
 
     def next_parts(self, cursor: Cursor) -> bytes | None:
         """Return a message of the parts that changed since, and move on; None: none did."""
@@ -142,3 +145,9 @@ class Book:
         if len(self._encoded) >= MOST_MESSAGES:
             self._encoded.pop(next(iter(self._encoded)))
         self._encoded[key] = text
+
+
+def _names(events: Iterable[Event]) -> dict[str, str]:
+    """Return the names for display of those who decided something, by sequence number."""
+    decided = (one for one in events if isinstance(one, OperatorDecided) and one.who)
+    return {str(one.seq): named(one.who, one.known) for one in decided}

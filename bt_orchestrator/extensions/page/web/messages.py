@@ -11,6 +11,9 @@ WAITING = b': waiting\n\n'
 FULL = b'event: full\ndata: {}\n\n'
 
 
+_NO_NAMES: Mapping[str, str] = {}
+
+
 def encoded(value: object) -> str:
     """Return strict JSON on one line."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(',', ':'))
@@ -32,12 +35,16 @@ def gap(history: str, first: int, last: int) -> bytes:
     return _framed('gap', encoded({'first': first, 'last': last}), _id(history, last))
 
 
-def happened(history: str, last: int, records: Iterable[str]) -> bytes:
+def happened(
+    history: str, last: int, records: Iterable[str], names: Mapping[str, str] = _NO_NAMES
+) -> bytes:
     """Return a message of events, whose id is what a reader comes back with.
 
     :param records: as JSON
+    :param names: for display, of people in the records, by sequence number
     """
-    data = f'{{"history":{encoded(history)},"records":[{",".join(records)}]}}'
+    data = f'"history":{encoded(history)},"records":[{",".join(records)}]'
+    data = f'{{{data},"names":{encoded(names)}}}' if names else f'{{{data}}}'
     return _framed('happened', data, _id(history, last))
 
 

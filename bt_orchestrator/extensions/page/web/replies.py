@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 from urllib.parse import quote
 
@@ -48,6 +48,20 @@ def attached(name: str) -> dict[str, str]:
     """Return the headers of a file to keep; a document has a style of its own, as no page may."""
     named = quote(name, safe='')
     return {'content-disposition': f"attachment; filename*=UTF-8''{named}"}
+
+
+def language_of(request: Request, known: Collection[str], otherwise: str) -> str:
+    """Return the language that a request asks for.
+
+    :param otherwise: if it asks for none
+    :raises Problem: there are no words in this language
+    """
+    language = request.query_params.get('language')
+    if language is None:
+        return otherwise
+    if language not in known:
+        raise Problem(422, f'language is {" or ".join(known)}; found {language!r}')
+    return language
 
 
 async def _of_http(request: Request, error: Exception) -> Response:

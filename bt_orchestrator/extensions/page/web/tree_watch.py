@@ -5,13 +5,17 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from starlette.requests import Request
 from starlette.responses import Response
 
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.extensions.page.web.replies import Json, Problem
+from bt_orchestrator.extensions.page.web.parts.waits import waits_said
+from bt_orchestrator.extensions.page.web.replies import Json, Problem, language_of
+from bt_orchestrator.extensions.page.web.seams import SeenCell
+from bt_orchestrator.extensions.page.web.wording import wordings
 from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.ports import CellLink, Watch
 
@@ -32,7 +36,7 @@ class TreeWatch:
         self._do = do
         self._version = 0
         """Counts the trees that were heard."""
-        self._plain: dict[str, Any] | None = None
+        self._tree: Branch | None = None
         self._come: asyncio.Event | None = None
         """None: closed."""
         self._watch: Watch | None = None
@@ -44,8 +48,8 @@ class TreeWatch:
         """Tell whether the tree is watched."""
         return self._come is not None
 
-    async def newest(self, after: int) -> dict[str, Any] | None:
-        """Return the tree, opening the watch; None: the node does not tell it.
+    async def newest(self, after: int) -> tuple[int, Branch | None] | None:
+        """Return version and tree, opening the watch; None: the node does not tell it.
 
         :param after: version that the reader has; then the tree is left out if it is the newest
         """
@@ -57,16 +61,13 @@ class TreeWatch:
             await asyncio.wait_for(self._come.wait(), FIRST_WITHIN_S)
         except (TimeoutError, asyncio.TimeoutError):
             return None
-        return {
-            'version': self._version,
-            'tree': None if after == self._version else self._plain,
-        }
+        return self._version, None if after == self._version else self._tree
 
     def close(self) -> None:
         """Stop watching."""
         if self._closing is not None:
             self._closing.cancel()
-        self._closing = self._come = self._plain = None
+        self._closing = self._come = self._tree = None
         self._do(self.leave)
 
     # --- in the loop ------------------------------------------------------------------------
@@ -75,15 +76,15 @@ class TreeWatch:
         loop, come = asyncio.get_running_loop(), asyncio.Event()
         self._come = come
 
-        def take(plain: dict[str, Any]) -> None:
+        def take(tree: Branch) -> None:
             if self._come is come:
                 self._version += 1
-                self._plain = plain
+                self._tree = tree
                 come.set()
 
         def hear(tree: Branch) -> None:
             with contextlib.suppress(RuntimeError):  # the loop has ended
-                loop.call_soon_threadsafe(take, plain_branch(tree))
+                loop.call_soon_threadsafe(take, tree)
 
         def begin(door: CellLink) -> None:
             self.leave(door)
@@ -105,28 +106,43 @@ class TreeWatch:
             self._watch = None
 
 
-def plain_branch(branch: Branch) -> dict[str, Any]:
-    """Return a tree as JSON carries it."""
+Say = Callable[[str], str]
+
+
+def plain_branch(branch: Branch, name: Say = str, message: Say = str) -> dict[str, Any]:
+    """Return a tree as JSON carries it.
+
+    :param name: says the name of a behaviour; `message`: its message
+    """
     return {
-        'name': branch.name,
+        'name': name(branch.name),
         'status': branch.status.word,
-        'message': branch.words,
+        'message': message(branch.words),
         'is_decorator': branch.is_decorator,
-        'children': list(map(plain_branch, branch.children)),
+        'children': [plain_branch(child, name, message) for child in branch.children],
     }
 
 
-def endpoints(watch: TreeWatch) -> tuple[Endpoint, ...]:
+def endpoints(watch: TreeWatch, cell: SeenCell) -> tuple[Endpoint, ...]:
     """Return the endpoint of the tree."""
 
     async def tree(request: Request) -> Response:
         after = request.query_params.get('after', '0')
         if not (after.isascii() and after.isdecimal()):
             raise Problem(422, f'after is the version that you have; found {after!r}')
+        language = language_of(request, wordings(), '')
         found = await watch.newest(int(after))
         if found is None:
             raise Problem(503, 'the node does not tell its behaviour tree now')
-        return Json(found)
+        version, newest = found
+        return Json({'version': version, 'tree': newest and _said(newest, language)})
+
+    def _said(newest: Branch, language: str) -> dict[str, Any]:
+        if not language:
+            return plain_branch(newest)
+        words = wordings()[language]
+        waits = waits_said(cell.status, language) if cell.status else {}
+        return plain_branch(newest, words.twig, partial(words.twig_message, waits=waits))
 
     return (
         Endpoint(
@@ -134,7 +150,11 @@ def endpoints(watch: TreeWatch) -> tuple[Endpoint, ...]:
             '/api/tree',
             tree,
             'returns the behaviour tree; ask once a second, and it is watched meanwhile',
-            query={'after': 'version that you have: without a change the tree is null'},
+            query={
+                'after': 'version that you have: without a change the tree is null',
+                'language': f'of its words, as the page says them: {", ".join(wordings())}; '
+                'without it they are those of the node',
+            },
             refusals={503: 'the node does not tell it now'},
         ),
     )

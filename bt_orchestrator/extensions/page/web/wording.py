@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+import string
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -34,18 +35,16 @@ _NAMED = {
 
 _SKIPPED = 'skip_'
 
-COMPARED = {
-    'when': re.compile(r'^when (?P<value>.)'),
-    'except': re.compile(r'^unless (?P<value>.)'),
-    'between': re.compile(r' from (?P<low>\S+) to (?P<high>\S+)'),
-    'at_least': re.compile(r' at least (?P<value>\S+)'),
-    'at_most': re.compile(r' at most (?P<value>\S+)'),
-    'one_of': re.compile(r' one of (?P<value>\S)'),
-    'is_not': re.compile(r' is not (?P<value>\S)'),
-    'and': re.compile(r' and (?P<value>\S)'),
-    'or': re.compile(r' or (?P<value>\S)'),
+_PLACES: Mapping[str, str] = {
+    'number': r'\d+',
+    'reason': r'\w+',
+    'bound': r'.+ [<>].*',
+    **dict.fromkeys(('action', 'value', 'low', 'high'), r'\S+'),
 }
-"""The words of a condition (`Condition.words`); `parts/twig_words.js` has the same."""
+"""Patterns of what stands in a place of the node's English; elsewhere it is anything."""
+
+_BETWEEN, _AND = '; ', ', '
+"""Between the sentences of a message in the behaviour tree; between the parts of one."""
 
 WANTED = 'wanted'
 """Place of a condition in a sentence of the node."""
@@ -59,6 +58,33 @@ def wordings() -> Mapping[str, PageWording]:
         words = json.loads(path.read_text(encoding='utf-8'))
         found[path.stem] = (EnglishWording if path.stem == 'en' else PageWording)(words)
     return found
+
+
+@cache
+def _patterns(group: str) -> Sequence[tuple[str, re.Pattern[str]]]:
+    """Return how the node's English is read, by key: the English words of the page say it."""
+    english = json.loads((_STRINGS / 'en.json').read_text(encoding='utf-8'))[group]
+    return [
+        (key, re.compile(_pattern(form)))
+        for key, words in english.items()
+        for form in (words.values() if isinstance(words, dict) else [words])
+    ]
+
+
+def _pattern(words: str) -> str:
+    """Return the pattern of a sentence; words behind a space may stand anywhere in one."""
+    pieces = (
+        re.escape(literal) + (f'(?P<{name}>{_PLACES.get(name, ".+")})' if name else '')
+        for literal, name, _, _ in string.Formatter().parse(words)
+    )
+    return f'{"" if words.startswith(" ") else "^"}{"".join(pieces)}'
+
+
+@lru_cache(maxsize=4096)
+def _read(group: str, english: str) -> tuple[str, Mapping[str, str]] | None:
+    """Return which words of a group these are, and what stands in their places."""
+    matches = ((key, pattern.fullmatch(english)) for key, pattern in _patterns(group))
+    return next(((key, match.groupdict()) for key, match in matches if match), None)
 
 
 def said_in_each(message: str) -> dict[str, str]:
@@ -126,9 +152,25 @@ class PageWording(Wording):
     def condition(self, words: str) -> str:
         """Say a condition, which is in English; its names and values stay."""
         known = self._strings['condition']
-        for name, pattern in COMPARED.items():
+        for name, pattern in _patterns('condition'):
             words = pattern.sub(partial(_said, known[name]), words)
         return words
+
+    def twig(self, name: str) -> str:
+        """Name a behaviour; names of tasks, jobs and topics stay."""
+        return self._twig('twig', name)
+
+    def twig_message(self, message: str, waits: Mapping[str, str]) -> str:
+        """Say the message of a behaviour.
+
+        :param waits: the sentences of the waits of now, by the node's
+        """
+        if message in waits:  # it may have several parts itself
+            return waits[message]
+        return _BETWEEN.join(
+            waits.get(sentence) or _AND.join(self._messages(sentence))
+            for sentence in message.split(_BETWEEN)
+        )
 
     def failure(
         self, reason: str, message: str, controller_said: str = '', topic_says: str = ''
@@ -159,6 +201,24 @@ class PageWording(Wording):
     def answer(self, word: str) -> str:
         """Name an answer to a hold."""
         return self._word('word', f'hold.{word}', word)
+
+    def _messages(self, sentence: str) -> Iterator[str]:
+        for part in sentence.split(_AND):
+            yield self._twig('twig_message', part)
+
+    def _twig(self, group: str, english: str) -> str:
+        if (known := _read(group, english)) is None:
+            return english
+        key, values = known
+        words = self._strings[group][key]
+        if not isinstance(words, str):
+            words = words['one' if values['number'] == '1' else 'other']
+        said = dict(values)
+        if 'reason' in said:
+            said['reason'] = self._word('reason', said['reason'])
+        if 'condition' in said:
+            said['condition'] = self.condition(said['condition'])
+        return str(words.format(**said))
 
     def _cell_state(self, name: str) -> str:
         if name in ('item', 'job'):

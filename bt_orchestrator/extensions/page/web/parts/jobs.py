@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from bt_orchestrator.extensions.page.web.offers import back_for, job_offers
 from bt_orchestrator.extensions.page.web.parts.tasks import TaskParts
 from bt_orchestrator.model.codec import plain_but, to_plain
@@ -36,6 +38,8 @@ def job_part(
         'left': job.left,
         'on_line': job.on_line,
         'ends': _ends(job, status),
+        'late_s': _late_s(job, status),
+        'is_overdue': job.state not in OVER and job.due is not None and status.stamp > job.due,
         'tasks': listed,
         'params': to_plain(ordered.params),
         'choice': to_plain(ordered.choice, whole=True),
@@ -66,3 +70,11 @@ def _ends(job: JobStatus, status: CellStatus) -> float | None:
     if job.expected_end_s is None:
         return None
     return float(round(status.stamp + job.expected_end_s))
+
+
+def _late_s(job: JobStatus, status: CellStatus) -> float:
+    """Return by how much it misses its due time as it looks now, in whole minutes begun."""
+    if job.due is None or job.state in OVER:
+        return 0.0
+    late_s = max(_ends(job, status) or 0.0, status.stamp) - job.due
+    return max(0.0, math.ceil(late_s / 60) * 60.0)

@@ -35,7 +35,7 @@ def parts_of(
     :param node: full name of the tree node
     :param orders: those of jobs, as far as they are known, by job
     """
-    tasks = TaskParts(description, status.holds)
+    tasks = TaskParts(description, status.holds, status.stamp)
     parts: dict[str, object] = {
         'cell': cell_part(status, description, node),
         'now': now_part(status),

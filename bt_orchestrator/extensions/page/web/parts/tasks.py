@@ -27,15 +27,24 @@ _WAITS = (Mark.WAITING, Mark.FAILED)
 
 _AT_REST: Part = {'round': 0, 'started': None, 'feedback': ''}
 
+LATE = 1.5
+"""A task is late after so many times its expected seconds."""
+
 
 class TaskParts:
     """Makes the parts of tasks of one status."""
 
-    def __init__(self, description: CellDescription, holds: Sequence[Hold]) -> None:
+    def __init__(
+        self, description: CellDescription, holds: Sequence[Hold], now: float = 0.0
+    ) -> None:
+        """Take what all tasks share.
+
+        :param now: the moment of the status
+        """
         self._nominal = {
             one.name: (one.durations_s, one.default_duration_s) for one in description.components
         }
-        self._holds, self._held = holds, held_tasks(holds)
+        self._holds, self._held, self._now = holds, held_tasks(holds), now
 
     def of_section(self, section: SectionStatus, tasks: SectionList) -> list[Part]:
         """Return the whole list of a section, in its order."""
@@ -97,6 +106,7 @@ class TaskParts:
         hold: Hold | None,
         waits: Iterable[Wait] = (),
     ) -> Part:
+        expected_s = self._expected_s(task, running)
         return {
             'id': task.id,
             'name': task.name,
@@ -113,9 +123,15 @@ class TaskParts:
                 if running
                 else {**_AT_REST, 'attempt': hold.attempt if hold else 0}
             ),
-            'expected_s': self._expected_s(task, running),
+            'expected_s': expected_s,
+            'is_late': self._is_late(running, expected_s),
             'requires_conveyor': task.requires_conveyor,
         }
+
+    def _is_late(self, running: TaskStatus | None, expected_s: float | None) -> bool:
+        if running is None or not expected_s:
+            return False
+        return self._now - running.started > LATE * expected_s
 
     def _expected_s(self, task: Task, running: TaskStatus | None) -> float | None:
         if running is not None and running.expected_s is not None:

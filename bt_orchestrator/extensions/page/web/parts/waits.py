@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
+from operator import itemgetter
 
 from bt_orchestrator.extensions.page.web.wording import wordings
 from bt_orchestrator.model.codec import plain_but
@@ -16,11 +17,12 @@ from bt_orchestrator.view.report.wait_links import Link
 
 
 def wait_parts(waits: Iterable[Wait], holds: Iterable[Hold]) -> list[dict[str, object]]:
-    """Return waits, each sentence once.
+    """Return waits, each sentence once; those of what is not normal go first.
 
     :param holds: all that there are
     """
-    return [_wait_part(wait, holds) for wait in {wait.reason: wait for wait in waits}.values()]
+    parts = [_wait_part(wait, holds) for wait in {wait.reason: wait for wait in waits}.values()]
+    return sorted(parts, key=itemgetter('is_ordinary'))
 
 
 def _wait_part(wait: Wait, holds: Iterable[Hold]) -> dict[str, object]:
@@ -47,7 +49,7 @@ def _worded(wait: Wait, task: str, reason: str) -> dict[str, str]:
 def why_part(status: CellStatus) -> dict[str, object]:
     """Return the walk from each part that waits to its cause, and the causes, gravest first."""
     found = chains(status)
-    said = {wait.reason: _said(wait, status.holds) for wait in _waits(status)}
+    said = _all_said(status)
 
     def plain(told: Link | Root) -> dict[str, object]:
         return {**vars(told), 'said': said.get(told.words)}
@@ -62,6 +64,15 @@ def why_part(status: CellStatus) -> dict[str, object]:
             for one in causes(found, status.state)
         ],
     }
+
+
+def waits_said(status: CellStatus, language: str) -> Mapping[str, str]:
+    """Return the sentences of all waits, by those of the node."""
+    return {words: said[language] for words, said in _all_said(status).items()}
+
+
+def _all_said(status: CellStatus) -> dict[str, dict[str, str]]:
+    return {wait.reason: _said(wait, status.holds) for wait in _waits(status)}
 
 
 def _waits(status: CellStatus) -> Iterator[Wait]:

@@ -10,7 +10,7 @@ from starlette.responses import Response
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint
 from bt_orchestrator.extensions.page.web.parts.tasks import TaskParts
-from bt_orchestrator.extensions.page.web.replies import Json, Problem
+from bt_orchestrator.extensions.page.web.replies import Json, Problem, language_of
 from bt_orchestrator.extensions.page.web.scripts.drawing import Drawings
 from bt_orchestrator.extensions.page.web.scripts.shelf import Shelf, parameters
 from bt_orchestrator.extensions.page.web.seams import SeenCell
@@ -90,10 +90,7 @@ class _Routes:
         if cell is None:
             raise Problem(503, 'the node does not tell its cell now; a drawing needs it')
         status = self._cell.status if request.query_params.get('live') == '1' else None
-        language = request.query_params.get('language', 'en')
-        if language not in wordings():
-            known = ' or '.join(wordings())
-            raise Problem(422, f'language is {known}; found {language!r}')
+        language = language_of(request, wordings(), 'en')
         try:
             is_bare = request.query_params.get('bare') == '1'
             drawn = await self._drawings.drawn(

@@ -4,10 +4,13 @@ import json
 from dataclasses import replace
 from typing import Any
 
+import pytest
 from fakes.statuses import status
 
 from bt_orchestrator.extensions.page.web.book import Book, Cursor
-from bt_orchestrator.model.events import JobHeld
+from bt_orchestrator.model.by import Known
+from bt_orchestrator.model.codec import to_record
+from bt_orchestrator.model.events import JobHeld, OperatorDecided
 from bt_orchestrator.ports.doors.facts import Happened, Lost
 
 
@@ -142,3 +145,22 @@ class TestStart:
         book = book_with(8, before=7)
         assert book.is_behind(Cursor('one', 6))
         assert not book.is_behind(Cursor('one', 7))
+
+
+@pytest.mark.parametrize(
+    ('who', 'known', 'named'),
+    [
+        ('ann', Known.PAGE_LOGIN, 'ann'),
+        ('ann', Known.ROS, 'somebody who claims to be ann'),
+        ('', Known.ROS, None),
+    ],
+)
+def test_a_decision_comes_with_its_name_as_it_is_shown(
+    who: str, known: Known, named: str | None
+) -> None:
+    book, cursor = book_with(), Cursor('one', 0)
+    decided = OperatorDecided(seq=1, who=who, reason='r', known=known.value, answer='retry')
+    book.ring.add(Happened(decided))
+    message = read(book.next_events(cursor))
+    assert message['records'] == [to_record(decided)]
+    assert message.get('names', {}).get('1') == named

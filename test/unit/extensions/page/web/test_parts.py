@@ -15,6 +15,8 @@ from fakes.virtual_run import VirtualRun
 from bt_orchestrator.engine.runtime.overview import description_of
 from bt_orchestrator.extensions.page.web.parts import parts_of
 from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.status import CellDescription
 from bt_orchestrator.model.status_words import task_label
 
 LISTED = with_section(
@@ -25,6 +27,8 @@ LISTED = with_section(
     - {id: late, @a2.TASK_B, requires_conveyor: false}
     """,
 )
+
+RUNNING, ENDED = JobWord.RUNNING, JobWord.ENDED
 
 KINDS = {'cell', 'now', 'belt', 'flags', 'line', 'why', 'section', 'hold', 'job', 'component'}
 
@@ -44,7 +48,9 @@ def check_parts(run: VirtualRun) -> None:
     assert parts['belt']['moving'] == status.belt.moving
     for section in status.sections:
         part = parts[f'section/{section.number}']
-        assert [wait['words'] for wait in part['waits']] == [str(one) for one in section.waits]
+        assert {wait['words'] for wait in part['waits']} == {str(one) for one in section.waits}
+        is_ordinary = [wait['is_ordinary'] for wait in part['waits']]
+        assert is_ordinary == sorted(is_ordinary), 'what is not normal goes first'
         at_work = {task['id'] for task in part['tasks'] if task['mark'] == 'running'}
         assert at_work == {task.id for task in section.running}
         over = {'done', 'marked_done', 'skipped', 'continued', 'rejected', 'aborted'}
@@ -204,6 +210,47 @@ def test_nothing_changes_in_a_part_while_only_time_goes_by() -> None:
     run.go(until=20.0)
     after = page_parts(run)
     assert {key for key in after if before.get(key) != after[key]} == {'now'}
+
+
+def test_a_task_is_late_once_it_takes_half_again_as_long_as_expected() -> None:
+    run = Line(3, seconds={'a1': 50.0}).begin(THREE, 3)
+    run.go(until=1.0)
+    (running,) = status_of(run).sections[0].running
+    assert running.expected_s == 50.0
+    assert late_after(run, 75.0) == []
+    assert late_after(run, 75.1) == [running.id]
+
+
+def late_after(run: VirtualRun, elapsed_s: float) -> list[str]:
+    """Return the tasks that are shown as late so long after the run began."""
+    later = replace(status_of(run), stamp=elapsed_s)
+    parts: Any = parts_of(later, description_of(run.state.cell), scripts_of(run), NODE)
+    tasks = [one for key in parts for one in parts[key].get('tasks', ())]
+    return [one['id'] for one in tasks if one['is_late']]
+
+
+@pytest.mark.parametrize(
+    ('due', 'ends_in', 'state', 'late_s', 'is_overdue'),
+    [
+        (None, 500.0, RUNNING, 0, False),
+        (1000.0, 900.0, RUNNING, 0, False),
+        (1000.0, 901.0, RUNNING, 60, False),
+        (1000.0, 1080.0, RUNNING, 180, False),
+        (50.0, None, RUNNING, 60, True),
+        (50.0, 200.0, RUNNING, 300, True),
+        (50.0, 200.0, ENDED, 0, False),
+    ],
+)
+def test_a_job_is_late_by_its_expected_end_or_by_now(
+    due: float | None, ends_in: float | None, state: JobWord, late_s: float, is_overdue: bool
+) -> None:
+    told = replace(status_of(Line().begin(LISTED, 1)), stamp=100.0)
+    (job,) = told.jobs
+    job = replace(job, due=due, expected_end_s=ends_in, state=state)
+    parts: Any = parts_of(replace(told, jobs=(job,)), CellDescription('', 0, ''), {}, NODE)[
+        f'job/{job.id}'
+    ]
+    assert (parts['late_s'], parts['is_overdue']) == (late_s, is_overdue)
 
 
 def test_a_status_of_which_no_script_is_known_still_has_its_parts() -> None:

@@ -7,8 +7,6 @@ from pathlib import Path
 
 from fakes.page_files import LANGUAGES, STATIC, keys_asked_for, modules, words
 
-from bt_orchestrator.extensions.page.web.wording import COMPARED
-from bt_orchestrator.model.by import Known
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import REQUESTS
 from bt_orchestrator.model.roles import Role
@@ -18,7 +16,7 @@ from bt_orchestrator.model.words import SENTENCES
 from bt_orchestrator.view.drawing import card, line, mark
 
 DRAWING = 'drawing.'
-OF_THE_NODE = ('wait.', 'message.')
+OF_THE_NODE = ('wait.', 'message.', 'condition.', 'twig.', 'twig_message.')
 """Words that the page has from its node (`extensions/page/web/wording.py`)."""
 DRAWINGS = Path(card.__file__).parent
 
@@ -101,20 +99,6 @@ def test_sentences_of_the_node_stand_there_as_in_its_own_catalogue() -> None:
     english = {key: text for key, text in words('en').items() if key.startswith('message.')}
     assert english.pop('message.or') == 'or'
     assert english == {f'message.{kind}': text for kind, text in SENTENCES.items()}
-
-
-def test_conditions_are_read_alike_at_the_page_and_in_its_browser() -> None:
-    text = (STATIC / 'parts' / 'twig_words.js').read_text(encoding='utf-8')
-    block = text.partition('const COMPARED')[2].partition('});')[0]
-    there = re.findall(r'^  (\w+): /(.+)/g?,$', block, re.MULTILINE)
-    here = [(name, one.pattern.replace('(?P<', '(?<')) for name, one in COMPARED.items()]
-    assert there == here
-
-
-def test_a_browser_marks_claimed_names_as_the_model_does() -> None:
-    text = (STATIC / 'core' / 'text.js').read_text(encoding='utf-8')
-    proven = text.partition('const PROVEN = [')[2].partition(']')[0]
-    assert re.findall("'(.+?)'", proven) == [one.value for one in Known if one.proves_name]
 
 
 def test_english_has_no_german_letters_and_german_no_english_sentence() -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from functools import partial
 from typing import Any, cast
 
 import pytest
 
 from bt_orchestrator.extensions.page.web import tree_watch
 from bt_orchestrator.extensions.page.web.tree_watch import TreeWatch, plain_branch
+from bt_orchestrator.extensions.page.web.wording import wordings
 from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.ports import CellLink
 
@@ -55,18 +57,31 @@ def test_a_tree_as_json() -> None:
     }
 
 
+def test_a_tree_in_the_words_of_a_language() -> None:
+    german = wordings()['de']
+    message = partial(german.twig_message, waits={'waiting for a; b': 'wartet auf a; b'})
+    said = plain_branch(
+        Branch('retry up to 1 time', Outcome.RUNNING, 'waiting for a; b', True, (LEAF,)),
+        german.twig,
+        message,
+    )
+    assert (said['name'], said['message']) == ('bis zu 1 neuer Versuch', 'wartet auf a; b')
+    (leaf,) = said['children']
+    assert (leaf['name'], leaf['message']) == ('TASK_A', 'läuft bei /a')
+
+
 def test_the_first_look_opens_the_watch_and_the_next_ones_keep_it() -> None:
     async def look() -> None:
         door = Door()
         watch = TreeWatch(door.do)
         assert door.opened == 0
         first = await watch.newest(0)
-        assert first == {'version': 1, 'tree': plain_branch(ROOT)}
-        assert await watch.newest(1) == {'version': 1, 'tree': None}
+        assert first == (1, ROOT)
+        assert await watch.newest(1) == (1, None)
         assert door.hear is not None
         door.hear(LEAF)
         await asyncio.sleep(0)
-        assert await watch.newest(1) == {'version': 2, 'tree': plain_branch(LEAF)}
+        assert await watch.newest(1) == (2, LEAF)
         assert door.opened == 1
         watch.close()
 
@@ -88,7 +103,7 @@ def test_the_watch_is_closed_some_time_after_the_last_look(
         monkeypatch.setattr(tree_watch, 'KEPT_OPEN_S', 10.0)
         again = await watch.newest(0)
         assert again is not None
-        assert again['version'] == 2, 'a reader of before is not told that nothing has changed'
+        assert again[0] == 2, 'a reader of before is not told that nothing has changed'
         watch.close()
 
     asyncio.run(asyncio.wait_for(look(), 10.0))

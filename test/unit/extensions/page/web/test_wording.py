@@ -135,3 +135,46 @@ def test_conditions_are_said_and_their_values_stay(words: str, german: str) -> N
 def test_what_a_verdict_expected_is_german() -> None:
     said = sentence('refused_result', wanted='${results.a.x} at least 5', found='4.2')
     assert GERMAN.message(said) == 'erwartet: ${results.a.x} mindestens 5; gefunden: 4.2'
+
+
+@pytest.mark.parametrize(
+    ('name', 'german'),
+    [
+        ('section 12', 'Station 12'),
+        ('flag camera_read < 3', 'Flag camera_read < 3'),
+        ('up to 1 more round', 'bis zu 1 weitere Runde'),
+        ('up to 2 more rounds', 'bis zu 2 weitere Runden'),
+        ('retry up to 2 times', 'bis zu 2 neue Versuche'),
+        (
+            'fails unless ${results.a.x} from 4 to 5',
+            'misslingt, außer: ${results.a.x} von 4 bis 5',
+        ),
+        ('when ${a} at least 2', 'wenn ${a} mindestens 2'),
+        ('unless ${a}', 'außer ${a}'),
+        ('flag (TASK_A)', 'flag (TASK_A)'),
+        ('WO-1', 'WO-1'),
+    ],
+)
+def test_names_of_behaviours_are_german_and_those_of_tasks_stay(name: str, german: str) -> None:
+    assert GERMAN.twig(name) == german
+    assert wordings()['en'].twig(name) == name
+
+
+@pytest.mark.parametrize(
+    ('message', 'german'),
+    [
+        ('', ''),
+        ('WO-1/2', 'WO-1/2'),
+        ('round 2, attempt 3', 'Runde 2, Versuch 3'),
+        ('attempt 2; running at /arm/task', 'Versuch 2; läuft bei /arm/task'),
+        ('failed: timeout', 'fehlgeschlagen: hat zu lange gedauert'),
+        ('waiting for b, c; attempt 2', 'wartet auf b und c; Versuch 2'),
+    ],
+)
+def test_messages_of_behaviours_are_german(message: str, german: str) -> None:
+    waits = {'waiting for b, c': 'wartet auf b und c'}
+    assert GERMAN.twig_message(message, waits) == german
+
+
+def test_english_messages_of_behaviours_have_no_words_of_programs() -> None:
+    assert wordings()['en'].twig_message('failed: timeout', {}) == 'failed: took too long'

@@ -1,7 +1,7 @@
 /** What became of a hold that a dialog is about, where somebody else has ended it. */
 
 import { part, recentEvents, subscribe } from '../core/store.js';
-import { named, quoted, sentence, t, tOr } from '../core/text.js';
+import { person, quoted, sentence, t, tOr } from '../core/text.js';
 import { note } from './notes.js';
 
 /** Its events come a moment after the cell without it. */
@@ -33,9 +33,9 @@ function decisionOf(hold) {
 
 function endWords(decision) {
   if (!decision) return t('ask.hold_over');
-  const { who, known, answer, reason } = decision;
+  const { named, answer, reason } = decision;
   const values = {
-    who: named(who, known),
+    who: named ? person(named, 'stands.claims') : t('stands.somebody'),
     answer: tOr(`word.hold.${answer}`, tOr(`word.cell.${answer}`, answer)),
   };
   const why = reason ? ` ${quoted(reason)}` : '';

@@ -91,7 +91,10 @@ const TAKES = {
   parts: (data) => [...book.take(data)],
   happened(data) {
     const fresh = book.happened(data);
-    for (const record of fresh) document.body.dataset.seq = record.seq;
+    for (const record of fresh) {
+      record.named = data.names?.[record.seq] ?? '';
+      document.body.dataset.seq = record.seq;
+    }
     events.push(...fresh);
     events.splice(0, events.length - KEPT_EVENTS);
     return fresh.length ? ['event'] : [];

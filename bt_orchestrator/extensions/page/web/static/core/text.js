@@ -71,15 +71,6 @@ export function person(words, key = 'login.claims') {
   return words.replace(/^somebody who claims to be ([^:]+)/, (_, name) => t(key, { name }));
 }
 
-/** How a name is known where it is authenticated (`Known` of model/by.py); all others are claims. */
-const PROVEN = ['local user', 'page login', 'opc ua user'];
-
-/** A name in an event, at the beginning of a sentence: one that is only claimed is marked. */
-export function named(who, known) {
-  if (!who) return t('stands.somebody');
-  return PROVEN.includes(known) ? who : t('stands.claims', { name: who });
-}
-
 /** Words in quotation marks. */
 export function quoted(words) {
   return t('unit.quoted', { words });

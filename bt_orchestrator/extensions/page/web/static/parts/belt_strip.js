@@ -2,8 +2,7 @@
 
 import { attribute, h, keyed, text } from '../core/dom.js';
 import { part, shownMoment } from '../core/store.js';
-import { seconds, t } from '../core/text.js';
-import { foremostWait, waitWords } from '../core/waits.js';
+import { said, seconds, t } from '../core/text.js';
 import { itemName, jobOf } from './item_name.js';
 import { reshape, shape } from '../core/shape.js';
 
@@ -42,11 +41,11 @@ export function beltStrip() {
       attribute(list, 'data-many', sections.length > MANY);
       attribute(list, 'data-jobs', jobs.size > 1);
       if (!belt) return;
-      const wait = belt.moving ? null : foremostWait(belt.waits);
+      const wait = belt.moving ? null : belt.waits[0];
       attribute(element, 'data-moving', belt.moving);
       reshape(drawn, shapeOf(belt));
       attribute(why, 'data-ordinary', wait?.is_ordinary ?? true);
-      text(why, wait ? waitWords(wait) : '');
+      text(why, wait ? said(wait.said) : '');
       tick();
     },
   };

@@ -1,11 +1,10 @@
 /** The way from a part that waits to the root cause, as the node tells it, with links on it. */
 import { h } from '../core/dom.js';
 import { part, partsOf } from '../core/store.js';
-import { t, tOr } from '../core/text.js';
+import { said, t, tOr } from '../core/text.js';
 import { inPath } from './links.js';
 import { troubleWords } from './side_lists.js';
 import { busyWith, heldWords } from './task_words.js';
-import { waitWords } from '../core/waits.js';
 
 /** Kinds of links that tell what is wrong with a component itself. */
 const TROUBLES = ['out_of_service', 'readiness'];
@@ -26,10 +25,12 @@ export function partNames(keys) {
     if (spans.at(-1)?.last === number - 1) spans.at(-1).last = number;
     else spans.push({ first: number, last: number });
   }
-  const said = spans
+  const listed = spans
     .map(({ first, last }) => (first === last ? first : `${first}–${last}`))
     .join(', ');
-  const sections = said ? [t('chain.sections', { count: numbers.length, numbers: said })] : [];
+  const sections = listed
+    ? [t('chain.sections', { count: numbers.length, numbers: listed })]
+    : [];
   return [...sections, ...keys.filter((key) => !key.startsWith('section/')).map(partName)].join(
     '; ',
   );
@@ -62,7 +63,7 @@ function taskOf(component) {
 
 /** Why one part waits for the next, in the viewer's language as far as it is data. */
 export function linkWords(link) {
-  if (link.said && link.kind !== 'hold') return waitWords(link);
+  if (link.said && link.kind !== 'hold') return said(link.said);
   if (link.to?.startsWith('hold/')) return t('wait.hold', { name: apart(link.to)[1] });
   const component = link.kind === 'task' ? part(link.to || link.part) : null;
   if (component?.task)

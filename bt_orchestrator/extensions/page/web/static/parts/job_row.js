@@ -2,8 +2,7 @@
 
 import { attribute, h, show, text } from '../core/dom.js';
 import { part } from '../core/store.js';
-import { about, t, tOr } from '../core/text.js';
-import { foremostWait, waitWords } from '../core/waits.js';
+import { about, said, t, tOr } from '../core/text.js';
 import { jobBar } from './bar.js';
 import { makingWords } from './making.js';
 
@@ -47,9 +46,9 @@ export function jobRow() {
       const made = makingWords(job);
       show(making, made);
       text(making, made);
-      const said = preparingWords(job);
-      show(preparing, said);
-      text(preparing, said);
+      const prepared = preparingWords(job);
+      show(preparing, prepared);
+      text(preparing, prepared);
     },
   };
 }
@@ -104,6 +103,6 @@ function preparingWords(job) {
     done: job.tasks.length - open.length,
     all: job.tasks.length,
   });
-  const wait = foremostWait(part('cell')?.initialization ?? []);
-  return [count, ...busy, wait && waitWords(wait)].filter(Boolean).join(' · ');
+  const [wait] = part('cell')?.initialization ?? [];
+  return [count, ...busy, wait && said(wait.said)].filter(Boolean).join(' · ');
 }

@@ -1,10 +1,10 @@
 /** One section: its item, the whole task list with times, and what it waits for. */
 
 import { attribute, h, keyed, show, text } from '../core/dom.js';
-import { t } from '../core/text.js';
-import { foremostWait, waitWords } from '../core/waits.js';
+import { said, t } from '../core/text.js';
 import { itemName } from './item_name.js';
 import { reshape, shape } from '../core/shape.js';
+import { room } from './room.js';
 import { taskRow } from './task_row.js';
 
 /** Make a card: an element, `update(section)`, `tick()`. */
@@ -19,22 +19,23 @@ export function sectionCard() {
     (task) => task.id,
     (task) => keepRow(rows, task.id),
   );
-  const finished = h('p', { class: 'section-wait', 'data-ordinary': true });
-  const wait = h('p', { class: 'section-wait' });
+  const finished = room('section-wait');
+  attribute(finished.element, 'data-ordinary', true);
+  const wait = room('section-wait');
   const element = h(
     'article',
     { class: 'section-card' },
     h('h2', {}, alarm, link),
     item.element,
     list,
-    finished,
-    wait,
+    finished.element,
+    wait.element,
   );
   return {
     element,
     tick: () => rows.forEach((row) => row.tick()),
     update(section) {
-      const foremost = foremostWait(section.waits);
+      const [foremost] = section.waits;
       const isHeld = section.holds.length > 0;
       attribute(element, 'data-section', section.number);
       attribute(element, 'data-held', isHeld);
@@ -43,12 +44,12 @@ export function sectionCard() {
       reshape(alarm, isHeld ? 'triangle' : 'none');
       item.update(section.item ?? section.slot);
       tasks(section.tasks);
-      show(finished, section.finished);
-      text(finished, section.finished ? t('section.finished', section.finished) : '');
+      show(finished.element, section.finished);
+      finished.say(section.finished ? t('section.finished', section.finished) : '');
       const isQuiet = !foremost || isSaidElsewhere(foremost, isHeld);
-      attribute(wait, 'data-ordinary', isQuiet);
-      attribute(wait, 'title', section.waits.map(waitWords).join('\n'));
-      text(wait, foremost ? cardWords(foremost, isQuiet) : '');
+      attribute(wait.element, 'data-ordinary', isQuiet);
+      attribute(wait.element, 'title', section.waits.map((one) => said(one.said)).join('\n'));
+      wait.say(foremost ? cardWords(foremost, isQuiet) : '');
     },
   };
 }
@@ -63,7 +64,7 @@ function isSaidElsewhere(wait, isHeld) {
 /** The story of a hold stands on its card; others name its number. */
 function cardWords(wait, isQuiet) {
   const isBrief = isQuiet && wait.kind === 'hold' && !wait.holds?.length;
-  return isBrief ? t('wait.hold', wait) : waitWords(wait);
+  return isBrief ? t('wait.hold', wait) : said(wait.said);
 }
 
 function keepRow(rows, id) {

@@ -8,9 +8,6 @@ import { mark } from './mark.js';
 import { taskReason } from './task_words.js';
 import { reshape, shape } from '../core/shape.js';
 
-/** How many times the expected seconds are late. */
-const LATE = 1.5;
-
 /** Make a row: an element, `update(task)`, and `tick()` for the time that passes. */
 export function taskRow() {
   const drawn = mark();
@@ -23,9 +20,6 @@ export function taskRow() {
 
   function tick() {
     text(timeWord, timeWords(task));
-    attribute(time, 'data-late', isLate(task));
-    attribute(time, 'title', isLate(task) ? t('task.late') : null);
-    reshape(late, isLate(task) ? 'triangle' : 'none');
   }
 
   return {
@@ -38,6 +32,9 @@ export function taskRow() {
       attribute(element, 'title', titleOf(task));
       drawn.update(task.mark);
       text(name, task.label);
+      attribute(time, 'data-late', task.is_late);
+      attribute(time, 'title', task.is_late ? t('task.late') : null);
+      reshape(late, task.is_late ? 'triangle' : 'none');
       tick();
     },
   };
@@ -52,15 +49,6 @@ export function timeWords(task) {
   return expected
     ? t('task.of', { elapsed: stopwatch(elapsed), expected })
     : seconds(Math.floor(elapsed));
-}
-
-function isLate(task) {
-  return (
-    task.mark === 'running' &&
-    Boolean(task.started) &&
-    Boolean(task.expected_s) &&
-    shownMoment() - task.started > LATE * task.expected_s
-  );
 }
 
 function titleOf(task) {

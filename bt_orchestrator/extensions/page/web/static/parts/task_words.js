@@ -2,7 +2,6 @@
 
 import { part, partsOf } from '../core/store.js';
 import { said, t, tOr } from '../core/text.js';
-import { waitWords } from '../core/waits.js';
 
 const AT_WORK = ['running', 'held'];
 /** The word of a failure, and what its server said. */
@@ -12,7 +11,7 @@ const SAID = /^(\w+)(?: \((.*)\))?$/s;
 export function taskReason(task) {
   const hold = task.hold ? part(`hold/${task.hold}`) : null;
   if (hold) return heldWords(hold);
-  if (task.waits.length) return task.waits.map(waitWords).join('; ');
+  if (task.waits.length) return task.waits.map((wait) => said(wait.said)).join('; ');
   const [, reason, message] = SAID.exec(task.reason) ?? [];
   return skipWords(task.reason, reason ? failureWords({ reason, message }) : task.reason);
 }

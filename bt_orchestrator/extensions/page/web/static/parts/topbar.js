@@ -8,6 +8,7 @@ import { everySecond } from '../core/tick.js';
 import { newsLine, newsTrouble } from './news_line.js';
 import { offers } from './offers.js';
 import { personMenu } from './person_menu.js';
+import { room } from './room.js';
 import { reshape, shape } from '../core/shape.js';
 import { standsSilently, whyItStands } from '../core/stands.js';
 
@@ -50,13 +51,13 @@ function stateBlock() {
   const name = h('span', { class: 'cell-name' });
   const word = h('strong', { class: 'state-word' });
   const since = h('span', { class: 'state-since' });
-  const why = h('p', { class: 'state-why' });
+  const why = room('state-why');
   const element = h(
     'div',
     { class: 'state', 'data-part': 'cell' },
     drawn,
     h('div', { class: 'state-line' }, name, word, since),
-    why,
+    why.element,
   );
 
   function update() {
@@ -76,9 +77,7 @@ function stateBlock() {
           })
         : '',
     );
-    const said = newsTrouble() || (cell ? whyItStands(cell) : '');
-    text(why, said);
-    attribute(why, 'title', said);
+    why.say(newsTrouble() || (cell ? whyItStands(cell) : ''));
     document.title = cell
       ? `${tOr(`state.${cell.state}`, cell.state)} · ${cell.name}`
       : 'bt_orchestrator';

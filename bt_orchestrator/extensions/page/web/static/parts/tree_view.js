@@ -5,7 +5,6 @@
 import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { t } from '../core/text.js';
 import { linesOf, pathsOf } from './branches.js';
-import { messageWords, twigName } from './twig_words.js';
 
 const SIGNS = { running: '▶', success: '✓', failure: '✗', invalid: '·' };
 
@@ -37,14 +36,8 @@ class TreeView {
     this.tree = tree;
     this.lines = linesOf(tree, this.chosen);
     if (!this.lines.some((line) => line.path === this.current)) this.current = 'root';
-    const say = messageWords();
     this.fill(
-      this.lines.map((line) => ({
-        ...line,
-        isCurrent: line.path === this.current,
-        name: twigName(line.branch.name),
-        message: say(line.branch.message),
-      })),
+      this.lines.map((line) => ({ ...line, isCurrent: line.path === this.current })),
     );
   }
 
@@ -115,13 +108,13 @@ function makeLine() {
   return {
     element,
     update(line) {
-      const { branch, message: said } = line;
+      const { branch } = line;
       text(fold, { true: '▾', false: '▸', null: '' }[line.isOpen]);
       text(sign, SIGNS[branch.status] ?? '?');
       text(word, t(`tree.${branch.status}`));
-      text(name, line.name);
-      text(message, said);
-      show(message, Boolean(said));
+      text(name, branch.name);
+      text(message, branch.message);
+      show(message, Boolean(branch.message));
       element.style.setProperty('--level', `${line.level - 1}`); // the policy forbids a style attribute
       attribute(element, 'data-status', branch.status);
       attribute(element, 'tabindex', line.isCurrent ? 0 : -1);

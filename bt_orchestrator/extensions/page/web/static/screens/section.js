@@ -2,7 +2,7 @@
 import { children, h, show, text } from '../core/dom.js';
 import { mountLive } from '../core/live.js';
 import { part, partsOf } from '../core/store.js';
-import { t } from '../core/text.js';
+import { said, t } from '../core/text.js';
 import { feedback } from '../parts/feedback.js';
 import { happenings, isEnd } from '../parts/happenings.js';
 import { history } from '../parts/history.js';
@@ -11,7 +11,6 @@ import { componentLink, itemLink, jobLink, sectionLink } from '../parts/links.js
 import { offers } from '../parts/offers.js';
 import { troubleWords } from '../parts/side_lists.js';
 import { taskList } from '../parts/task_list.js';
-import { waitWords } from '../core/waits.js';
 
 /** Show it in a root; `route.id` is its number. */
 export function mount(root, route) {
@@ -112,7 +111,7 @@ class Section {
     children(this.about, aboutOf(section));
     children(
       this.waits,
-      section.waits.map((wait) => h('li', { 'data-ordinary': wait.is_ordinary }, waitWords(wait))),
+      section.waits.map((wait) => h('li', { 'data-ordinary': wait.is_ordinary }, said(wait.said))),
     );
     this.tasks.update(section.tasks);
     this.#showFinished(section);

@@ -1,7 +1,7 @@
 /** The behaviour tree of the node, asked for only while it is shown. */
 import { h, show, text } from '../core/dom.js';
 import { get } from '../core/api.js';
-import { t } from '../core/text.js';
+import { currentLanguage, t } from '../core/text.js';
 import { count } from '../parts/branches.js';
 import { treeView } from '../parts/tree_view.js';
 
@@ -56,7 +56,8 @@ class Tree {
 
   async #ask() {
     try {
-      this.#take(await get(`/api/tree${this.version === '' ? '' : `?after=${this.version}`}`));
+      const after = this.version === '' ? '' : `&after=${this.version}`;
+      this.#take(await get(`/api/tree?language=${currentLanguage()}${after}`));
     } catch {
       this.version = '';
       this.#say(t('tree.silent'));

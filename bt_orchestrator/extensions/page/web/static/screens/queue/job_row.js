@@ -3,7 +3,6 @@
 import { attribute, children, h, show, text } from '../../core/dom.js';
 import { may, who } from '../../core/me.js';
 import { about, t } from '../../core/text.js';
-import { everySecond } from '../../core/tick.js';
 import { jobBar } from '../../parts/bar.js';
 import { scriptWords } from '../../parts/job_row.js';
 import { makingWords } from '../../parts/making.js';
@@ -75,7 +74,6 @@ export function jobRow(id, context) {
     ),
     folded,
   );
-  let job = null;
 
   function toggle() {
     if (!unfolded.delete(id)) unfolded.add(id);
@@ -88,16 +86,14 @@ export function jobRow(id, context) {
     attribute(unfold, 'aria-expanded', String(isOpen));
   }
 
-  function sayTimes() {
-    if (!job) return;
-    const due = dueWords(job);
-    cells.due.say(due.isLate ? [shape('triangle'), ' ', due.words] : due.words);
-    attribute(cells.due.element, 'class', due.isLate ? 'job-cell is-late' : 'job-cell');
-    attribute(element, 'data-late', due.isLate);
+  function sayDue(job) {
+    const isLate = job.late_s > 0;
+    cells.due.say(isLate ? [shape('triangle'), ' ', dueWords(job)] : dueWords(job));
+    attribute(cells.due.element, 'class', isLate ? 'job-cell is-late' : 'job-cell');
+    attribute(element, 'data-late', isLate);
   }
 
-  function update(now) {
-    job = now;
+  function update(job) {
     const isQueued = job.position > 0;
     const canMove = job.offers.some((offer) => offer.name === BY_HANDLE);
     attribute(element, 'data-state', job.state);
@@ -121,7 +117,7 @@ export function jobRow(id, context) {
     cells.priority.say(job.priority ? String(job.priority) : '');
     cells.start.say(job.start ? about(job.start) : '');
     cells.ends.say(job.ends ? about(job.ends) : job.end_unknown ? t('overview.end_unknown') : '');
-    sayTimes();
+    sayDue(job);
     show(steps, canMove);
     const isMine = !who().name || may(BY_HANDLE);
     for (const one of [handle, up, down]) attribute(one, 'data-locked', !isMine);
@@ -137,7 +133,6 @@ export function jobRow(id, context) {
   }
 
   move.handle(handle, element, id);
-  everySecond(cells.due.element, sayTimes);
   return {
     element,
     update,

@@ -1,6 +1,5 @@
 /** The words about a job: its state, and its due date. */
 
-import { clock } from '../../core/store.js';
 import { isPassed, passedWords } from '../../parts/job_row.js';
 import { about, duration, number, t, tOr } from '../../core/text.js';
 
@@ -14,18 +13,14 @@ export function stateWords(job) {
   return tOr(`job_state.${whole}`, whole);
 }
 
-/** Say how long, to the minute: seconds would only make it restless. */
+/** Say how many minutes, or hours and minutes. */
 function roughly(seconds) {
   if (seconds >= 3600) return duration(seconds);
-  return t('queue.minutes', { count: number(Math.ceil(seconds / 60)) });
+  return t('queue.minutes', { count: number(seconds / 60) });
 }
 
 /** Say when it is due, and by how much that is missed. */
-export function dueWords({ due, ends, is_over: isOver }) {
-  if (!due) return { words: '', isLate: false };
-  const late = (isOver ? 0 : Math.max(ends ?? 0, clock())) - due;
-  if (late <= 0) return { words: about(due), isLate: false };
-  const isPast = clock() > due;
-  const key = isPast ? 'queue.overdue' : 'queue.late';
-  return { words: t(key, { time: about(due), by: roughly(late) }), isLate: true };
+export function dueWords({ due, late_s: late, is_overdue: isOverdue }) {
+  if (!late) return due ? about(due) : '';
+  return t(isOverdue ? 'queue.overdue' : 'queue.late', { time: about(due), by: roughly(late) });
 }
