@@ -72,15 +72,19 @@ def place_of(address: str) -> Place:
     return place
 
 
-def connected(place: Place, what: str, settings: Sequence[str] = ()) -> Connection:
+def connected(
+    place: Place, what: str, settings: Sequence[str] = (), connect_s: float = CONNECT_S
+) -> Connection:
     """Connect to a database; each statement is a transaction of its own.
 
     :param what: name of the program for the server's lists of connections
     :param settings: statements `SET …` that begin the session
+    :param connect_s: longest time to wait for each server of the address, two seconds at least
     :raises DatabaseAway: it cannot be reached
     """
     with speaking_of(place):
-        options = {**_LIVELY, **conninfo_to_dict(place.address)}
+        within = {'connect_timeout': max(2, min(int(connect_s), CONNECT_S))}
+        options = {**_LIVELY, **within, **conninfo_to_dict(place.address)}
         connection = psycopg.connect(
             make_conninfo('', **options),
             autocommit=True,

@@ -268,8 +268,8 @@ def enter(connection: Connection, name: str, kept_by: str, holder: str) -> Cell:
     known = stretches(connection, cell)
     if not take_lock(connection, cell.number):
         raise JournalUnusable(
-            f'another program writes the cell {name}: {_holder_of(connection, name)}; end it, or '
-            'use another cell name'
+            f'another program writes the cell {name}: {_holder_of(connection, name)}; the cell is '
+            'in use by another orchestrator, or by a feed: end that one, or use another cell name'
         )
     with _patient(connection), connection.transaction():
         for stretch in known:
@@ -334,6 +334,11 @@ def check_of_event(seq: int, record: str, ends: int) -> int:
     """
     text = f'{seq} {ends} {record}'.encode()
     return int(hashlib.md5(text, usedforsecurity=False).hexdigest()[:8], 16)
+
+
+def check_of_row(seq: int, record: bytes, ends: int) -> int:
+    """Return the same of a record as it was read."""
+    return check_of_event(seq, record.decode(), ends)
 
 
 def _lock_plant(connection: Connection) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Protocol
 
 
@@ -48,6 +48,10 @@ def check_of(key: int, text: bytes) -> int:
     check.
     """
     return zlib.crc32(text, key & 0xFFFFFFFF)
+
+
+Check = Callable[[int, bytes, int], int]
+"""Returns the check of the row of an event: `check_of_event`, or what a database can do itself."""
 
 
 def check_of_event(seq: int, text: bytes, ends: int) -> int:

@@ -33,7 +33,7 @@ def history_of(database: Database) -> History:
 
 def begin_history(database: Database, history: str) -> None:
     """Give a journal a new history id."""
-    database.execute('UPDATE history SET id = ?, restored = FALSE', (history,))
+    database.execute('UPDATE history SET id = ?, restored = 0', (history,))
     seal(database)
 
 

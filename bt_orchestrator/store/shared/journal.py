@@ -14,7 +14,7 @@ from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.judging.sealed_ids import SealedIds
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.shared import books, rows, snapshots, summaries, used_ids
-from bt_orchestrator.store.shared.database import Database
+from bt_orchestrator.store.shared.database import Check, Database, check_of_event
 from bt_orchestrator.store.shared.history import History, kept_from
 from bt_orchestrator.store.shared.mark import Mark, shortfall
 
@@ -29,6 +29,7 @@ class KeptJournal(ABC):
     """
 
     _reading: Database
+    _check: Check = staticmethod(check_of_event)
 
     def __init__(self, mark: Mark) -> None:
         """Begin without any history.
@@ -80,7 +81,9 @@ class KeptJournal(ABC):
         """
         with self._looking() as database:
             before = max(after, kept_from(database) - 1)
-            yield from rows.events_of(self._rows(after, most), before, self._on_file.checked_from)
+            yield from rows.events_of(
+                self._rows(after, most), before, self._on_file.checked_from, self._check
+            )
 
     def _rows(self, after: int, most: int) -> Iterator[rows.Row]:
         while page := rows.page(self._reading, after, self._end, most):

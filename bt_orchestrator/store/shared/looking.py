@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator.base.errors import DamagedRecord
 from bt_orchestrator.model.records import Record, Wanted
-from bt_orchestrator.store.shared.database import Database
+from bt_orchestrator.store.shared.database import Check, Database, check_of_event
 from bt_orchestrator.store.shared.rows import COLUMNS, Row
 
 MOST = 1000
@@ -34,6 +34,8 @@ class Terms(NamedTuple):
     """By a name with `*` as wildcard."""
     if_sound: str = '{}'
     """Around a condition that fails on a damaged record."""
+    check: Check = check_of_event
+    """Of the rows."""
 
     def condition(self, wanted: Wanted) -> tuple[str, list[Any]]:
         """Return the SQL condition for wanted records, and its values."""
@@ -101,7 +103,7 @@ class Look:
             for is_wanted, *columns in found:
                 row = Row(*columns)
                 text = row.text if is_wanted else b''
-                yield row.seq, text if row.is_sound(checked_from) else None
+                yield row.seq, text if row.is_sound(checked_from, terms.check) else None
             low, high = (low, row.seq - 1) if self._wanted.newest_first else (row.seq + 1, high)
 
     def _take(self, seq: int, text: bytes) -> None:

@@ -12,7 +12,7 @@ from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.limits import fitting
 from bt_orchestrator.store.shared import books
-from bt_orchestrator.store.shared.database import Database, check_of_event
+from bt_orchestrator.store.shared.database import Check, Database, check_of_event
 from bt_orchestrator.store.shared.history import keep_from
 
 _PAGE, _PAGE_BYTES = 1000, 1_000_000
@@ -34,14 +34,14 @@ class Row(NamedTuple):
     checksum: int | None
     ends: int | None
 
-    def is_sound(self, checked_from: int) -> bool:
+    def is_sound(self, checked_from: int, check: Check = check_of_event) -> bool:
         """Tell whether the row is undamaged, as far as that can be checked.
 
         :param checked_from: events before this one were written without a check
         """
         if self.checksum is None:
             return self.seq < checked_from and _is_json(self.text)
-        return self.checksum == check_of_event(self.seq, self.text, self.ends or 0)
+        return self.checksum == check(self.seq, self.text, self.ends or 0)
 
 
 def _is_json(text: bytes) -> bool:
@@ -63,7 +63,9 @@ def page(database: Database, after: int, last: int, most: int) -> list[Row]:
         return list(fitting(map(Row._make, rows), _PAGE_BYTES, lambda row: len(row.text)))
 
 
-def events_of(rows: Iterable[Row], before: int, checked_from: int) -> Iterator[Event]:
+def events_of(
+    rows: Iterable[Row], before: int, checked_from: int, check: Check = check_of_event
+) -> Iterator[Event]:
     """Yield the events of consecutive rows; a damaged commit yields no event.
 
     :param before: the event that came before these
@@ -73,7 +75,7 @@ def events_of(rows: Iterable[Row], before: int, checked_from: int) -> Iterator[E
     for row in rows:
         if row.seq != before + 1:
             raise DamagedRecord(before + 1, row.seq - 1, 'not there')
-        if not row.is_sound(checked_from):
+        if not row.is_sound(checked_from, check):
             raise DamagedRecord(row.seq, row.seq, 'damaged')
         commit.append(from_record(json.loads(row.text)))
         before = row.seq

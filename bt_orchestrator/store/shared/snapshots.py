@@ -94,11 +94,8 @@ def state_before(database: Database, seq: int) -> Snapshot | None:
 
 def begin_with(database: Database, snapshot: Snapshot) -> None:
     """Let replay begin with a state, from now on."""
-    row = (snapshot.seq, snapshot.stamp, _checksum(snapshot), snapshot.state)
-    database.execute('DELETE FROM beginning')
-    database.execute(
-        'INSERT INTO beginning (seq, stamp, checksum, state) VALUES (?, ?, ?, ?)', row
-    )
+    row = (1, snapshot.seq, snapshot.stamp, _checksum(snapshot), snapshot.state)
+    replace(database, 'beginning', 'one', 'seq, stamp, checksum, state', [row])
 
 
 def _sound(row: tuple[int, str, str, bytes]) -> Snapshot | None:

@@ -194,7 +194,7 @@ def begin_restored(database: sqlite3.Connection) -> None:
     """Begin a new history in a complete copy of the current schema."""
     with transaction(database):
         end_to_write(database)
-        database.execute(f'UPDATE history SET id = {_RANDOM}, restored = TRUE')
+        database.execute(f'UPDATE history SET id = {_RANDOM}, restored = 1')
         seal(database)
 
 

@@ -1,0 +1,404 @@
+"""The durable journal: the tables of a cell in PostgreSQL (semantics 9.1)."""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from datetime import datetime, timezone
+from pathlib import Path
+from socket import gethostname
+from typing import Any
+from urllib.parse import quote
+from uuid import uuid4
+
+import psycopg
+from psycopg.conninfo import conninfo_to_dict
+
+from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
+from bt_orchestrator.extensions.postgres.connecting import (
+    EXAMPLE,
+    Connection,
+    DatabaseAway,
+    Place,
+    connected,
+    place_of,
+)
+from bt_orchestrator.extensions.postgres.schema import (
+    JOURNAL,
+    LOCK,
+    begin_stretch,
+    check_of_event,
+    check_of_row,
+    enter,
+    stretches,
+)
+from bt_orchestrator.extensions.postgres.session import NotOnReplicas, Session, array_of
+from bt_orchestrator.model.codec import to_text
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.store.sequence import refuse_gap
+from bt_orchestrator.store.shared import rows
+from bt_orchestrator.store.shared.history import begin_history, history_of, kept_from, seal
+from bt_orchestrator.store.shared.journal import EVERY, KeptJournal
+from bt_orchestrator.store.shared.mark import Mark, Reached
+
+log = logging.getLogger(__name__)
+
+PATIENCE_S = 4.0
+"""How long a write tries to reach the server again before it has failed."""
+
+STARTING_S = 60.0
+"""Longest wait for an answer to what is read before the first append: nothing runs yet."""
+
+RUNNING_S = 0.5
+"""The same afterwards: the cell waits meanwhile."""
+
+AGAIN_S = 0.05
+"""Time between two attempts to reach the server."""
+
+_SETTINGS = ('SET synchronous_commit = on', 'SET idle_in_transaction_session_timeout = 10000')
+
+_GONE = (psycopg.OperationalError, psycopg.errors.ReadOnlySqlTransaction, DatabaseAway)
+"""Errors after which the same may succeed with another connection."""
+
+
+class AnotherWriter(psycopg.DatabaseError):  # type: ignore[misc]
+    """Another orchestrator has taken over the cell: its epoch is higher."""
+
+
+class PostgresStore(KeptJournal):
+    """A journal in a database that several machines can reach. Implements `ports.Journal`.
+
+    An advisory lock keeps a second orchestrator out for as long as the server sees this one.
+    Whoever opens the journal raises the epoch of the cell, and every write compares it, so one
+    that has lost the lock writes nothing any more.
+    """
+
+    is_shared = True
+    _check = staticmethod(check_of_row)
+    _reading: Session
+
+    def __init__(self, address: str, marks: Path | None = None) -> None:
+        """Open or create a journal.
+
+        :param address: as in `EXAMPLE`
+        :param marks: folder of this machine's marks; None: the usual one
+        :raises JournalUnusable: it is in use, a copy, newer, damaged, or cannot be reached
+        """
+        self._place = place_of(address)
+        if not self._place.cell:
+            raise JournalUnusable(f'expected a journal, {EXAMPLE}; found no CELL: {self._place}')
+        mark = mark_place(self._place, marks)
+        mark.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        super().__init__(Mark(mark))
+        self._floor: int | None = None
+        """The last event that has a row, or was removed by retention; None: not looked up."""
+        self._is_running = False
+        connection = self._connected(STARTING_S)
+        self._writer = Session(connection, STARTING_S)
+        try:
+            with self._usable():
+                self._begin(connection)
+                self._reading = self._reader()
+        except BaseException:
+            self._writer.close()
+            raise
+
+    def _begin(self, connection: Connection) -> None:
+        """Become the writer; what can be read afterwards is on the replicas as well."""
+        holder = f'{gethostname()}, process {os.getpid()}'
+        self._cell = cell = enter(connection, self._place.cell, JOURNAL, holder)
+        found = stretches(connection, cell)
+        history = uuid4().hex
+        self._tables = (found[-1] if found else begin_stretch(connection, cell, history)).tables
+        self._enter_tables(self._writer)
+        if not found:
+            self._writer.ask('INSERT INTO history (one, id) VALUES (1, $1)', (history,))
+            seal(self._writer)
+        self._history = self._on_file = history_of(self._writer)
+        self._checks_after(self._writer, EVERY)
+
+    # --- events -----------------------------------------------------------------------------
+
+    def append(self, events: Sequence[Event]) -> None:
+        """Make the events durable, all or none.
+
+        :raises JournalFailed: none of them is durable, or that is not known
+        """
+        until = time.monotonic() + PATIENCE_S
+        with self._failing():
+            self._append(events, until)
+        self._last = self._floor = events[-1].seq
+        self._is_running = True
+        self._reading.within_s = RUNNING_S
+        self._mark.write(Reached(self.history, events[-1].seq, events[-1].time))
+
+    def _append(self, events: Sequence[Event], until: float) -> None:
+        is_unknown, columns = False, _columns(events)
+        last = self._last
+        while True:
+            try:
+                session = self._session(until)
+                if last is None:
+                    last = self._followed_by(session, events[0].seq)
+                refuse_gap(events, last)
+                if not (is_unknown and self._are_kept(session, last, columns)):
+                    self._write(session, columns)
+                return
+            except NotOnReplicas:
+                raise
+            except _GONE as error:
+                if time.monotonic() + AGAIN_S >= until:
+                    raise
+                log.warning('the journal %s is asked again: %s', self._place, error)
+                is_unknown = True  # the answer is lost, and the events may be there
+                time.sleep(AGAIN_S)
+
+    def _are_kept(self, session: Session, last: int, columns: Sequence[str]) -> bool:
+        """Tell whether events are there, whose commit was not answered.
+
+        :param last: the event before them
+        :raises JournalFailed: other ones are
+        """
+        found = self._checks_after(session, last)
+        if history_of(session).id != self.history:
+            return False
+        if found and array_of(found) != columns[_CHECKS]:
+            raise JournalFailed(f'other events than its own follow event {last}')
+        if found:
+            self._on_file, self._end = self._history, EVERY
+        return bool(found)
+
+    def _checks_after(self, session: Session, seq: int) -> list[int]:
+        """Return the checks of the events after one.
+
+        A replica need not have rows that are seen here, after a crash say. So this commits
+        something after them, and waits for the replicas.
+
+        :raises AnotherWriter: this is no writer any more
+        """
+        row = session.ask(
+            'WITH seen AS MATERIALIZED (SELECT seq, checksum FROM events WHERE seq > $3) '
+            'UPDATE plant.cells SET since = since WHERE number = $1 AND epoch = $2 '
+            'RETURNING (SELECT array_agg(checksum ORDER BY seq) FROM seen)',
+            (self._cell.number, self._cell.epoch, seq),
+        ).fetchone()
+        if row is None:
+            raise AnotherWriter(_TAKEN_OVER)
+        return row[0] or []
+
+    def _write(self, session: Session, columns: Sequence[str]) -> None:
+        if self._history != self._on_file:
+            with self._transaction(session):
+                self._set_aside(session)
+                rows.remove_after(session, self._end)
+                begin_history(session, self.history)
+                session.ask(
+                    'WITH cell AS (UPDATE plant.cells SET history = $1 WHERE number = $2) '
+                    'UPDATE plant.stretches SET history = $1 WHERE tables = $3',
+                    (self.history, self._cell.number, self._tables),
+                )
+                self._insert(session, columns, _floor_of(session))
+            self._on_file, self._end = self._history, EVERY
+            return
+        if self._floor is None:
+            self._floor = _floor_of(session)
+        self._insert(session, columns, self._floor)
+
+    def _insert(self, session: Session, columns: Sequence[str], floor: int) -> None:
+        values = (self._cell.number, self._cell.epoch, floor, *columns)
+        if not session.ask(_APPEND, values).fetchone()[0]:
+            self._refuse_another(session)
+            raise JournalFailed(
+                f'the last event is {_floor_of(session)} and not {floor}: another program '
+                'changes the tables'
+            )
+
+    def _set_aside(self, session: Session) -> None:
+        """Keep the events that the next history takes the place of, under another name."""
+        if rows.last_seq(session) > self._end:
+            now = datetime.now(timezone.utc)
+            aside = f'{self._tables}.events_aside_{now:%Y%m%dT%H%M%SZ}'.lower()
+            session.ask(f'CREATE TABLE {aside} AS SELECT * FROM events')
+            log.warning('the damaged journal is kept as table %s', aside)
+
+    def close(self) -> None:
+        """Release the lock, and close the connections."""
+        with suppress(psycopg.Error):
+            self._writer.within_s = RUNNING_S
+            self._writer.ask('SELECT pg_advisory_unlock($1, $2)', (LOCK, self._cell.number))
+        self._writer.close()
+        self._reading.close()
+        self._mark.close()
+
+    # --- connections --------------------------------------------------------------------------
+
+    def _session(self, until: float) -> Session:
+        """Return the session that writes; a new one if the last one is gone."""
+        if self._writer.is_broken:
+            self._writer.close()
+            self._writer = self._once_more(until)
+            self._reading.close()  # it does not know yet
+        if self._reading.is_broken:
+            with suppress(psycopg.Error, JournalUnusable):  # nobody needs it now
+                self._reading = self._reader()
+        self._writer.until = until
+        return self._writer
+
+    def _once_more(self, until: float) -> Session:
+        connection = self._connected(max(until - time.monotonic(), 0.0))
+        session = Session(connection, PATIENCE_S)
+        session.until = until
+        try:
+            self._enter_tables(session)
+            while not self._is_locked(session):
+                if time.monotonic() + AGAIN_S >= until:
+                    raise AnotherWriter('another session has the lock of the cell')
+                time.sleep(AGAIN_S)
+        except BaseException:
+            session.close()
+            raise
+        return session
+
+    def _is_locked(self, session: Session) -> bool:
+        """Take the lock; a session of this process that still has it is ended."""
+        session.ask(
+            'SELECT pg_terminate_backend(pid) FROM pg_locks WHERE pid = $1 '
+            "AND locktype = 'advisory' AND classid = $2 AND objid = $3",
+            (self._writer.backend, LOCK, self._cell.number),
+        )
+        found = session.ask('SELECT pg_try_advisory_lock($1, $2)', (LOCK, self._cell.number))
+        return bool(found.fetchone()[0])
+
+    def _refuse_another(self, session: Session) -> None:
+        query = 'SELECT 1 FROM plant.cells WHERE number = $1 AND epoch = $2 FOR SHARE'
+        if session.ask(query, (self._cell.number, self._cell.epoch)).fetchone() is None:
+            raise AnotherWriter(_TAKEN_OVER)
+
+    def _reader(self) -> Session:
+        within_s = RUNNING_S if self._is_running else STARTING_S
+        session = Session(self._connected(within_s), within_s)
+        self._enter_tables(session)
+        return session
+
+    def _enter_tables(self, session: Session) -> None:
+        session.ask(f'SET search_path = {self._tables}')
+
+    def _connected(self, within_s: float) -> Connection:
+        return connected(self._place, 'node', _SETTINGS, connect_s=within_s)
+
+    # --- contexts -----------------------------------------------------------------------------
+
+    @contextmanager
+    def _writing(self) -> Iterator[Session]:
+        with self._failing():
+            session = self._session(time.monotonic() + PATIENCE_S)
+            with self._transaction(session):
+                yield session
+
+    @contextmanager
+    def _transaction(self, session: Session) -> Iterator[None]:
+        session.ask('BEGIN')
+        try:
+            self._refuse_another(session)
+            yield
+            if session.ask('COMMIT').words != 'COMMIT':
+                raise psycopg.DatabaseError('a part of it failed, so nothing is written')
+        except BaseException:
+            if not session.is_broken:
+                session.ask('ROLLBACK')
+            raise
+
+    @contextmanager
+    def _looking(self) -> Iterator[Session]:
+        with self._usable():
+            if self._reading.is_broken:
+                raise JournalUnusable(
+                    f'the journal {self._place} cannot be reached; it is tried again with the '
+                    'next event'
+                )
+            yield self._reading
+
+    @contextmanager
+    def _failing(self) -> Iterator[None]:
+        try:
+            yield
+        except (psycopg.Error, JournalUnusable) as error:
+            what = ' '.join(str(error).split())
+            raise JournalFailed(f'the journal {self._place} cannot be written: {what}') from error
+
+    @contextmanager
+    def _usable(self) -> Iterator[None]:
+        try:
+            yield
+        except psycopg.Error as error:
+            what = ' '.join(str(error).split())
+            raise JournalUnusable(f'the journal {self._place} cannot be used: {what}') from error
+        except (KeyError, TypeError, ValueError) as error:
+            raise JournalUnusable(
+                f'the journal {self._place} holds a record that cannot be read: {error!r}; '
+                'restore a backup of the database'
+            ) from error
+
+
+_TAKEN_OVER = 'another orchestrator has taken over the cell'
+
+_CHECKS = 2
+"""Place of the checks among the columns."""
+
+_APPEND = """\
+WITH fence AS (
+    SELECT 1 FROM plant.cells WHERE number = $1 AND epoch = $2 FOR SHARE
+), written AS (
+    INSERT INTO events (seq, record, checksum, ends, event, job, time)
+    SELECT new.* FROM unnest(
+        $4::bigint[], $5::text[], $6::bigint[], $7::smallint[], $8::text[], $9::text[],
+        $10::float8[]
+    ) AS new
+    WHERE EXISTS (SELECT FROM fence) AND $3 = greatest(
+        (SELECT max(seq) FROM events), (SELECT kept_from - 1 FROM history)
+    )
+    RETURNING seq, event, job
+), queued AS (
+    INSERT INTO queued SELECT seq, job FROM written WHERE event = 'job.queued'
+)
+SELECT count(*) FROM written"""
+"""Writes events if this is still the writer, and if they follow the last one."""
+
+
+def _columns(events: Sequence[Event]) -> Sequence[str]:
+    texts = [to_text(event) for event in events]
+    ends = [0] * (len(events) - 1) + [1]
+    checks = [
+        check_of_event(event.seq, text, end)
+        for event, text, end in zip(events, texts, ends, strict=True)
+    ]
+    found: tuple[list[Any], ...] = (
+        [event.seq for event in events],
+        texts,
+        checks,
+        ends,
+        [event.event for event in events],
+        [getattr(event, 'job', None) for event in events],
+        [event.time for event in events],
+    )
+    return [array_of(column) for column in found]
+
+
+def _floor_of(session: Session) -> int:
+    return max(rows.last_seq(session), kept_from(session) - 1)
+
+
+def mark_place(place: Place, folder: Path | None = None) -> Path:
+    """Return the name of a journal in the folder of this machine's marks.
+
+    :param folder: None: that of the service, or of the user
+    """
+    if folder is None:
+        given = os.environ.get('STATE_DIRECTORY') or os.environ.get('XDG_STATE_HOME')
+        folder = Path(given or Path.home() / '.local' / 'state') / 'bt_orchestrator'
+    server = conninfo_to_dict(place.address)
+    parts = (server.get('host'), server.get('port'), server.get('dbname'), place.cell)
+    return folder / quote('.'.join(str(part) for part in parts if part), safe='')

@@ -1,0 +1,281 @@
+"""Faults of server and network while a journal is written: no event is lost, or written twice."""
+
+from __future__ import annotations
+
+import os
+import signal
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import pytest
+from contract.written_events import events
+from postgres_proxy import Proxy
+from postgres_server import PostgresServer, postgres_server
+
+from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
+from bt_orchestrator.extensions.postgres import journal
+from bt_orchestrator.extensions.postgres.connecting import Connection, connected, place_of
+from bt_orchestrator.extensions.postgres.journal import PATIENCE_S, PostgresStore
+from bt_orchestrator.ports import Snapshot
+
+IN_TIME_S = 30.0
+
+
+@pytest.fixture(scope='module')
+def own() -> Iterator[PostgresServer]:
+    """Give a server that a test may stop."""
+    with postgres_server() as found:
+        yield found
+
+
+@pytest.fixture
+def address(own: PostgresServer) -> str:
+    return own.place(own.database(), 'line_1')
+
+
+@pytest.fixture
+def person(own: PostgresServer, address: str) -> Iterator[Connection]:
+    """Give the connection of somebody who looks on."""
+    with connected(place_of(address), 'test', ['SET search_path = cell_1']) as found:
+        yield found
+
+
+@contextmanager
+def through(address: str, own: PostgresServer) -> Iterator[tuple[str, Proxy]]:
+    # Names of sockets are short.
+    with (
+        tempfile.TemporaryDirectory(dir='/tmp') as folder,
+        closing(Proxy(Path(folder), own.folder)) as proxy,
+    ):
+        yield address.replace(str(own.folder), folder), proxy
+
+
+def test_9_1_an_event_whose_answer_is_lost_is_written_once(
+    address: str, own: PostgresServer, tmp_path: Path
+) -> None:
+    with through(address, own) as (place, proxy), closing(PostgresStore(place, tmp_path)) as store:
+        for first in range(1, 41, 2):
+            proxy.loses_answer.set()
+            store.append(events(first, first + 1))
+            assert not proxy.loses_answer.is_set()
+        assert list(store.read()) == events(1, 40)
+
+
+def test_9_1_an_answer_before_the_commit_is_no_commit(
+    address: str, own: PostgresServer, tmp_path: Path
+) -> None:
+    with through(address, own) as (place, proxy), closing(PostgresStore(place, tmp_path)) as store:
+        for first in range(1, 41, 2):
+            proxy.loses_commit.set()
+            store.append(events(first, first + 1))
+            assert not proxy.loses_commit.is_set()
+        assert list(store.read()) == events(1, 40)
+
+
+def test_9_1_the_end_of_a_history_is_written_once_when_the_answer_is_lost(
+    address: str, own: PostgresServer, tmp_path: Path
+) -> None:
+    with through(address, own) as (place, proxy):
+        with closing(PostgresStore(place, tmp_path)) as store:
+            store.append(events(1, 20))
+        with closing(PostgresStore(place, tmp_path)) as store:
+            store.go_on_after(12)
+            proxy.loses_answer.set()
+            store.append(events(13, 14))
+            assert proxy.happened.is_set()
+            history = store.history
+        with closing(PostgresStore(place, tmp_path)) as store:
+            assert (store.history, list(store.read())) == (history, events(1, 14))
+
+
+def test_9_1_a_cancelled_wait_for_replicas_is_no_commit(
+    address: str, person: Connection, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal, 'PATIENCE_S', IN_TIME_S)
+    with closing(PostgresStore(address, tmp_path)) as store:
+        store.append(events(1, 2))
+        with without_replica(person):
+            failed = in_thread(lambda: store.append(events(3, 4)))
+            cancel(person)
+            with pytest.raises(JournalFailed, match='canceling wait for synchronous replication'):
+                failed()
+
+
+def test_9_1_rows_that_are_seen_after_a_lost_answer_may_be_on_this_server_alone(
+    address: str, own: PostgresServer, person: Connection, tmp_path: Path
+) -> None:
+    """A crash of the server shows them, and no replica has them."""
+    with closing(PostgresStore(address, tmp_path)) as store:
+        store.append(events(1, 2))
+        with without_replica(person):
+            failed = in_thread(lambda: store.append(events(3, 4)))
+            wait_for(lambda: waiting(person))
+            person.execute(
+                'SELECT pg_terminate_backend(pid) FROM pg_stat_activity '
+                "WHERE wait_event = 'SyncRep'"
+            )
+            wait_for(lambda: person.execute('SELECT max(seq) FROM events').fetchone() == (4,))
+            with pytest.raises(JournalFailed):
+                failed()
+
+
+def test_9_1_a_start_waits_until_what_it_reads_is_on_the_replicas(
+    address: str, own: PostgresServer, person: Connection, tmp_path: Path
+) -> None:
+    PostgresStore(address, tmp_path).close()
+    with without_replica(person):
+        opened = in_thread(lambda: PostgresStore(address, tmp_path).close())
+        wait_for(lambda: waiting(person))
+    opened()
+
+
+def test_9_1_events_that_a_promoted_replica_lacks_leave_no_gap(
+    address: str, person: Connection, tmp_path: Path
+) -> None:
+    with closing(PostgresStore(address, tmp_path)) as store:
+        store.append(events(1, 20))
+        person.execute('DELETE FROM events WHERE seq > 15')
+        person.execute(
+            'SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() '
+            "AND application_name = 'bt_orchestrator node'"
+        )
+        with pytest.raises(JournalFailed, match='the last event is 15 and not 20'):
+            store.append(events(21, 22))
+    assert person.execute('SELECT max(seq) FROM events').fetchone() == (15,)
+    with closing(PostgresStore(address, tmp_path)) as store:
+        assert '5 events are missing: event 20 of' in store.missing(15)
+
+
+def test_9_1_who_has_lost_the_cell_writes_nothing(
+    address: str, person: Connection, tmp_path: Path
+) -> None:
+    with closing(PostgresStore(address, tmp_path)) as store:
+        store.append(events(1, 2))
+        person.execute('UPDATE plant.cells SET epoch = epoch + 1')
+        with pytest.raises(JournalFailed, match='another orchestrator has taken over'):
+            store.append(events(3, 4))
+        with pytest.raises(JournalFailed, match='another orchestrator has taken over'):
+            store.begin_with(Snapshot(2, 'program', '{}'))
+    assert person.execute('SELECT max(seq) FROM events').fetchone() == (2,)
+
+
+@pytest.mark.parametrize('how', [signal.SIGINT, signal.SIGQUIT], ids=['stop', 'crash'])
+def test_9_1_a_server_that_comes_back_in_time_is_no_failure(
+    address: str, own: PostgresServer, tmp_path: Path, how: int
+) -> None:
+    with closing(PostgresStore(address, tmp_path)) as store:
+        store.append(events(1, 2))
+        own.stop(how)
+        appended = in_thread(lambda: store.append(events(3, 4)))
+        own.start()
+        appended()
+        store.append(events(5, 6))
+        assert list(store.read()) == events(1, 6)
+
+
+def test_9_1_a_server_that_stays_away_is_a_failure_and_nothing_is_lost(
+    address: str, own: PostgresServer, tmp_path: Path
+) -> None:
+    with closing(PostgresStore(address, tmp_path)) as store:
+        store.append(events(1, 2))
+        own.stop()
+        try:
+            began = time.monotonic()
+            with pytest.raises(JournalFailed, match='cannot be written'):
+                store.append(events(3, 4))
+            assert PATIENCE_S - 1 < time.monotonic() - began < PATIENCE_S + 3
+            with pytest.raises(JournalUnusable):
+                list(store.read())
+            with pytest.raises(JournalUnusable, match='cannot be reached'):
+                PostgresStore(address, tmp_path)
+        finally:
+            own.start()
+    with closing(PostgresStore(address, tmp_path)) as store:
+        assert list(store.read()) == events(1, 2)
+
+
+def test_9_1_a_server_that_hangs_holds_up_who_reads_for_a_moment(
+    address: str, own: PostgresServer, person: Connection, tmp_path: Path
+) -> None:
+    with closing(PostgresStore(address, tmp_path)) as store:
+        store.append(events(1, 2))
+        found = person.execute(
+            "SELECT pid FROM pg_stat_activity WHERE application_name = 'bt_orchestrator node'"
+        ).fetchall()
+        for (pid,) in found:
+            os.kill(pid, signal.SIGSTOP)
+        try:
+            began = time.monotonic()
+            for _ in range(3):
+                with pytest.raises(JournalUnusable):
+                    store.first_seq()
+            assert time.monotonic() - began < 2.0
+        finally:
+            for (pid,) in found:
+                os.kill(pid, signal.SIGCONT)
+        store.append(events(3, 4))
+        assert list(store.read()) == events(1, 4)
+
+
+@contextmanager
+def without_replica(person: Connection) -> Iterator[None]:
+    """Let commits wait for a replica that is not there."""
+    _set(person, "'nobody'")
+    person.execute('SET synchronous_commit = local')
+    try:
+        yield
+    finally:
+        _set(person, "''")
+
+
+def _set(person: Connection, names: str) -> None:
+    person.execute(f'ALTER SYSTEM SET synchronous_standby_names = {names}'.encode())
+    person.execute('SELECT pg_reload_conf()')
+    wait_for(
+        lambda: person.execute('SHOW synchronous_standby_names').fetchone() == (names.strip("'"),)
+    )
+
+
+def waiting(person: Connection) -> bool:
+    query = "SELECT count(*) FROM pg_stat_activity WHERE wait_event = 'SyncRep'"
+    return bool(person.execute(query).fetchone() != (0,))
+
+
+def cancel(person: Connection) -> None:
+    wait_for(lambda: waiting(person))
+    person.execute(
+        "SELECT pg_cancel_backend(pid) FROM pg_stat_activity WHERE wait_event = 'SyncRep'"
+    )
+
+
+def wait_for(is_there: Callable[[], bool]) -> None:
+    until = time.monotonic() + IN_TIME_S
+    while not is_there():
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def in_thread(work: Callable[[], object]) -> Callable[[], None]:
+    """Begin some work, and return what waits for its end."""
+    raised: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            work()
+        except BaseException as error:  # noqa: BLE001 - raised again
+            raised.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+
+    def ended() -> None:
+        thread.join(IN_TIME_S)
+        assert not thread.is_alive()
+        if raised:
+            raise raised[0]
+
+    return ended
