@@ -97,8 +97,40 @@ SENTENCES: Mapping[str, str] = {
     'id_other': 'choose another',
     'most_items': '`quantity` is {quantity}, and an order of this cell has at most {most} items',
     'less_items': 'order less at a time, or raise `most_items` in the cell file',
-    'quantity': '`quantity` must be from 1 to {most}, not {found}',
+    'quantity': '`quantity` must be from 1 to {most}, not {given}',
     'one_item': 'order at least one item',
+    'param_missing': 'the parameter `{name}` is missing',
+    'param_add': 'add `{name}`, of type {type}, to `params`',
+    'param': 'the parameter `{name}` must be {needed}, not {given}',
+    'param_in_goal': '`{name}` must be {needed} for `{field}` of the task `{task}`, not {given}',
+    'in_condition': '`{name}` must be {needed} in a condition of the task `{task}`, not {given}',
+    'crossed': 'no value is between {low} and {high} in a condition of the task `{task}`',
+    'lower_first': 'the lower bound comes first',
+    'key': '`{key}` must be {needed}, not {given}',
+    'priority_is': 'the higher the more urgent; 0 is for ordinary orders',
+    'at_least': 'at least {low}',
+    'at_most': 'at most {high}',
+    'years': '`{key}` must be between 1970 and 2038',
+    'years_why': 'messages of ROS 2 carry no other times',
+    'due_first': '`due` lies before `start`',
+    'other_zone': 'is one of them of another time zone?',
+    'whole': 'a whole number ({type})',
+    'whole_from': 'a whole number from {low} to {high} ({type})',
+    'number': 'a number ({type})',
+    'finite': 'a finite number ({type})',
+    'boolean': 'true or false ({type})',
+    'text': 'text ({type})',
+    'text_most': 'text of at most {most} characters ({type})',
+    'in_range': 'choose a number in that range',
+    'measured': 'give a number that was measured; NaN and infinity are refused',
+    'bare_whole': 'write a whole number, without quotes',
+    'bare_number': 'write a number, without quotes',
+    'bare': 'write {value} without quotes',
+    'bare_boolean': 'write true or false, without quotes',
+    'shorten': 'shorten it',
+    'given_number': 'the number {number}',
+    'given_text': 'the text {text}',
+    'given_nothing': 'nothing',
 }
 """By kind. `said`: words of a device or a person, or others that are known in words only."""
 
@@ -108,7 +140,7 @@ OR, AND = ' | ', '; '
 _LONGEST, _MOST_PARTS = 4, 40
 """Parts of one sentence that has `; ` itself; of a message, beyond which nothing is looked for."""
 
-_FREE = ('words', 'what')
+_FREE = ('words', 'what', 'needed', 'given')
 """Places of what may be several sentences itself."""
 
 

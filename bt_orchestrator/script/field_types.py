@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from bt_orchestrator.model.action_type import FieldType
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.yaml_nodes import plain_value
 
 LARGEST_FLOAT32 = 3.4028235e38
@@ -106,33 +107,32 @@ def list_fits(length: int, type_: FieldType) -> bool:
 
 
 def _bool_misfit(type_: FieldType) -> Misfit:
-    return Misfit(_named('true or false', type_), 'write true or false, without quotes')
+    return Misfit(_named('boolean', type_), sentence('bare_boolean'))
 
 
 def _int_misfit(value: object, type_: FieldType) -> Misfit | None:
     low = 0 if type_.kind == 'bytes' else type_.minimum
     high = ONE_BYTE if type_.kind == 'bytes' else type_.maximum
-    bounds = '' if low is None or high is None else f' from {low} to {high}'
-    needed = _named(f'a whole number{bounds}', type_)
+    is_bounded = low is not None and high is not None
+    needed = _named('whole_from' if is_bounded else 'whole', type_, low=low, high=high)
     if isinstance(value, bool) or not isinstance(value, int):
         if high is not None and high > MOST_IN_WORDS:
-            needed = _named('a whole number', type_)
-        return Misfit(needed, _number_hint(value, 'write a whole number, without quotes'))
+            needed = _named('whole', type_)
+        return Misfit(needed, _number_hint(value, sentence('bare_whole')))
     if (low is not None and value < low) or (high is not None and value > high):
-        return Misfit(needed, 'choose a number in that range')
+        return Misfit(needed, sentence('in_range'))
     return None
 
 
 def _float_misfit(value: object, type_: FieldType) -> Misfit | None:
-    needed = _named('a number', type_)
+    needed = _named('number', type_)
     if isinstance(value, str) and value.lower().lstrip('.+-') in _NOT_FINITE:
-        hint = 'give a number that was measured; NaN and infinity are refused'
-        return Misfit(_named('a finite number', type_), hint)
+        return Misfit(_named('finite', type_), sentence('measured'))
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return Misfit(needed, _number_hint(value, 'write a number, without quotes'))
+        return Misfit(needed, _number_hint(value, sentence('bare_number')))
     largest = LARGEST_FLOAT32 if type_.ros_name.startswith('float32') else LARGEST_FLOAT64
     if not -largest <= value <= largest:
-        return Misfit(_named('a finite number', type_), f'choose one up to {largest:g}')
+        return Misfit(_named('finite', type_), f'choose one up to {largest:g}')
     return None
 
 
@@ -142,7 +142,7 @@ def _str_misfit(value: object, type_: FieldType) -> Misfit | None:
         return Misfit(_named('text', type_), hint)
     longest = type_.string_maximum
     if longest is not None and len(value) > longest:
-        return Misfit(_named(f'text of at most {longest} characters', type_), 'shorten it')
+        return Misfit(_named('text_most', type_, most=longest), sentence('shorten'))
     return None
 
 
@@ -151,9 +151,9 @@ def _number_hint(value: object, otherwise: str) -> str:
     if isinstance(value, str):
         inner = plain_value(value)
         if isinstance(inner, (int, float)) and not isinstance(inner, bool):
-            return f'write {value} without quotes'
+            return sentence('bare', value=value)
     return otherwise
 
 
-def _named(words: str, type_: FieldType) -> str:
-    return f'{words} ({type_.ros_name})'
+def _named(kind: str, type_: FieldType, **values: object) -> str:
+    return sentence(kind, type=type_.ros_name, **values)

@@ -8,6 +8,7 @@ from itertools import chain
 from typing import cast
 
 from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.composing import MERGE, compose
 from bt_orchestrator.script.keys import Key, Kind, Table
 from bt_orchestrator.script.report import Place, Report, did_you_mean, listing, nearest
@@ -266,14 +267,16 @@ class Fields:
         limit = broken_limit(self._table.by_name[key], value)
         if limit is None:
             return True
-        what = f'`{key}` must be {limit}, not {found(self._entries[key].value)}'
+        given = found(self._entries[key].value)
+        what = sentence('key', key=key, needed=limit, given=given)
         self.refuse(key, what, self._table.by_name[key].hint)
         return False
 
     def _wrong_kind(self, key: str, node: Node) -> None:
         wanted = self._table.by_name[key]
         kind = f'one of {listing(wanted.choices)}' if wanted.choices else wanted.kind.in_words
-        self.refuse(key, f'`{key}` must be {kind}, not {found(node)}', wanted.hint)
+        what = sentence('key', key=key, needed=kind, given=found(node))
+        self.refuse(key, what, wanted.hint)
 
 
 def fields_of(node: Node, table: Table, report: Report) -> Fields | None:
@@ -318,5 +321,5 @@ def broken_limit(key: Key, value: float) -> str | None:
     if key.kind is Kind.TIMEOUT and value <= low:
         return f'greater than {low:g}'
     if value < low:
-        return f'at least {low:g}'
-    return f'at most {high:.0f}' if value > high else None
+        return sentence('at_least', low=f'{low:g}')
+    return sentence('at_most', high=f'{high:.0f}') if value > high else None

@@ -10,10 +10,11 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.reference import Reference, Template, references
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.checks.arguments import member_type
 from bt_orchestrator.script.conditions.operands import are_crossed
-from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
+from bt_orchestrator.script.field_types import PARAMETER_TYPES, Misfit, misfit
 from bt_orchestrator.script.references import FIXED, is_single
 from bt_orchestrator.script.yaml_nodes import found_value
 
@@ -25,6 +26,13 @@ class Misuse(NamedTuple):
     """Of the order's key."""
     what: str
     hint: str
+
+
+def _misuse(
+    path: tuple[str, ...], kind: str, problem: Misfit, value: object, **names: object
+) -> Misuse:
+    what = sentence(kind, needed=problem.needed, given=found_value(value), **names)
+    return Misuse(path, what, problem.hint)
 
 
 def action_types(cell: Cell, types: ActionTypes) -> dict[str, ActionType]:
@@ -52,20 +60,16 @@ def misfitting_uses(
                 given = known.get((reference.source, reference.name))
                 problem = misfit(given, type_) if given is not None else None
                 if problem is not None:
-                    where = f'`{field}` of the task `{task.id}`'
-                    what = f'`{reference}` must be {problem.needed} for {where}'
-                    yield Misuse(
-                        _path(reference), f'{what}, not {found_value(given)}', problem.hint
-                    )
+                    names = {'name': reference, 'field': field, 'task': task.id}
+                    yield _misuse(_path(reference), 'param_in_goal', problem, given, **names)
         for compared in task.comparisons:
-            where = f'in a condition of the task `{task.id}`'
             yield from _misfitting_bounds(
-                compared, where, params, _value_type(compared, script, types)
+                compared, task.id, params, _value_type(compared, script, types)
             )
 
 
 def _misfitting_bounds(
-    compared: Condition, where: str, params: Mapping[str, Any], type_: FieldType | None
+    compared: Condition, task: str, params: Mapping[str, Any], type_: FieldType | None
 ) -> Iterator[Misuse]:
     """Yield bounds that cannot be compared, and `between` that no value can meet (6.5)."""
     bounds = (compared.at_least, compared.at_most)
@@ -78,11 +82,11 @@ def _misfitting_bounds(
     for name, value in named:
         problem = misfit(value, type_) if type_ is not None and value is not None else None
         if problem is not None:
-            what = f'`params.{name}` must be {problem.needed} {where}, not {found_value(value)}'
-            yield Misuse(('params', name), what, problem.hint)
+            names = {'name': f'params.{name}', 'task': task}
+            yield _misuse(('params', name), 'in_condition', problem, value, **names)
     if named and are_crossed(*given):
-        what = f'no value is between {given[0]} and {given[1]} {where}'
-        yield Misuse(('params', named[-1][0]), what, 'the lower bound comes first')
+        what = sentence('crossed', low=given[0], high=given[1], task=task)
+        yield Misuse(('params', named[-1][0]), what, sentence('lower_first'))
 
 
 def _bound(bound: Any, params: Mapping[str, Any]) -> Any:

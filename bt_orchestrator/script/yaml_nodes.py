@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.report import START, Place
 
 Value = bool | int | float | str | None
@@ -165,13 +166,13 @@ def found(node: Node) -> str:
 def found_value(value: object) -> str:
     """Name a plain value, for a message."""
     if value is None:
-        return 'nothing'
+        return sentence('given_nothing')
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, (int, float)):
-        return f'the number {shortened(str(value))}'
+        return sentence('given_number', number=shortened(str(value)))
     if isinstance(value, str):
-        return f'the text {quoted(value)}' if value else 'empty text'
+        return sentence('given_text', text=quoted(value)) if value else 'empty text'
     return 'a mapping' if isinstance(value, Mapping) else 'a list'
 
 

@@ -19,7 +19,7 @@ from bt_orchestrator.engine.asking.recipes import RecipeOrders
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
-from bt_orchestrator.model.jobs.order import Job, WorkOrder
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.model.roles import Role
@@ -39,7 +39,7 @@ from bt_orchestrator.ports import (
 from bt_orchestrator.script.lookup import find_below
 from bt_orchestrator.script.orders.by_recipe import recipes
 from bt_orchestrator.script.orders.desk import ANY_PATH
-from bt_orchestrator.script.orders.plain_order import bound, mistakes, order_from
+from bt_orchestrator.script.orders.plain_order import bound, draft_of
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.sim.made_before import MadeBefore, Make
 from bt_orchestrator.sim.proposing import Proposing
@@ -113,13 +113,24 @@ class EngineWhatIf:
 
     def check(self, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order would be queued: it is read, and then the engine is asked."""
-        wrong = mistakes(order)
-        if wrong:
-            return _with_mistakes(self._all_mistakes(order) or wrong)
-        given = order_from(order)
+        given, wrong = draft_of(order)
+        if given is None:
+            return _with_mistakes(wrong)
+        found = self._checked(order, given, wrong)
+        if given.recipe is None or not any(_is_of_choice(one.field) for one in found.wrong):
+            return found
+        # Without them another script is made, which tells what else is wrong.
+        plain = replace(given, recipe=RecipeChoice(given.recipe.recipes))
+        more = self._checked(order, plain, wrong)
+        return _with_mistakes(tuple(dict.fromkeys((*found.wrong, *more.wrong))))
+
+    def _checked(
+        self, order: Mapping[str, object], given: WorkOrder, wrong: tuple[WrongField, ...]
+    ) -> CheckedOrder:
         elsewhere = self._elsewhere(given)
         if elsewhere is not None:
-            return CheckedOrder(True, elsewhere, is_checked=False)
+            unchecked = CheckedOrder(True, elsewhere, is_checked=False)
+            return _with_mistakes(wrong) if wrong else unchecked
         if given.recipe is not None:
             with closing(self._begin()) as run:
                 without = _lost(run)
@@ -127,8 +138,9 @@ class EngineWhatIf:
         with closing(self._begin()) as run:
             script = self._script(run, given)
             if isinstance(script, CheckedOrder):
-                return script
-            job = self._bound(run, order, script)
+                return _with_mistakes((*wrong, *script.wrong)) if wrong else script
+            types = action_types(run.state.cell, self._types)
+            job = bound(order, script, types, run.state.cell.most_items)
             if not isinstance(job, Job):
                 return _with_mistakes(job)
             if order.get('order') in run.state.jobs:
@@ -137,19 +149,6 @@ class EngineWhatIf:
             asked = ask('queue.add', NOBODY, orders=[given])
             answer = self._node(run).answer(asked)
             return CheckedOrder(answer.accepted, '' if answer.accepted else answer.message)
-
-    def _all_mistakes(self, order: Mapping[str, object]) -> tuple[WrongField, ...]:
-        """Return every mistake of an order; empty: no script of it can be read here."""
-        with closing(self._begin()) as run:
-            script = self._desk(run).script(str(order.get('script') or ''))
-            job = self._bound(run, order, script) if isinstance(script, Script) else ()
-        return () if isinstance(job, Job) else job
-
-    def _bound(
-        self, run: RunOn, order: Mapping[str, object], script: Script
-    ) -> Job | tuple[WrongField, ...]:
-        cell = run.state.cell
-        return bound(order, script, action_types(cell, self._types), cell.most_items)
 
     def _elsewhere(self, order: WorkOrder) -> str | None:
         """Say why only the node can check an order: what it names is not here; None: it is."""
@@ -281,6 +280,10 @@ def _unlooked(state: CellState, requests: Sequence[Asked]) -> Iterator[str]:
     if names and state.order_ids.sealed:
         ids = listed(names, '')
         yield f'whether {ids} was used before is not known here: the node alone has the oldest ids'
+
+
+def _is_of_choice(field: str) -> bool:
+    return field == 'version' or field.startswith('bind')
 
 
 def _with_mistakes(wrong: Sequence[WrongField]) -> CheckedOrder:

@@ -257,7 +257,7 @@ def _quantity(
         report.keep(places.finding(Wrong('quantity', what, 'add for instance `quantity: 12`')))
         return 1
     if type(quantity) is not int or not 1 <= quantity <= LARGEST_WHOLE:
-        what = sentence('quantity', most=LARGEST_WHOLE, found=found_value(quantity))
+        what = sentence('quantity', most=LARGEST_WHOLE, given=found_value(quantity))
         report.keep(places.finding(Wrong('quantity', what, sentence('one_item'))))
         return 1
     if quantity > most:
@@ -294,14 +294,15 @@ def _bound(parameter: Parameter, order: WorkOrder, places: OrderPlaces, report: 
         return parameter.default
     if name not in order.params:
         if parameter.required:
-            what = f'the parameter `{name}` is missing'
-            hint = f'add `{name}`, of type {parameter.type}, to `params`'
+            what = sentence('param_missing', name=name)
+            hint = sentence('param_add', name=name, type=parameter.type)
             report.keep(places.finding(Wrong(f'params.{name}', what, hint)))
         return parameter.default
     value = order.params[name]
     problem = misfit(value, PARAMETER_TYPES[parameter.type])
     if problem is not None:
-        what = f'the parameter `{name}` must be {problem.needed}, not {found_value(value)}'
+        given = found_value(value)
+        what = sentence('param', name=name, needed=problem.needed, given=given)
         report.keep(places.finding(Wrong(f'params.{name}', what, problem.hint)))
         return None
     return float(value) if parameter.type == 'float' else value

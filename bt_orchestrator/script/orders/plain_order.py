@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import MOST_ITEMS
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
@@ -35,13 +35,18 @@ def order_from(plain: Plain) -> WorkOrder:
     return parse_order(_text(plain), _name(plain)).order
 
 
-def mistakes(plain: Plain) -> tuple[WrongField, ...]:
-    """Return the mistakes that an order has whatever its script is."""
+def draft_of(plain: Plain) -> tuple[WorkOrder | None, tuple[WrongField, ...]]:
+    """Return an order, and its mistakes that no script changes.
+
+    The order is None if it cannot be known which script or recipe it names.
+    """
+    fields = list(_fields(plain))
     try:
-        order_from(plain)
+        draft = parse_draft(_text(plain), _name(plain))
     except Refused as refused:
-        return _by_field(refused, list(_fields(plain)))
-    return ()
+        return None, _by_field(refused.findings, fields)
+    is_sure = all(map(draft.places.is_sure, ('script', 'recipe')))
+    return draft.order if is_sure else None, _by_field(draft.places.findings, fields)
 
 
 def bound(
@@ -64,7 +69,7 @@ def bound(
         places = replace(draft.places, places={**known, **draft.places.places})
         return bind_order(order, script, order.order or script.name, places, types, most_items)
     except Refused as refused:
-        return _by_field(refused, fields)
+        return _by_field(refused.findings, fields)
 
 
 class _Field(NamedTuple):
@@ -104,11 +109,10 @@ def _left_open(plain: Plain, script: Script) -> Iterator[_Field]:
     yield from (_Field(end + number, path) for number, path in enumerate(paths))
 
 
-def _by_field(refused: Refused, fields: Sequence[_Field]) -> tuple[WrongField, ...]:
+def _by_field(findings: Sequence[Finding], fields: Sequence[_Field]) -> tuple[WrongField, ...]:
     """Name the key of each mistake: the last one that begins in its line, or above."""
     lines = [field.line for field in fields]
-    paths = [fields[bisect(lines, finding.line) - 1].path for finding in refused.findings]
     return tuple(
-        WrongField(path, finding.what, finding.hint)
-        for path, finding in zip(paths, refused.findings, strict=True)
+        WrongField(fields[bisect(lines, one.line) - 1].path, one.what, one.hint)
+        for one in findings
     )

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.order import Terms
 from bt_orchestrator.model.limits import DETAILS_BYTES, DETAILS_DEPTH
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.field_types import Misfit
 from bt_orchestrator.script.fields import Fields, broken_limit
 from bt_orchestrator.script.instants import instant, out_of_range
@@ -90,15 +91,15 @@ def wrong_terms(terms: Terms) -> Iterator[Wrong]:
     """Yield what is wrong, whichever way the order came."""
     limit = broken_limit(ORDER.by_name['priority'], terms.priority)
     if limit is not None:
-        what = f'`priority` must be {limit}, not {found_value(terms.priority)}'
-        yield Wrong('priority', what, 'the higher the more urgent; 0 is for ordinary orders')
+        what = sentence('key', key='priority', needed=limit, given=found_value(terms.priority))
+        yield Wrong('priority', what, sentence('priority_is'))
     moments = {'start': terms.start, 'due': terms.due}
     given = {key: time for key, time in moments.items() if time is not None}
-    misfits = {key: misfit for key, time in given.items() if (misfit := out_of_range(time))}
-    for key, misfit in misfits.items():
-        yield Wrong(key, f'`{key}` must be {misfit.needed}', misfit.hint)
+    misfits = [key for key, time in given.items() if out_of_range(time)]
+    for key in misfits:
+        yield Wrong(key, sentence('years', key=key), sentence('years_why'))
     if len(given) == 2 and not misfits and given['due'] < given['start']:
-        yield Wrong('due', '`due` lies before `start`', 'is one of them of another time zone?')
+        yield Wrong('due', sentence('due_first'), sentence('other_zone'))
     unfit = _unfit(terms.details)
     if unfit is not None:
         yield Wrong('details', f'`details` must have {unfit.needed}', unfit.hint)

@@ -372,6 +372,23 @@ def test_mistakes_of_an_order_by_recipe_stand_at_their_fields(
     assert what in said
 
 
+@pytest.mark.parametrize(
+    ('change', 'fields'),
+    [
+        ({'order': 'a/b', 'priority': 'high'}, {'order', 'priority', 'params.n'}),
+        ({'version': 9, 'quantity': 0}, {'version', 'quantity', 'params.n'}),
+        ({'version': 'x', 'bind': {'glue': 'nobody'}}, {'version', 'bind.glue', 'params.n'}),
+        ({'recipe': [], 'order': 'a/b'}, {'recipe', 'order'}),
+    ],
+)
+def test_all_mistakes_of_an_order_by_recipe_are_told_at_once(
+    glued: Glued, change: dict[str, object], fields: set[str]
+) -> None:
+    found = glued.what_if().check({**BOX, 'params': {'n': 'x'}, **change})
+    assert not found.accepted
+    assert sorted(one.field for one in found.wrong) == sorted(fields)
+
+
 def test_a_recipe_that_is_not_here_is_left_to_the_node(glued: Glued) -> None:
     found = glued.what_if().check({**BOX, 'recipe': 'BOX-8'})
     assert (found.accepted, found.is_checked) == (True, False)

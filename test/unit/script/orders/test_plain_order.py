@@ -8,7 +8,7 @@ from fakes.script_texts import LINE, cell, script
 
 from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
-from bt_orchestrator.script.orders.plain_order import bound, mistakes, order_from
+from bt_orchestrator.script.orders.plain_order import bound, draft_of, order_from
 from bt_orchestrator.script.parameter_uses import action_types
 
 SCRIPT = script(
@@ -76,8 +76,11 @@ def test_every_mistake_is_told_at_once() -> None:
 
 
 def test_mistakes_without_a_script() -> None:
-    assert [one.field for one in mistakes({**ORDER, 'priority': 'high'})] == ['priority']
-    assert mistakes({'order': 'WO-7'})[0].what == 'a work order needs the key `script` or `recipe`'
-    assert mistakes(ORDER) == ()
+    draft, (wrong,) = draft_of({**ORDER, 'priority': 'high'})
+    assert draft is not None
+    assert (draft.script, wrong.field) == (ORDER['script'], 'priority')
+    draft, (wrong,) = draft_of({'order': 'WO-7'})
+    assert (draft, wrong.what) == (None, 'a work order needs the key `script` or `recipe`')
+    assert draft_of(ORDER) == (order_from(ORDER), ())
     with pytest.raises(Refused):
         order_from({'order': 'WO-7'})

@@ -14,9 +14,12 @@ from bt_orchestrator.extensions.page.web.scripts.drawing import Drawings
 from bt_orchestrator.extensions.page.web.wording import wordings
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.model.words import sentence
+from bt_orchestrator.script.orders.plain_order import bound
+from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.view.drawing.line_state import Mark
 
 GERMAN = wordings()['de']
@@ -130,6 +133,33 @@ def test_reasons_of_unknown_ends_are_german_each_in_its_sentence() -> None:
 def test_conditions_are_said_and_their_values_stay(words: str, german: str) -> None:
     assert GERMAN.condition(words) == german
     assert wordings()['en'].condition(words) == words
+
+
+def test_mistakes_of_an_order_are_german() -> None:
+    line = Line()
+    params = 'params: {n: {type: int}, lot: {type: str}, hot: {type: bool}}\n'
+    script = line.script(params + THREE)
+    order = {
+        'script': 'made',
+        'quantity': 0,
+        'start': '2026-05-18T06:00:00Z',
+        'due': '2026-05-17T06:00:00Z',
+        'params': {'n': '7x', 'hot': 3},
+    }
+    wrong = bound(order, script, action_types(line.cell, line.types))
+    assert not isinstance(wrong, Job)
+    said = {one.field: GERMAN.message(f'{one.what}; {one.hint}') for one in wrong}
+    assert said == {
+        'quantity': '`quantity` muss mindestens 1 sein, nicht die Zahl 0; zum Beispiel '
+        '`quantity: 12` schreiben',
+        'due': 'das späteste Ende liegt vor dem Beginn; ist eine der Zeiten aus einer anderen '
+        'Zeitzone?',
+        'params.n': 'der Parameter `n` muss eine ganze Zahl (int) sein, nicht der Text `7x`; '
+        'eine ganze Zahl ohne Anführungszeichen schreiben',
+        'params.lot': 'der Parameter `lot` fehlt; `lot` angeben, vom Typ str',
+        'params.hot': 'der Parameter `hot` muss true oder false (bool) sein, nicht die Zahl 3; '
+        'true oder false ohne Anführungszeichen schreiben',
+    }
 
 
 def test_what_a_verdict_expected_is_german() -> None:
