@@ -113,6 +113,10 @@ class Fields:
         number = self._number(key)
         return cast(float, self._default(key)) if number is None else number
 
+    def share(self, key: str) -> float | None:
+        """Return a number from 0 to 1, or None."""
+        return self._number(key)
+
     def timeout(self, key: str, default: float | None) -> float | None:
         """Return a number of seconds, None for the word none, or what holds when absent."""
         node = self._entries[key].value if key in self._entries else None

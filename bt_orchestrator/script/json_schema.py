@@ -193,6 +193,7 @@ _VALUES: Mapping[Kind, Callable[[Key], Schema]] = {
     Kind.WHOLE: _whole,
     Kind.SECONDS: _seconds,
     Kind.TIMEOUT: _timeout,
+    Kind.SHARE: _seconds,
     Kind.SWITCH: lambda _: {'type': 'boolean'},
     Kind.CHOICE: lambda key: {'enum': list(key.choices)},
     Kind.SECTIONS: _sections,

@@ -30,6 +30,7 @@ class Kind(Enum):
     WHOLE = 'a whole number'
     SECONDS = 'a number of seconds'
     TIMEOUT = 'a number of seconds or none'
+    SHARE = 'a number from 0 to 1'
     SWITCH = 'true or false'
     CHOICE = 'one of a few words'
     SECTIONS = 'a section number or a list of them'

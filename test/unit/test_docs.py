@@ -156,6 +156,7 @@ def test_every_option_of_a_script_is_shown_in_an_example() -> None:
 
 
 WITHOUT_RULES = {
+    'a target',
     'a component',
     'the conveyor',
     'a capability',

@@ -11,21 +11,26 @@ from pathlib import Path
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.model.plant.shifts import DAYS, Shifts
+from bt_orchestrator.model.plant.shifts import DAYS, Shift, Shifts
 from bt_orchestrator.script.report import did_you_mean, listing
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.view.report.account.account import of_job, whole
 from bt_orchestrator.view.report.account.calendar import (
-    changed_breaks,
+    day_columns,
     day_on,
     last_begun,
-    planned_within,
+    planned_by,
+    shift_columns,
     shift_on,
+    today,
     zone_of,
 )
 from bt_orchestrator.view.report.account.period import Period
-from bt_orchestrator.view.report.account.planned import Planned, us_of
+from bt_orchestrator.view.report.account.planned import us_of
 from bt_orchestrator.view.report.reading import Reading
+
+MOST_DAYS = 92
+"""A quarter of a year: the most columns of a report."""
 
 
 class NoShift(OrchestratorError):
@@ -43,7 +48,20 @@ def add_which_options(parser: argparse.ArgumentParser) -> None:
         '--day',
         type=_day,
         metavar='DATE',
-        help='with --shift: the one that began on this day; else this whole day',
+        help='with --shift: the one that began on this day; else this whole day; with --days: the '
+        'last of them',
+    )
+    parser.add_argument(
+        '--days',
+        type=_days,
+        metavar='N',
+        help='side by side: the last N days, today as far as it has gone; with --shift: that '
+        'shift on each of them',
+    )
+    parser.add_argument(
+        '--each-shift',
+        action='store_true',
+        help='with --days: a column for each shift of the file in place of each day',
     )
     parser.add_argument(
         '--shifts',
@@ -67,13 +85,28 @@ def period_of(args: argparse.Namespace, reading: Reading) -> Period:
         assert shifts is not None
         return _of_shift(args, shifts)
     period = _without_shift(args, reading, shifts)
-    if shifts is None:
-        return period
-    planned = planned_within(shifts, *period.on_clock)
-    if period.steady is not None:
-        planned = Planned.of(period.steady.when_shown(planned.pieces))
-    breaks = changed_breaks(shifts, *period.on_clock)
-    return replace(period, planned=planned, zone=zone_of(shifts), breaks=breaks)
+    return period if shifts is None else planned_by(shifts, period)
+
+
+def periods_of(args: argparse.Namespace) -> list[tuple[str, Period]]:
+    """Return the days, or the shifts on them, that `--days` names: each with a short title.
+
+    :raises WrongUse: the options contradict each other
+    :raises NoShift: there is no such shift, or none of them has begun
+    :raises Refused: the file of shifts has mistakes
+    """
+    _refuse_contradictions(args)
+    shifts = None if args.shifts is None else read_shifts(args.shifts)
+    now = time.time()
+    last = args.day or today(shifts, now)
+    if shifts is None or (args.shift is None and not args.each_shift):
+        return day_columns(shifts, last, args.days, now)
+    if args.shift is not None:
+        shifts = replace(shifts, shifts={args.shift: _named(args, shifts)})
+    begun = shift_columns(shifts, last, args.days, now)
+    if not begun:
+        raise NoShift(f'no shift of {args.shifts} has begun on the {args.days} days to {last}')
+    return begun
 
 
 def _refuse_contradictions(args: argparse.Namespace) -> None:
@@ -89,6 +122,23 @@ def _refuse_contradictions(args: argparse.Namespace) -> None:
         raise WrongUse('--shift needs the file in which the shifts are: --shifts FILE')
     if args.since is not None and args.until is not None and args.since >= args.until:
         raise WrongUse('--from has to be before --to; exchange them')
+    _refuse_with_days(args, given)
+
+
+def _refuse_with_days(args: argparse.Namespace, given: list[str]) -> None:
+    if args.days is None:
+        if args.each_shift:
+            raise WrongUse(
+                '--each-shift says what the columns are: --days N says of how many days'
+            )
+        return
+    named = [name for name in given if name != '--shift or --day']
+    if named:
+        raise WrongUse(f'--days and {named[0]} name a period each; leave one of them out')
+    if args.each_shift and args.shifts is None:
+        raise WrongUse('--each-shift needs the file in which the shifts are: --shifts FILE')
+    if args.each_shift and args.shift is not None:
+        raise WrongUse('--each-shift is all shifts, --shift one of them; leave one of them out')
 
 
 def _without_shift(args: argparse.Namespace, reading: Reading, shifts: Shifts | None) -> Period:
@@ -112,10 +162,7 @@ def _of_shift(args: argparse.Namespace, shifts: Shifts) -> Period:
 
     :raises NoShift: there is none of this name, or none on this day
     """
-    shift = shifts.shifts.get(args.shift)
-    if shift is None:
-        hint = did_you_mean(args.shift, shifts.shifts, f'it has {listing(shifts.shifts)}')
-        raise NoShift(f'{args.shifts} has no shift {args.shift}; {hint}')
+    shift = _named(args, shifts)
     zone, now = zone_of(shifts), time.time()
     day = last_begun(shift, zone, now) if args.day is None else args.day
     assert day is not None, 'a shift begins on some day of every week'
@@ -125,7 +172,24 @@ def _of_shift(args: argparse.Namespace, shifts: Shifts) -> Period:
     period = shift_on(shift, day, zone, now)
     if period.begin_us >= period.end_us:
         raise NoShift(f'shift {shift.name} of {day} has not begun yet')
-    return period
+    return replace(period, targets=shifts.targets)
+
+
+def _named(args: argparse.Namespace, shifts: Shifts) -> Shift:
+    shift = shifts.shifts.get(args.shift)
+    if shift is None:
+        hint = did_you_mean(args.shift, shifts.shifts, f'it has {listing(shifts.shifts)}')
+        raise NoShift(f'{args.shifts} has no shift {args.shift}; {hint}')
+    return shift
+
+
+def _days(text: str) -> int:
+    if not text.isascii() or not text.isdecimal() or not 2 <= int(text[:4]) <= MOST_DAYS:
+        raise argparse.ArgumentTypeError(
+            f'expected a number of days from 2 to {MOST_DAYS}, found {text!r}; for one day there '
+            'is --day'
+        )
+    return int(text)
 
 
 def _day(text: str) -> date:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import IO
 
@@ -18,9 +20,17 @@ from bt_orchestrator.cli.reporting.durations import (
     durations_text,
 )
 from bt_orchestrator.cli.reporting.following import add_follow_options, follow
-from bt_orchestrator.cli.reporting.periods import add_which_options, period_of
+from bt_orchestrator.cli.reporting.periods import add_which_options, period_of, periods_of
+from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.view.report.account.account import Account, account
+from bt_orchestrator.view.report.account.beside import Beside, beside
+from bt_orchestrator.view.report.account.beside_words import (
+    beside_plain,
+    beside_text,
+    write_beside_csv,
+)
+from bt_orchestrator.view.report.account.named_figures import By
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.plain import account_plain
 from bt_orchestrator.view.report.account.rows import write_csv
@@ -30,8 +40,10 @@ from bt_orchestrator.view.report.reading import Reading
 DESCRIPTION = """\
 Print the account of a shift, a day, a job, or of a whole journal. It has quantities, the rate
 against the pace, OEE with every loss of time down to its holds, stop reasons, failing tasks,
-MTBF and MTTR. With --follow it shows the shift that runs, as it grows. The journal is only read;
-its node may run or not. docs/account.md has the definitions."""
+MTBF and MTTR. With --days it shows days or shifts side by side. With --by it shows products, jobs
+or components. With --follow it shows the
+shift that runs, as it grows. The journal is only read; its node may run or not. docs/account.md
+has the definitions."""
 
 EPILOG = """\
 exit status: 0 done, 1 refused, nothing to report, or a record is damaged, 2 wrong use"""
@@ -51,6 +63,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'and no OEE',
     )
     add_which_options(parser)
+    parser.add_argument(
+        '--by',
+        choices=[one.value for one in By],
+        help='what was made by product (recipe or script) or by job, or lost by component',
+    )
     form = parser.add_mutually_exclusive_group()
     form.add_argument(
         '--html', action='store_true', help='as one page for a browser, or for paper'
@@ -67,6 +84,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 if a record is damaged."""
     tells_durations = are_wanted(args)
+    if tells_durations and (args.days or args.by):
+        raise WrongUse('--durations goes over one period: leave --days and --by out')
     cell = None
     if args.cell is not None:
         cell = bootstrap.load_cell(args.cell, bootstrap.installed_types())
@@ -74,13 +93,24 @@ def run(args: argparse.Namespace) -> int:
         return follow(args, cell)
     with closing(open_records(args.journal)) as records:
         reading = Reading(records, say_damage)
-        period = period_of(args, reading)
         if tells_durations:
-            return _tell_durations(reading, period, args, cell)
-        made = account(reading, period, cell)
+            return _tell_durations(reading, period_of(args, reading), args, cell)
+        write = _prepared(reading, args, cell)
     with opened(args.output) as file:
-        _write(made, args, file)
+        write(file)
     return 1 if reading.lost else 0
+
+
+def _prepared(
+    reading: Reading, args: argparse.Namespace, cell: Cell | None
+) -> Callable[[IO[str]], None]:
+    """Read all that a report needs; returns what writes it."""
+    if args.days is not None:
+        return partial(_write_beside, beside(reading, periods_of(args), cell), args)
+    period = period_of(args, reading)
+    if args.by is not None:
+        return partial(_write_beside, beside(reading, [(period.name, period)], cell), args)
+    return partial(_write, account(reading, period, cell), args)
 
 
 def _tell_durations(
@@ -103,3 +133,17 @@ def _write(made: Account, args: argparse.Namespace, file: IO[str]) -> None:
         file.write(json.dumps(account_plain(made), ensure_ascii=False) + '\n')
     else:
         file.writelines(f'{line}\n' for line in account_text(made))
+
+
+def _write_beside(made: Beside, args: argparse.Namespace, file: IO[str]) -> None:
+    by = None if args.by is None else By(args.by)
+    if args.html:
+        from bt_orchestrator.view.drawing.account.beside_page import beside_page
+
+        file.write(beside_page(made, by))
+    elif args.csv:
+        write_beside_csv(made, by, file)
+    elif args.json:
+        file.write(json.dumps(beside_plain(made, by), ensure_ascii=False) + '\n')
+    else:
+        file.writelines(f'{line}\n' for line in beside_text(made, by))

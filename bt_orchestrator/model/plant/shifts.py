@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from fractions import Fraction
 
 DAY_MIN = 24 * 60
 EVERY_DAY = tuple(range(7))
@@ -45,3 +46,5 @@ class Shifts:
     shifts: Mapping[str, Shift]
     zone: str = ''
     """Name of the time zone (IANA); empty: that of the computer."""
+    targets: Mapping[str, Fraction] = field(default_factory=dict)
+    """Figures that the plant wants, by name (`oee`, `availability`, `performance`, `quality`)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
@@ -10,7 +11,7 @@ from bt_orchestrator.model.plant.shifts import DAYS, EVERY_DAY, Hours, Shift, Sh
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
 from bt_orchestrator.script.names import check_id
 from bt_orchestrator.script.report import Report, did_you_mean, listing
-from bt_orchestrator.script.shifts.shifts_keys import CLOCK_FORM, SHIFT, SHIFTS
+from bt_orchestrator.script.shifts.shifts_keys import CLOCK_FORM, SHIFT, SHIFTS, TARGET
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.yaml_nodes import quoted
 
@@ -30,7 +31,7 @@ def parse_shifts(text: str, file: str) -> Shifts:
     """
     report = Report(file)
     fields = file_fields(text, SHIFTS, report)
-    shifts = Shifts(_shifts(fields), _zone(fields))
+    shifts = Shifts(_shifts(fields), _zone(fields), _targets(fields))
     report.refuse()
     return shifts
 
@@ -92,6 +93,14 @@ def _days(fields: Fields) -> tuple[int, ...]:
             hint = did_you_mean(node.text, DAYS, f'write some of {listing(DAYS, longest=7)}')
             fields.report.add(node.place, f'no day is named {quoted(node.text)}', hint)
     return tuple(sorted(set(found))) or EVERY_DAY
+
+
+def _targets(fields: Fields) -> dict[str, Fraction]:
+    target = fields.table('target')
+    if target is None:
+        return {}
+    wanted = {key.name: target.share(key.name) for key in TARGET.keys}
+    return {name: Fraction(str(value)) for name, value in wanted.items() if value is not None}
 
 
 def _zone(fields: Fields) -> str:

@@ -49,6 +49,19 @@ SHIFT = Table(
     ),
 )
 
+TARGET = Table(
+    'a target',
+    tuple(
+        Key(name, Kind.SHARE, meaning, example, minimum=0, maximum=1)
+        for name, meaning, example in (
+            ('oee', 'OEE that the plant wants', '0.75'),
+            ('availability', 'the same for the availability', '0.9'),
+            ('performance', 'the same for the performance', '0.9'),
+            ('quality', 'the same for the quality', '0.98'),
+        )
+    ),
+)
+
 SHIFTS = Table(
     'a file of shifts',
     (
@@ -67,6 +80,13 @@ SHIFTS = Table(
             Kind.TEXT,
             'time zone of all times in the file (IANA name); absent: that of the computer',
             'Europe/Berlin',
+        ),
+        Key(
+            'target',
+            Kind.TABLE,
+            'figures that the plant wants; a report says where they are reached',
+            '{oee: 0.75}',
+            of=(TARGET,),
         ),
     ),
 )

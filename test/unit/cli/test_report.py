@@ -92,6 +92,64 @@ def test_a_table_in_a_file(journal: Path, tmp_path: Path) -> None:
 
 
 @pytest.fixture
+def of_days(journal: Path) -> tuple[str, ...]:
+    """Options for the two days to the one of the journal, which is the second."""
+    folder = journal.parent
+    files = ('--shifts', str(folder / 'shifts.yaml'), '--cell', str(folder / 'cell.yaml'))
+    return '--days', '2', '--day', '2026-05-18', *files
+
+
+def test_days_and_shifts_side_by_side(
+    journal: Path, capsys: pytest.CaptureFixture[str], of_days: tuple[str, ...]
+) -> None:
+    assert report(journal, *of_days) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith('cell test_line, 2026-05-17 to 2026-05-18, 2026-05-17 00:00:00 to ')
+    (lost,) = (line.split()[3:] for line in lines if line.startswith('- own fault'))
+    assert lost == ['-', '0:22:00', '0:22:00']
+    early = plain(journal, capsys, *of_days, '--shift', 'early')
+    each = plain(journal, capsys, *of_days, '--each-shift')
+    assert early == each
+    assert [one['title'] for one in each['columns']] == ['early 05-17', 'early 05-18']  # type: ignore[attr-defined]
+    alone = plain(journal, capsys, *of_shift(journal), *of_days[-2:])
+    rows = {one['name']: one for one in each['groups'][0]['rows']}  # type: ignore[index]
+    assert rows['own_fault']['values'] == [None, alone['losses']['own_fault']]  # type: ignore[index]
+    assert rows['oee']['values'] == [None, alone['oee']['oee']]  # type: ignore[index]
+
+
+def test_side_by_side_as_a_table_and_as_a_page(
+    journal: Path, tmp_path: Path, of_days: tuple[str, ...]
+) -> None:
+    out = tmp_path / 'days.csv'
+    assert report(journal, *of_days, '--csv', '-o', str(out)) == 0
+    with out.open(encoding='utf-8', newline='') as file:
+        told = {(row['column'], row['figure']): row['value'] for row in csv.DictReader(file)}
+    assert (told['Mon 05-18', 'good'], told['Sun 05-17', 'good']) == ('500', '')
+    assert told['together', 'own_fault'] == '1320.0'
+    page = tmp_path / 'days.html'
+    assert report(journal, *of_days, '--html', '-o', str(page)) == 0
+    assert '<b>cleared the jam' not in page.read_text(encoding='utf-8')
+    assert 'retry by ann: cleared the jam' in page.read_text(encoding='utf-8')
+
+
+@pytest.mark.parametrize(
+    ('by', 'line'),
+    [
+        ('product', 'test       518   500              6        10        2            96.5 %'),
+        ('job', 'J       518   500              6        10        2            96.5 %'),
+        ('component', 'a2  0:20:00      1         1  7:00:00  0:20:00                2'),
+    ],
+)
+def test_by_what_was_made_and_what_failed(
+    journal: Path, capsys: pytest.CaptureFixture[str], by: str, line: str
+) -> None:
+    assert report(journal, *of_shift(journal), '--by', by) == 0
+    assert line in capsys.readouterr().out
+    assert report(journal, *of_shift(journal), '--by', by, '--html') == 0
+    assert f'By {by}' in capsys.readouterr().out
+
+
+@pytest.fixture
 def journal_at(
     journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Callable[[str], Path]:
@@ -165,6 +223,23 @@ MISTAKES = {
     ('--job', 'K'): 'knows no start of job K; history --job K shows what it has',
     ('--day', '2026-05-10'): 'the journal has no event of 2026-05-10',
     ('--from', '2026-05-20T12:00Z'): 'the journal has no event of period (from 2026-05-2',
+    ('--days', '7', '--job', 'J'): '--days and --job name a period each; leave one of them out',
+    (
+        '--days',
+        '1',
+    ): "expected a number of days from 2 to 92, found '1'; for one day there is --day",
+    ('--each-shift',): '--each-shift says what the columns are: --days N says of how many days',
+    ('--days', '7', '--each-shift'): (
+        '--each-shift needs the file in which the shifts are: --shifts FILE'
+    ),
+    (
+        '--days',
+        '7',
+        '--durations',
+        '--cell',
+        'x',
+    ): '--durations goes over one period: leave --days',
+    ('--follow', '--days', '7'): '--follow shows what goes on until now; leave --days out',
     ('--day', '18.5.2026'): "'18.5.2026' is not a day; write 2026-05-17",
 }
 

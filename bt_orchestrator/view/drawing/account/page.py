@@ -42,7 +42,7 @@ def _write(page: Html, account: Account) -> None:
     sheet = page.add('article', class_='account')
     shown = account.figures
     _head(sheet, account)
-    _tiles(sheet, shown)
+    _tiles(sheet, account)
     _facts(sheet, shown)
     waterfall(sheet, shown)
     stops(sheet, shown)
@@ -64,10 +64,12 @@ def _head(sheet: Html, account: Account) -> None:
     sheet.add('p', when, class_='sub')
 
 
-def _tiles(sheet: Html, shown: Figures) -> None:
-    times = shown.times
+def _tiles(sheet: Html, account: Account) -> None:
+    shown, times = account.figures, account.figures.times
     tiles = sheet.add('div', class_='tiles')
-    _tile(tiles, 'OEE', shown.oee, PRODUCT, 'tile first')
+    goal = account.period.targets.get('oee')
+    aim = PRODUCT if goal is None else f'{PRODUCT}; target {percent(goal)}'
+    _tile(tiles, 'OEE', shown.oee, aim, 'tile first')
     up = f'{duration(times.production_us)} of {duration(times.busy_us)}'
     _tile(tiles, 'Availability', shown.availability, up)
     pace = f'{_seconds(shown.pace_us)} at the pace, {_seconds(shown.per_item_us)} taken'

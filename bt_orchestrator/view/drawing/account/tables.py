@@ -42,7 +42,7 @@ BAR = Column('', 'bar')
 def waterfall(sheet: Html, shown: Figures) -> None:
     """Write from the planned time over every loss to what is left at the end."""
     numbers = _numbers('time', 'of planned')
-    body = _table(sheet, 'Where the time went', (Column(''), BAR, *numbers), 'whole')
+    body = add_table(sheet, 'Where the time went', (Column(''), BAR, *numbers), 'whole')
     left = Fraction(0)
     for one in shown.steps_seen():
         begin, left = (left, left - one.us) if one.loss else (Fraction(0), one.us)
@@ -50,7 +50,9 @@ def waterfall(sheet: Html, shown: Figures) -> None:
             '', drawing=bar(*(shown.of_planned(us) or Fraction(0) for us in (begin, left)))
         )
         told = (TableCell(_signed(one)), TableCell(percent(shown.of_planned(one.us))))
-        _row(body, (TableCell(one.title), drawn, *told), (Column(''), BAR, *numbers), _kind(one))
+        add_row(
+            body, (TableCell(one.title), drawn, *told), (Column(''), BAR, *numbers), _kind(one)
+        )
 
 
 def _kind(one: Bar) -> str:
@@ -72,14 +74,14 @@ def stops(sheet: Html, shown: Figures) -> None:
     if not found:
         return
     columns = (Column(''), BAR, *_numbers('time', 'times', 'so far'))
-    body = _table(sheet, 'Stops', columns)
+    body = add_table(sheet, 'Stops', columns)
     whole, so_far = sum(one.us for one in found), 0
     for one in found:
         so_far += one.us
         name = TableCell(WORDS[one.loss].title, one.about)
         drawn = TableCell('', drawing=bar(0, Fraction(one.us, found[0].us)))
         texts = (duration(one.us), str(one.times), percent(Fraction(so_far, whole)))
-        _row(body, (name, drawn, *map(TableCell, texts)), columns, _step(Step.AVAILABILITY))
+        add_row(body, (name, drawn, *map(TableCell, texts)), columns, _step(Step.AVAILABILITY))
 
 
 def holds(sheet: Html, account: Account) -> None:
@@ -88,9 +90,9 @@ def holds(sheet: Html, account: Account) -> None:
     if times.holds:
         when = (Column('from', 'time'), Column('to', 'time'))
         columns = (*when, Column('lost', 'number'), Column('what'), Column('answer'))
-        body = _table(sheet, 'Holds', columns)
+        body = add_table(sheet, 'Holds', columns)
         for held in times.holds:
-            _row(body, _hold(account, held), columns)
+            add_row(body, _hold(account, held), columns)
     if times.holds_left_out:
         us = sum(times.left_out_us.values())
         sheet.add('p', f'and {times.holds_left_out} others, {duration(us)} together')
@@ -113,13 +115,13 @@ def made(sheet: Html, shown: Figures) -> None:
         return
     titles = ('pace', 'good', 'nonconforming', 'rejected', 'by hand', 'outside')
     columns = (Column('job'), Column('script'), *_numbers(*titles))
-    body = _table(sheet, 'What was made', columns)
+    body = add_table(sheet, 'What was made', columns)
     for one in shown.times.made:
         pace = shown.paces.get(one.digest)
         recipe = f'recipe {one.recipe}' if one.recipe else ''
         counts = (one.good, one.nonconforming, one.rejected, one.by_hand, one.outside)
         texts = (UNKNOWN if pace is None else f'{pace.per_item_s:.1f} s', *map(str, counts))
-        _row(
+        add_row(
             body,
             (TableCell(one.job), TableCell(one.script, recipe), *map(TableCell, texts)),
             columns,
@@ -132,12 +134,12 @@ def failing(sheet: Html, shown: Figures) -> None:
     if not found:
         return
     columns = (Column(''), BAR, *_numbers('times', 'took'))
-    body = _table(sheet, 'Failed attempts', columns)
+    body = add_table(sheet, 'Failed attempts', columns)
     for one in found:
         name = TableCell(one.component or 'nothing sent', f'{one.task}: {one.reason}')
         drawn = TableCell('', drawing=bar(0, Fraction(one.times, found[0].times)))
         numbers = (TableCell(str(one.times)), TableCell(duration(one.us)))
-        _row(body, (name, drawn, *numbers), columns, 'count')
+        add_row(body, (name, drawn, *numbers), columns, 'count')
 
 
 def repairs(sheet: Html, shown: Figures) -> None:
@@ -145,7 +147,7 @@ def repairs(sheet: Html, shown: Figures) -> None:
     if not shown.times.repairs:
         return
     columns = (Column('component'), *_numbers('failures', 'down', 'MTBF', 'MTTR'))
-    body = _table(sheet, 'Components that failed', columns)
+    body = add_table(sheet, 'Components that failed', columns)
     for one in shown.times.repairs:
         times: tuple[Fraction | int, ...] = (
             one.down_us,
@@ -153,7 +155,7 @@ def repairs(sheet: Html, shown: Figures) -> None:
             shown.mttr_us(one),
         )
         texts = (one.component, str(one.failures), *map(duration, times))
-        _row(body, map(TableCell, texts), columns)
+        add_row(body, map(TableCell, texts), columns)
 
 
 # --- tables -----------------------------------------------------------------------------------
@@ -163,7 +165,7 @@ def _numbers(*titles: str) -> tuple[Column, ...]:
     return tuple(Column(title, 'number') for title in titles)
 
 
-def _table(sheet: Html, title: str, columns: Iterable[Column], kind: str = '') -> Html:
+def add_table(sheet: Html, title: str, columns: Iterable[Column], kind: str = '') -> Html:
     """Begin a table below a heading; returns its body."""
     part = sheet.add('section', class_=kind)
     part.add('h2', title)
@@ -174,9 +176,10 @@ def _table(sheet: Html, title: str, columns: Iterable[Column], kind: str = '') -
     return table.add('tbody')
 
 
-def _row(
+def add_row(
     body: Html, cells: Iterable[TableCell], columns: Iterable[Column], kind: str = ''
 ) -> None:
+    """Write a row, as wide as its table."""
     row = body.add('tr', class_=kind)
     for cell, column in zip(cells, columns, strict=True):
         place = row.add('td', cell.text, class_=column.kind)

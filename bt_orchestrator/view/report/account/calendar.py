@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from datetime import date, datetime, time, timedelta, tzinfo
 from typing import NamedTuple
@@ -64,10 +64,16 @@ def shift_at(shifts: Shifts, now: float) -> Now:
 
 def _turns(shifts: Shifts, begin: int, end: int, zone: tzinfo | None) -> Iterator[Turn]:
     """Yield the shifts that begin about between two moments."""
-    for day in _days(begin, end, zone):
+    return turns_on(shifts, _days(begin, end, zone), zone)
+
+
+def turns_on(shifts: Shifts, days: Iterable[date], zone: tzinfo | None) -> Iterator[Turn]:
+    """Yield the shifts that begin on some days, those of a day in the order of the file."""
+    for day in days:
         for shift in shifts.shifts.values():
             if day.weekday() in shift.days:
-                yield Turn(shift.name, day, shift_on(shift, day, zone))
+                period = shift_on(shift, day, zone)
+                yield Turn(shift.name, day, replace(period, targets=shifts.targets))
 
 
 def shift_on(shift: Shift, day: date, zone: tzinfo | None, until: float | None = None) -> Period:
@@ -102,6 +108,60 @@ def last_begun(shift: Shift, zone: tzinfo | None, until: float) -> date | None:
         if day.weekday() in shift.days and _span(shift.hours, day, zone)[0] < us_of(until):
             return day
     return None
+
+
+def today(shifts: Shifts | None, now: float) -> date:
+    """Return the day that the clock of the plant shows.
+
+    :param now: seconds since the epoch
+    """
+    return datetime.fromtimestamp(now, None if shifts is None else zone_of(shifts)).date()
+
+
+def day_columns(
+    shifts: Shifts | None, last: date, count: int, now: float
+) -> list[tuple[str, Period]]:
+    """Return days in a row, each with a short title.
+
+    :param shifts: what of them is planned; None: all
+    :param last: the day of the last column
+    :param now: seconds since the epoch; a day is as long as it has gone
+    """
+    zone = None if shifts is None else zone_of(shifts)
+    found = []
+    for day in _days_to(last, count):
+        period = day_on(day, zone, now)
+        title = f'{day:%a %m-%d}'
+        found.append((title, period if shifts is None else planned_by(shifts, period)))
+    return found
+
+
+def shift_columns(shifts: Shifts, last: date, count: int, now: float) -> list[tuple[str, Period]]:
+    """Return the shifts of days in a row that have begun, each with a short title."""
+    turns = turns_on(shifts, _days_to(last, count), zone_of(shifts))
+    begun = [one for one in turns if one.period.begin_us < us_of(now)]
+    return [
+        (
+            f'{one.shift} {one.day:%m-%d}',
+            replace(one.period, end_us=min(one.period.end_us, us_of(now))),
+        )
+        for one in sorted(begun, key=lambda one: one.period.begin_us)
+    ]
+
+
+def _days_to(last: date, count: int) -> list[date]:
+    return [last - timedelta(days=back) for back in reversed(range(count))]
+
+
+def planned_by(shifts: Shifts, period: Period) -> Period:
+    """Return a period with the planned time of shifts, and their targets."""
+    planned = planned_within(shifts, *period.on_clock)
+    if period.steady is not None:
+        planned = Planned.of(period.steady.when_shown(planned.pieces))
+    breaks = changed_breaks(shifts, *period.on_clock)
+    return replace(
+        period, planned=planned, zone=zone_of(shifts), breaks=breaks, targets=shifts.targets
+    )
 
 
 def planned_within(shifts: Shifts, begin: int, end: int) -> Planned:

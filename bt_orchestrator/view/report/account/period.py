@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime, tzinfo
+from fractions import Fraction
 from typing import NamedTuple
 
 from bt_orchestrator.view.report.account.planned import US, Planned
@@ -40,6 +42,8 @@ class Period:
     """Its moments are of steady time; None: of the clock."""
     breaks: tuple[ChangedBreak, ...] = ()
     """Of its shifts, also later ones; by the clock."""
+    targets: Mapping[str, Fraction] = field(default_factory=dict)
+    """Figures that the plant wants, by name (`oee`), as ratios."""
 
     @classmethod
     def all_planned(

@@ -25,6 +25,7 @@ def account_plain(account: Account) -> dict[str, Any]:
         'notes': list(account.notes()),
         **clock_plain(account.period, account.source.steps),
         'oee': _oee(shown),
+        'targets': {name: _number(ratio) for name, ratio in account.period.targets.items()},
         'lack': None if shown.lack is None else shown.lack.value,
         'quantities': {'produced': shown.produced, 'good': shown.good},
         'rate': {'per_item_s': seconds_of(shown.per_item_us), 'pace_s': seconds_of(shown.pace_us)},

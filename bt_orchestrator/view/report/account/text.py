@@ -24,7 +24,7 @@ def account_text(account: Account) -> Iterator[str]:
     yield f'{cell}{period.name}, {period.when(period.begin_us)} to {period.when(period.end_us)}'
     yield from (f'  {note}' for note in account.notes())
     yield ''
-    yield from _head(shown)
+    yield from _head(shown, period)
     yield from titled('where the time went', _waterfall(shown))
     yield from titled('made', _made(shown))
     yield from titled('stops, the longest first', stop_lines(shown.times))
@@ -43,13 +43,16 @@ def titled(title: str, lines: Iterator[str]) -> Iterator[str]:
         yield from (f'  {line}' for line in lines)
 
 
-def _head(shown: Figures) -> Iterator[str]:
+def _head(shown: Figures, period: Period) -> Iterator[str]:
     parts = (
         f'availability {percent(shown.availability)}',
         f'performance {percent(shown.performance)}',
         f'quality {percent(shown.quality)}',
     )
     yield f'OEE  {percent(shown.oee)} = {" x ".join(parts)}'
+    if period.targets:
+        wanted = (f'{name} {percent(ratio)}' for name, ratio in period.targets.items())
+        yield f'target: {", ".join(wanted)}'
     yield f'made {shown.produced}, {shown.good} of them good'
     if shown.produced:
         yield f'rate {rate(shown.per_item_us)} of production; the pace is {rate(shown.pace_us)}'

@@ -48,6 +48,12 @@ MISTAKES = {
         's.yaml:2:7: this computer knows no time zone `Berlin/Europe`; write for instance '
         '`zone: Europe/Berlin`; the package tzdata has them all'
     ),
+    f'{EARLY}}}}}\ntarget: {{oee: 75}}': (
+        's.yaml:2:15: `oee` must be at most 1, not the number 75; write for instance `oee: 0.75`'
+    ),
+    f'{EARLY}}}}}\ntarget: {{oe: 0.75}}': (
+        's.yaml:2:10: a target has no key `oe`; did you mean `oee`?'
+    ),
     'shifts: {}': (
         's.yaml:1:9: no shift is named; write for instance '
         '`shifts: {early: {from: 06:00, to: 14:00}}`'

@@ -31,6 +31,7 @@ def shift_part(live: Live | None, why_not: str) -> dict[str, Any]:
         'availability': _ratio(shown.availability),
         'performance': _ratio(shown.performance),
         'quality': _ratio(shown.quality),
+        'targets': {name: _ratio(target) for name, target in period.targets.items()},
         'has_pace': shown.has_paces,
         'lack': None if shown.lack is None else shown.lack.value,
         'produced': shown.produced,

@@ -12,9 +12,11 @@ from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.page.web.account.part import shift_part
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
 from bt_orchestrator.extensions.page.web.seams import Plant
-from bt_orchestrator.view.report.account.calendar import shift_at
+from bt_orchestrator.view.report.account.beside import Beside, beside
+from bt_orchestrator.view.report.account.calendar import day_columns, shift_at, today
 from bt_orchestrator.view.report.account.live import Live, LiveAccount
 from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.reading import Reading
 
 log = logging.getLogger(__name__)
 
@@ -41,6 +43,7 @@ class ShiftWatch:
         """The first look has not ended: of a journal without books it takes some seconds."""
         self._archive = archive
         self._tell = tell
+        self._plant = plant
         if plant is not None:
             period_at = partial(shift_at, plant.shifts)
             self._account = LiveAccount(period_at, plant.cell, _quiet)
@@ -64,6 +67,22 @@ class ShiftWatch:
             self.live, self.why_not = None, str(error)
         finally:
             self.is_reading = False
+
+    async def days(self, count: int) -> Beside:
+        """Read the accounts of the last days, today as far as it has gone.
+
+        :raises NothingToReport: the journal has nothing of them
+        :raises JournalUnusable: it cannot be read
+        """
+        plant = self._plant
+        assert plant is not None, 'there are no shifts'
+        now = time.time()
+        columns = day_columns(plant.shifts, today(plant.shifts, now), count, now)
+
+        def read(look: Look) -> Beside:
+            return beside(Reading(look.records, _quiet), columns, plant.cell)
+
+        return await self._archive.read(read)
 
     def parts(self) -> Mapping[str, object]:
         """Return what the page shows; nothing if it knows no shifts."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
+from datetime import date
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -25,9 +26,11 @@ from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Records
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
+from bt_orchestrator.view.drawing.account.beside_page import beside_page
 from bt_orchestrator.view.drawing.account.page import account_page
 from bt_orchestrator.view.report.account.account import account
-from bt_orchestrator.view.report.account.calendar import shift_at
+from bt_orchestrator.view.report.account.beside import beside
+from bt_orchestrator.view.report.account.calendar import day_columns, shift_at
 from bt_orchestrator.view.report.account.live import LiveAccount
 from bt_orchestrator.view.report.account.live_words import live_plain
 from bt_orchestrator.view.report.account.losses import Loss
@@ -218,11 +221,35 @@ def test_the_account_and_its_document(bench: ShiftBench) -> None:
     assert answer.headers['content-disposition'] == named
 
 
+def test_the_last_days_are_a_document(bench: ShiftBench) -> None:
+    answer = bench.browser().get('/api/shift/days.html')
+    read = Reading(journal('12:05'))
+    columns = day_columns(PLANT.shifts, date(2026, 5, 18), 7, at('12:05'))
+    assert answer.body.decode() == beside_page(beside(read, columns, PLANT.cell), None)
+    assert 'Mon 05-18' in answer.body.decode()
+    named = "attachment; filename*=UTF-8''2026-05-12-to-2026-05-18.html"
+    assert answer.headers['content-disposition'] == named
+    bench.journal = lambda: MemoryRecords(MemoryStore('day'))
+    answer = bench.browser().get('/api/shift/days.html')
+    assert (answer.status, 'it has none at all' in answer.json['message']) == (503, True)
+
+
+def test_the_targets_of_the_plant_are_beside_the_figures(
+    start: Start, clock: Callable[[str], None]
+) -> None:
+    clock('12:05')
+    shifts = parse_shifts(f'{SHIFTS}target: {{oee: 0.75}}\n', 'shifts.yaml')
+    bench = start(Plant(shifts, LINE.cell))
+    assert bench.look()['targets'] == {'oee': 0.75}
+    assert bench.browser().get('/api/shift').json['targets'] == {'oee': 0.75}
+    assert 'target 75.0 %' in bench.browser().get('/api/shift/report.html').body.decode()
+
+
 def test_without_a_file_of_shifts_there_is_nothing(start: Start) -> None:
     bench = start(None)
     bench.loop.run_until_complete(bench.watch.run())
     assert bench.watch.parts() == {}
-    for path in ('/api/shift', '/api/shift/report.html'):
+    for path in ('/api/shift', '/api/shift/report.html', '/api/shift/days.html'):
         answer = bench.browser().get(path)
         assert (answer.status, '--shifts FILE' in answer.json['message']) == (404, True)
     assert samples(bench) == {'bt_orchestrator_node_silent_seconds{node="/n"}': 0.25}

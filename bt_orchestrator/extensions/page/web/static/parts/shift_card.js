@@ -5,6 +5,7 @@ import { part, shownMoment } from '../core/store.js';
 import { about, difference, duration, number, ratio, seconds, t, tOr } from '../core/text.js';
 
 const REPORT = '/api/shift/report.html';
+const DAYS = '/api/shift/days.html';
 const FACTORS = ['availability', 'performance', 'quality'];
 const MOST_LOSSES = 6;
 const SHORT_S = 2;
@@ -14,6 +15,8 @@ export function shiftCard() {
   const name = h('h2', {});
   const when = h('span', { class: 'shift-when quiet' });
   const report = h('a', { class: 'button', href: REPORT, download: '' }, t('shift.report'));
+  const days = h('a', { class: 'button', href: DAYS, download: '' }, t('shift.days'));
+  const target = h('span', { class: 'shift-target quiet' });
   const oee = h('strong', { class: 'shift-oee', 'data-figure': 'oee' });
   const factors = FACTORS.map(factor);
   const made = h('p', { class: 'shift-made' });
@@ -26,7 +29,7 @@ export function shiftCard() {
     h(
       'div',
       { class: 'shift-figures' },
-      h('p', { class: 'shift-whole' }, h('span', {}, t('shift.oee')), oee),
+      h('p', { class: 'shift-whole' }, h('span', {}, t('shift.oee')), oee, target),
       factors.map((one) => one.element),
     ),
     made,
@@ -36,7 +39,7 @@ export function shiftCard() {
   const element = h(
     'section',
     { class: 'panel shift', 'data-part': 'shift' },
-    h('div', { class: 'shift-head' }, name, when, report),
+    h('div', { class: 'shift-head' }, name, when, report, days),
     figures,
     note,
   );
@@ -53,13 +56,15 @@ export function shiftCard() {
       attribute(element, 'data-runs', isKnown && shift.runs);
       attribute(element, 'aria-busy', shift.is_reading ? 'true' : null);
       text(name, isKnown ? t('shift.title', { name: shift.shift }) : t('shift.none'));
-      [figures, when, report].forEach((one) => show(one, isKnown));
+      [figures, when, report, days].forEach((one) => show(one, isKnown));
       const lacks = isKnown ? lackWords(shift) : noneWords(shift);
       text(note, lacks);
       show(note, lacks);
       if (!isKnown) return;
       text(when, whenWords(shift));
       text(oee, ratio(shift.oee));
+      show(target, shift.targets.oee);
+      text(target, t('shift.target', { target: ratio(shift.targets.oee) }));
       factors.forEach((one) => one.update(shift));
       text(made, madeWords(shift));
       losses.update(shift);

@@ -1,0 +1,165 @@
+"""The figures of an account by name: those of the line, of a product, of a job, of a component."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from enum import Enum
+from fractions import Fraction
+from typing import NamedTuple
+
+from bt_orchestrator.view.report.account.figures import Figures
+from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
+from bt_orchestrator.view.report.account.made import Made
+from bt_orchestrator.view.report.account.stops import Stop
+from bt_orchestrator.view.report.account.troubles import Repairs
+from bt_orchestrator.view.report.account.words import duration, percent
+
+
+class By(Enum):
+    """The owners of the rows of a report."""
+
+    PRODUCT = 'product'
+    """A recipe, or a script that was written by hand."""
+    JOB = 'job'
+    COMPONENT = 'component'
+
+
+class Unit(Enum):
+    """The unit of a figure."""
+
+    RATIO = 'ratio'
+    COUNT = 'count'
+    SECONDS = 'seconds'
+    """Kept as microseconds."""
+
+    def words(self, value: Fraction | None, *, signed: bool = False) -> str:
+        """Write a figure, or with a sign the change of one."""
+        if value is None:
+            return ''
+        if not value and self is not Unit.RATIO:
+            return '0'
+        sign = '+' if signed and value > 0 else ''
+        if self is Unit.COUNT:
+            number = f'{float(value):.1f}' if signed else str(value)
+        elif self is Unit.SECONDS:
+            number = duration(value)
+        else:
+            number = f'{float(value) * 100:.1f} points' if signed else percent(value)
+        return f'{sign}{number}'
+
+
+class Figure(NamedTuple):
+    """One figure of an account."""
+
+    name: str
+    title: str
+    unit: Unit
+    tell: Callable[[Figures], Fraction | int | None]
+
+
+OF_LINE = (
+    Figure('oee', 'OEE', Unit.RATIO, lambda shown: shown.oee),
+    Figure('availability', 'availability', Unit.RATIO, lambda shown: shown.availability),
+    Figure('performance', 'performance', Unit.RATIO, lambda shown: shown.performance),
+    Figure('quality', 'quality', Unit.RATIO, lambda shown: shown.quality),
+    Figure('produced', 'produced', Unit.COUNT, lambda shown: shown.produced),
+    Figure('good', 'good', Unit.COUNT, lambda shown: shown.good),
+    Figure('per_item', 'time of an item', Unit.SECONDS, lambda shown: shown.per_item_us),
+    Figure('pace', 'pace', Unit.SECONDS, lambda shown: shown.pace_us),
+    Figure('planned', 'planned time', Unit.SECONDS, lambda shown: shown.times.planned.total_us),
+)
+
+
+def of_loss(loss: Loss) -> Figure:
+    """Return a loss of time; performance and quality are known with a pace alone."""
+    needs_pace = WORDS[loss].step in {Step.PERFORMANCE, Step.QUALITY}
+
+    def tell(shown: Figures) -> Fraction | None:
+        return None if needs_pace and not shown.has_paces else shown.loss_us(loss)
+
+    return Figure(loss.value, f'- {WORDS[loss].title}', Unit.SECONDS, tell)
+
+
+def _product(made: Made) -> str:
+    return made.recipe or made.script or made.job
+
+
+def _of_made(name: str, by: By) -> tuple[Figure, ...]:
+    def made(shown: Figures) -> list[Made]:
+        return [
+            one for one in shown.times.made if name == (one.job if by is By.JOB else _product(one))
+        ]
+
+    def good_of_produced(shown: Figures) -> Fraction | None:
+        produced = sum(one.produced for one in made(shown))
+        return Fraction(sum(one.good for one in made(shown)), produced) if produced else None
+
+    def at_pace(shown: Figures) -> Fraction | None:
+        left = [one for one in made(shown) if one.produced]
+        if any(one.digest not in shown.paces for one in left):
+            return None
+        return sum(
+            (shown.paces[one.digest].limit.per_item_us * one.produced for one in left), Fraction(0)
+        )
+
+    def count(field: str, title: str) -> Figure:
+        return Figure(
+            field, title, Unit.COUNT, lambda shown: sum(getattr(one, field) for one in made(shown))
+        )
+
+    return (
+        count('produced', 'produced'),
+        count('good', 'good'),
+        count('nonconforming', 'nonconforming'),
+        count('rejected', 'rejected'),
+        count('by_hand', 'by hand'),
+        Figure('good_of_produced', 'good of produced', Unit.RATIO, good_of_produced),
+        Figure('at_pace', 'time at the pace', Unit.SECONDS, at_pace),
+    )
+
+
+def _of_component(name: str) -> tuple[Figure, ...]:
+    def stops(shown: Figures) -> list[Stop]:
+        return [one for one in shown.times.stops if one.component == name and one.is_shown]
+
+    def repairs(shown: Figures) -> Repairs | None:
+        return next((one for one in shown.times.repairs if one.component == name), None)
+
+    def mtbf(shown: Figures) -> Fraction | None:
+        failed = repairs(shown)
+        return None if failed is None else shown.mtbf_us(failed)
+
+    def mttr(shown: Figures) -> Fraction | None:
+        failed = repairs(shown)
+        return None if failed is None else shown.mttr_us(failed)
+
+    def failures(shown: Figures) -> int:
+        failed = repairs(shown)
+        return 0 if failed is None else failed.failures
+
+    def attempts(shown: Figures) -> int:
+        return sum(one.times for one in shown.times.failing if one.component == name)
+
+    return (
+        Figure('lost', 'lost', Unit.SECONDS, lambda shown: sum(one.us for one in stops(shown))),
+        Figure('stops', 'stops', Unit.COUNT, lambda shown: sum(one.times for one in stops(shown))),
+        Figure('failures', 'failures', Unit.COUNT, failures),
+        Figure('mtbf', 'MTBF', Unit.SECONDS, mtbf),
+        Figure('mttr', 'MTTR', Unit.SECONDS, mttr),
+        Figure('failed_attempts', 'failed attempts', Unit.COUNT, attempts),
+    )
+
+
+def of_named(name: str, by: By) -> tuple[Figure, ...]:
+    """Return the figures of a product, a job or a component."""
+    return _of_component(name) if by is By.COMPONENT else _of_made(name, by)
+
+
+def names_of(shown: Figures, by: By) -> Iterable[str]:
+    """Return all names: components by what they cost, all else in the order in which it came."""
+    times = shown.times
+    if by is By.COMPONENT:
+        lists = (times.stops, times.repairs, times.failing)
+        named = (one.component for found in lists for one in found)
+        return dict.fromkeys(filter(None, named))
+    return dict.fromkeys(one.job if by is By.JOB else _product(one) for one in times.made)
