@@ -82,9 +82,14 @@ def test_the_overview_shows_the_figures_of_the_report(held: Stand, sit: Sit) -> 
     tab.until(are_those_of_the_report, 'the figures of the report')
     assert shown['oee'] not in ('', '-', '0.0 %')
     assert tab.count('[data-part="shift"] [data-loss]') > 1
+    files = tab.page.locator('[data-part="shift"] a[download]')
     with tab.page.expect_download() as download:
-        tab.page.locator('[data-part="shift"] a[download]').click()
+        files.first.click()
     assert download.value.suggested_filename.startswith('shift-early-of-')
+    with tab.page.expect_download() as download:
+        files.last.click()
+    text = Path(download.value.path()).read_text(encoding='utf-8')
+    assert ('<h2>Side by side</h2>' in text, 'Largest losses' in text) == (True, True)
 
 
 def at(moment: str) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from fractions import Fraction
 from pathlib import Path
 
 from fakes.quick_users import write_users
@@ -49,7 +50,7 @@ def _shifts() -> Shifts:
     """Return a shift that has begun in this minute."""
     begin_min = int(time.time() // 60) % DAY_MIN
     hours = Hours(begin_min, (begin_min + 480) % DAY_MIN)
-    return Shifts({'early': Shift('early', hours)}, 'UTC')
+    return Shifts({'early': Shift('early', hours)}, 'UTC', {'oee': Fraction(3, 4)})
 
 
 def _order(stand: StandCell, number: int, quantity: int) -> WorkOrder:

@@ -16,6 +16,7 @@ export function shiftCard() {
   const when = h('span', { class: 'shift-when quiet' });
   const report = h('a', { class: 'button', href: REPORT, download: '' }, t('shift.report'));
   const days = h('a', { class: 'button', href: DAYS, download: '' }, t('shift.days'));
+  const files = h('span', { class: 'shift-files' }, report, days);
   const target = h('span', { class: 'shift-target quiet' });
   const oee = h('strong', { class: 'shift-oee', 'data-figure': 'oee' });
   const factors = FACTORS.map(factor);
@@ -39,7 +40,7 @@ export function shiftCard() {
   const element = h(
     'section',
     { class: 'panel shift', 'data-part': 'shift' },
-    h('div', { class: 'shift-head' }, name, when, report, days),
+    h('div', { class: 'shift-head' }, name, when, files),
     figures,
     note,
   );
@@ -56,7 +57,7 @@ export function shiftCard() {
       attribute(element, 'data-runs', isKnown && shift.runs);
       attribute(element, 'aria-busy', shift.is_reading ? 'true' : null);
       text(name, isKnown ? t('shift.title', { name: shift.shift }) : t('shift.none'));
-      [figures, when, report, days].forEach((one) => show(one, isKnown));
+      [figures, when, files].forEach((one) => show(one, isKnown));
       const lacks = isKnown ? lackWords(shift) : noneWords(shift);
       text(note, lacks);
       show(note, lacks);
