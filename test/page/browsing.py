@@ -9,11 +9,15 @@ from contextlib import contextmanager
 from typing import Any
 
 from browser import find_browser
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 from served_process import PASSWORD
 
 PATIENCE_S = 60.0
 _LOOK_MS = 20
+
+_REFUSED = ', '.join(
+    f'[data-answer="{kind}"]' for kind in ('refused', 'absent', 'unsent', 'login')
+)
 
 _WRONG = ('Content Security Policy', 'Uncaught')
 """What the console must not say; that a connection is gone, it may."""
@@ -164,14 +168,25 @@ class Tab:
         dialog = self.page.locator(f'dialog[data-dialog="{request}"]')
         dialog.locator('[name="reason"]').fill(reason)
         held = dialog.locator('[data-hold-to-confirm]')
+        answer = dialog.locator('.answer:visible')
         if held.count():
-            held.hover()
-            self.page.mouse.down()
-            dialog.wait_for(state='detached')
-            self.page.mouse.up()
+            while not answer.count() and dialog.count():
+                self._hold_down(held)
         else:
             dialog.locator('[data-do="send"]').click()
-            dialog.wait_for(state='detached')
+        self.until(
+            lambda: not dialog.count() or dialog.locator(_REFUSED).count(),
+            f'the answer to {request}',
+        )
+        assert not dialog.count(), f'{request}: {dialog.inner_text()}'
+
+    def _hold_down(self, button: Locator) -> None:
+        """Hold a button until it lets go by itself; it is disabled while the news are old."""
+        button.click(trial=True)
+        button.hover()
+        self.page.mouse.down()
+        self.until(lambda: not button.and_(self.page.locator('.is-held')).count(), 'its end')
+        self.page.mouse.up()
 
     def until_quiet(self) -> None:
         """Wait until what the screen has asked for is there; its stream never ends."""

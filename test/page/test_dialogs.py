@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from threading import Timer
 from typing import Any
 
 import pytest
@@ -55,6 +56,7 @@ def test_dialogs_and_focus_while_a_line_is_held_aborted_and_lost(line: Stand, si
     clear_shows_each_item_whole(tab, line)
     verbs_of_the_command_line_are_named_as_buttons(tab)
     old_news_name_only_what_can_be_pressed(tab, line)
+    a_command_waits_for_fresh_news(tab, line)
 
 
 def slots_name_their_jobs(tab: Tab) -> None:
@@ -122,3 +124,16 @@ def old_news_name_only_what_can_be_pressed(tab: Tab, line: Stand) -> None:
     offered = tab.page.locator('header [data-emergency]').all_inner_texts()
     assert 'No command can be given' in said if not offered else offered[0] in said
     assert 'Stop' not in said
+
+
+def a_command_waits_for_fresh_news(tab: Tab, line: Stand) -> None:
+    line.cell.switch()
+    tab.until_news()
+    tab.page.locator('header [data-offer="cell.clear"]').click()
+    line.cell.switch()
+    tab.until_news('node')
+    again = Timer(1.0, line.cell.switch)
+    again.start()
+    tab.confirm('cell.clear', 'looked')
+    again.join()
+    tab.until(lambda: tab.count('[data-part="cell"][data-state="Stopped"]'), 'a clear cell')
