@@ -100,6 +100,7 @@ POSTGRES = Extension(
     'postgres',
     "the plant's database",
     {'psycopg': 'psycopg[binary]>=3.1'},
+    verb='feed',
     ubuntu='python3-psycopg',
 )
 

@@ -65,6 +65,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         'history': ('history.verb', 'print the jobs of a journal, their items and their events'),
         'report': ('reporting.verb', 'account for a shift, a day or a job: output and lost time'),
         'journal': ('journal', 'restore a backup of a journal'),
+        'feed': ('cli.verb', 'copy the journal of a cell into the database of the plant'),
     },
     'maintain': {
         'doctor': ('doctor', 'check this machine and the cell on it, and say what to do'),

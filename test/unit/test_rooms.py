@@ -41,6 +41,7 @@ BEFORE = {
     'extensions/opcua': 'opcua',
     'extensions/page': 'web',
     'extensions/parquet': 'report',
+    'extensions/postgres/cli': 'cli',
     'extensions/postgres': 'store',
     'extensions/recipes/generating': 'cli',
     'extensions/recipes/planning': 'planning',

@@ -163,6 +163,10 @@ READER = 'plant_reader'
 """Gets the right to read everything, if there is such a role."""
 
 
+class CellRefused(JournalUnusable):
+    """The database cannot have this cell: a person has to change something."""
+
+
 class Cell(NamedTuple):
     """A cell of the plant."""
 
@@ -235,7 +239,7 @@ def stretches(connection: Connection, cell: Cell) -> list[Stretch]:
     found = [Stretch(*row) for row in connection.execute(query, (cell.number,))]
     newest = max((one.version for one in found), default=0)
     if newest > VERSION:
-        raise JournalUnusable(
+        raise CellRefused(
             f'the tables of the cell {cell.name} have version {newest}, this program knows '
             f'{VERSION}; use the newer program'
         )
@@ -264,9 +268,9 @@ def enter(connection: Connection, name: str, kept_by: str, holder: str) -> Cell:
         )
     cell = _row(connection, name)
     if cell.kept_by != kept_by:
-        raise JournalUnusable(_KEPT_OTHERWISE[cell.kept_by].format(name))
+        raise CellRefused(_KEPT_OTHERWISE[cell.kept_by].format(name))
     known = stretches(connection, cell)
-    if not take_lock(connection, cell.number):
+    if not _wait_for_lock(connection, cell.number):
         raise JournalUnusable(
             f'another program writes the cell {name}: {_holder_of(connection, name)}; the cell is '
             'in use by another orchestrator, or by a feed: end that one, or use another cell name'
@@ -325,6 +329,18 @@ def take_lock(connection: Connection, number: int) -> bool:
     """Take the advisory lock of a cell for as long as the connection lives; False: it is taken."""
     row = connection.execute('SELECT pg_try_advisory_lock(%s, %s)', (LOCK, number)).fetchone()
     return bool(row and row[0])
+
+
+def _wait_for_lock(connection: Connection, number: int) -> bool:
+    """Take the lock of a cell, which a server frees late when a writer was killed."""
+    connection.execute(f'SET lock_timeout = {LOCK_TIMEOUT_S * 1000:.0f}'.encode())
+    try:
+        connection.execute('SELECT pg_advisory_lock(%s, %s)', (LOCK, number))
+    except errors.LockNotAvailable:
+        return False
+    finally:
+        connection.execute(b'RESET lock_timeout')
+    return True
 
 
 def check_of_event(seq: int, record: str, ends: int) -> int:
@@ -410,7 +426,7 @@ def _let_read(connection: Connection, schema: str) -> None:
 def _refuse_encoding(connection: Connection) -> None:
     encoding = connection.info.parameter_status('server_encoding')
     if encoding != 'UTF8':
-        raise JournalUnusable(
+        raise CellRefused(
             f'expected a database with the encoding UTF8, found {encoding}; make one with: '
             "CREATE DATABASE plant ENCODING 'UTF8' TEMPLATE template0"
         )
@@ -422,7 +438,7 @@ def _patient(connection: Connection) -> Iterator[None]:
 
     :raises JournalUnusable: somebody else has one for longer
     """
-    connection.execute(f'SET lock_timeout = {LOCK_TIMEOUT_S * 1000}'.encode())
+    connection.execute(f'SET lock_timeout = {LOCK_TIMEOUT_S * 1000:.0f}'.encode())
     try:
         yield
     except errors.LockNotAvailable as error:

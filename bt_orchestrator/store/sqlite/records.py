@@ -42,7 +42,7 @@ class SqliteRecords(KeptRecords):
             if not has_log(path):
                 with closing(unchanging(path)) as database:
                     schema_of(database, path)
-            self._database = _opened(path)
+            self._database = opened_to_read(path)
             try:
                 self._schema = schema_of(self._database, path)
                 look_like_today(self._database, self._schema)
@@ -79,7 +79,7 @@ class SqliteRecords(KeptRecords):
                 self._database.rollback()
 
 
-def _opened(path: Path) -> sqlite3.Connection:
+def opened_to_read(path: Path) -> sqlite3.Connection:
     """Open a file for reading.
 
     SQLite creates files beside a journal even to read it. If it may not, and no writer has left

@@ -73,7 +73,10 @@ def test_the_first_writer_makes_plant_and_cell(connection: Connection, place: Pl
         assert connection.execute(f'SELECT * FROM plant.{view.name}'.encode()) is not None
 
 
-def test_one_writer_has_a_cell_until_its_connection_ends(place: Place) -> None:
+def test_one_writer_has_a_cell_until_its_connection_ends(
+    place: Place, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(schema, 'LOCK_TIMEOUT_S', 0.2)
     with connected(place, 'a') as one:
         enter(one, 'line_1', FEED, 'the first')
         with connected(place, 'b') as two:

@@ -1,0 +1,97 @@
+"""The verb `feed`: what it prints, and what it refuses."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from fakes.long_journal import LongRun
+from postgres_server import PostgresServer
+
+from bt_orchestrator.cli.main import main
+
+
+@pytest.fixture
+def journal(tmp_path: Path) -> Path:
+    run = LongRun(tmp_path / 'journal.sqlite3')
+    run.job('J1', 1)
+    run.close()
+    return tmp_path / 'journal.sqlite3'
+
+
+@pytest.fixture
+def database(server: PostgresServer) -> str:
+    return server.database()
+
+
+def feed(server: PostgresServer, database: str, *words: str, cell: str = '') -> int:
+    to = server.place(database, cell) if cell else server.address(database)
+    return main(['feed', '--to', to, *words])
+
+
+def test_a_journal_is_copied_under_the_name_of_its_cell(
+    server: PostgresServer, database: str, journal: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ('--journal', str(journal), '--page', 'http://line-1:8080/')
+    assert feed(server, database, *words) == 0
+    assert capsys.readouterr().out == (
+        f'postgresql://plant@/{database}/test_line: 38 events copied, up to event 38\n'
+    )
+    assert feed(server, database, *words) == 0
+    assert '0 events copied, up to event 38' in capsys.readouterr().out
+    assert feed(server, database, '--list') == 0
+    found = capsys.readouterr().out
+    assert re.fullmatch(r'test_line  Complete  up to event 38, complete \d s ago\n', found), found
+
+
+def test_a_gap_is_told_and_is_the_exit_status(
+    server: PostgresServer, database: str, journal: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import sqlite3
+    from contextlib import closing
+
+    with closing(sqlite3.connect(journal, isolation_level=None)) as file:
+        file.execute('DELETE FROM events WHERE seq BETWEEN 5 AND 6')
+    assert feed(server, database, '--journal', str(journal), cell='line 1') == 1
+    assert 'line 1: events 5 to 6 were damaged in the journal' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ('words', 'said', 'status'),
+    [
+        (('--to', 'nonsense'), "expected the address of a plant's database", 1),
+        (('--to', 'postgresql:///plant?host=/nowhere'), 'cannot be reached', 1),
+        ((), 'the following arguments are required: --to', 2),
+    ],
+)
+def test_what_is_refused(
+    journal: Path,
+    capsys: pytest.CaptureFixture[str],
+    words: tuple[str, ...],
+    said: str,
+    status: int,
+) -> None:
+    try:
+        found = main(['feed', '--journal', str(journal), *words])
+    except SystemExit as end:
+        found = int(str(end.code))
+    assert (found, said in capsys.readouterr().err) == (status, True)
+
+
+def test_without_the_package_it_says_how_to_get_it(
+    journal: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, 'psycopg', None)
+    assert main(['feed', '--journal', str(journal), '--to', 'postgresql:///plant']) == 2
+    said = capsys.readouterr().err
+    assert "pip install 'psycopg[binary]>=3.1'" in said
+    assert 'psycopg cannot be imported' in said
+
+
+def test_a_journal_that_is_not_there(
+    server: PostgresServer, database: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert feed(server, database, '--journal', str(tmp_path / 'none')) == 1
+    assert 'there is no journal' in capsys.readouterr().err
