@@ -80,7 +80,8 @@ def misfit(value: object, type_: FieldType) -> Misfit | None:
     A boolean is no number; a whole number fits a float. A byte is a number from 0 to 255.
     """
     if type_.kind == 'bool':
-        return None if isinstance(value, bool) else _bool_misfit(type_)
+        unfit = Misfit(_named('boolean', type_), sentence('bare_boolean'))
+        return None if isinstance(value, bool) else unfit
     if type_.kind in ('int', 'bytes'):
         return _int_misfit(value, type_)
     if type_.kind == 'float':
@@ -104,10 +105,6 @@ def list_fits(length: int, type_: FieldType) -> bool:
     if type_.array_length is not None:
         return length == type_.array_length
     return type_.array_maximum is None or length <= type_.array_maximum
-
-
-def _bool_misfit(type_: FieldType) -> Misfit:
-    return Misfit(_named('boolean', type_), sentence('bare_boolean'))
 
 
 def _int_misfit(value: object, type_: FieldType) -> Misfit | None:

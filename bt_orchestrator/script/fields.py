@@ -271,16 +271,14 @@ class Fields:
         limit = broken_limit(self._table.by_name[key], value)
         if limit is None:
             return True
-        given = found(self._entries[key].value)
-        what = sentence('key', key=key, needed=limit, given=given)
+        what = sentence('key', key=key, needed=limit, given=found(self._entries[key].value))
         self.refuse(key, what, self._table.by_name[key].hint)
         return False
 
     def _wrong_kind(self, key: str, node: Node) -> None:
         wanted = self._table.by_name[key]
         kind = f'one of {listing(wanted.choices)}' if wanted.choices else wanted.kind.in_words
-        what = sentence('key', key=key, needed=kind, given=found(node))
-        self.refuse(key, what, wanted.hint)
+        self.refuse(key, sentence('key', key=key, needed=kind, given=found(node)), wanted.hint)
 
 
 def fields_of(node: Node, table: Table, report: Report) -> Fields | None:

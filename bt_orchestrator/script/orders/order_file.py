@@ -301,8 +301,7 @@ def _bound(parameter: Parameter, order: WorkOrder, places: OrderPlaces, report: 
     value = order.params[name]
     problem = misfit(value, PARAMETER_TYPES[parameter.type])
     if problem is not None:
-        given = found_value(value)
-        what = sentence('param', name=name, needed=problem.needed, given=given)
+        what = sentence('param', name=name, needed=problem.needed, given=found_value(value))
         report.keep(places.finding(Wrong(f'params.{name}', what, problem.hint)))
         return None
     return float(value) if parameter.type == 'float' else value
