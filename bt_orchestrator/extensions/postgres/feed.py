@@ -16,6 +16,7 @@ from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.postgres.connecting import Connection
 from bt_orchestrator.extensions.postgres.schema import (
     Cell,
+    Gap,
     Stretch,
     begin_stretch,
     check_of_event,
@@ -50,24 +51,6 @@ class Source(Protocol):
 
     def starts(self) -> Iterator[tuple[int, str]]:
         """Yield each start of a node: the number of its event, and the history that it names."""
-
-
-class Gap(NamedTuple):
-    """Events that will never come."""
-
-    first: int
-    last: int
-    why: str
-    """removed, or damaged."""
-
-    def __str__(self) -> str:
-        """Return the sentence for a person."""
-        many = self.first < self.last
-        what = f'events {self.first} to {self.last}' if many else f'event {self.first}'
-        were = 'were' if many else 'was'
-        if self.why == 'removed':
-            return f'{what} {were} removed from the journal before they could be copied'
-        return f'{what} {were} damaged in the journal, and could not be copied'
 
 
 @dataclass

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
+from bt_orchestrator.base.errors import DamagedRecord, JournalUnusable
 from bt_orchestrator.extensions.postgres.connecting import connected, place_of, speaking_of
 from bt_orchestrator.extensions.postgres.journal import mark_place
-from bt_orchestrator.extensions.postgres.schema import cell_named, check_of_row, stretches
+from bt_orchestrator.extensions.postgres.schema import (
+    FEED,
+    Gap,
+    Stretch,
+    cell_named,
+    check_of_row,
+    stretches,
+)
 from bt_orchestrator.extensions.postgres.session import Session
+from bt_orchestrator.model.records import Damage
+from bt_orchestrator.store.shared.database import Database
+from bt_orchestrator.store.shared.history import History
 from bt_orchestrator.store.shared.looking import Terms
 from bt_orchestrator.store.shared.mark import Reached, mark_of, read_mark
 from bt_orchestrator.store.shared.records import KeptRecords
@@ -21,7 +33,11 @@ _SETTINGS = (f'SET statement_timeout = {int(WITHIN_S * 1000)}',)
 
 
 class PostgresRecords(KeptRecords):
-    """The tables of a cell, read-only and without its lock. Implements `ports.Records`."""
+    """The tables of a cell, read-only and without its lock. Implements `ports.Records`.
+
+    A copy that a feed made has the events of a history and of those that it goes on from, in
+    tables of their own; a view of this session puts them together.
+    """
 
     _terms = Terms(
         'job = ?',
@@ -40,6 +56,7 @@ class PostgresRecords(KeptRecords):
         self._place = place_of(address)
         self._name = str(self._place)
         self._mark = mark_of(mark_place(self._place, marks))
+        self._copy: Copy | None = None
         self._session = self._opened()
 
     def _opened(self) -> Session:
@@ -47,8 +64,17 @@ class PostgresRecords(KeptRecords):
         try:
             with speaking_of(self._place):
                 cell = cell_named(connection, self._place)
-                tables = stretches(connection, cell)[-1].tables
-                connection.execute(f'SET search_path = {tables}'.encode())
+                known = {one.history: one for one in stretches(connection, cell)}
+                current = known.get(cell.history)
+                if current is None:
+                    raise JournalUnusable(
+                        f'the cell {cell.name} has no events yet: its feed has not begun'
+                    )
+                if cell.kept_by == FEED:
+                    self._copy = Copy(current.history, list(lineage(current, known)))
+                    for statement in self._copy.views():
+                        connection.execute(statement.encode())
+                connection.execute(f'SET search_path = pg_temp, {current.tables}'.encode())
         except BaseException:
             connection.close()
             raise
@@ -58,12 +84,47 @@ class PostgresRecords(KeptRecords):
         """Close the connection."""
         self._session.close()
 
+    def _has_another_history(self) -> bool:
+        """Tell whether a feed has begun another history since this was opened."""
+        if self._copy is None:
+            return False
+        with speaking_of(self._place):
+            query = 'SELECT history FROM plant.cells WHERE cell = $1'
+            found = self._session.ask(query, (self._place.cell,)).fetchone()
+        return found is None or found[0] != self._copy.history
+
     def _reached(self) -> Reached | None:
-        return read_mark(self._mark)
+        return read_mark(self._mark) if self._copy is None else None
+
+    def _history(self, database: Database) -> tuple[History, list[Damage]]:
+        if self._copy is None:
+            return super()._history(database)
+        return History(self._copy.history, False), []
+
+    def _ends(self, database: Database) -> tuple[int, int]:
+        if self._copy is None:
+            return super()._ends(database)
+        query = (
+            'SELECT (SELECT max(last_seq) + 1 FROM gaps WHERE first_seq = 1 AND why = ?), '
+            '(SELECT greatest((SELECT max(seq) FROM events), (SELECT max(last_seq) FROM gaps)))'
+        )
+        first, last = database.execute(query, ('removed',)).fetchone()
+        return first or 1, last or 0
+
+    def _left_out(self, damaged: DamagedRecord) -> Damage:
+        """Tell of events that never came in other words than of those that are damaged here."""
+        if self._copy is not None:
+            query = 'SELECT why FROM gaps WHERE first_seq <= ? AND last_seq >= ?'
+            with self._one_moment() as database:
+                row = database.execute(query, (damaged.first, damaged.last)).fetchone()
+            if row is not None:
+                gap = Gap(damaged.first, damaged.last, row[0])
+                return Damage(f'{self._name}: {gap}', damaged.last + 1 - damaged.first)
+        return super()._left_out(damaged)
 
     @contextmanager
     def _one_moment(self) -> Iterator[Session]:
-        if self._session.is_broken:
+        if self._session.is_broken or self._has_another_history():
             self._session.close()
             self._session = self._opened()
         session = self._session
@@ -74,6 +135,38 @@ class PostgresRecords(KeptRecords):
             finally:
                 if not session.is_broken:
                     session.ask('ROLLBACK')
+
+
+class Copy(NamedTuple):
+    """A copy that a feed made."""
+
+    history: str
+    """Of the journal, as last copied."""
+    parts: Sequence[tuple[str, int | None]]
+    """The tables that have its events, newest first, and the last event that is wanted of them."""
+
+    def views(self) -> Iterator[str]:
+        """Yield the statements that make one table of each kind of them, for this session."""
+        for table, seq in (('events', 'seq'), ('gaps', 'first_seq')):
+            queries = (
+                f'SELECT * FROM {tables}.{table}'
+                + ('' if last is None else f' WHERE {seq} <= {last}')
+                for tables, last in self.parts
+            )
+            yield f'CREATE TEMPORARY VIEW {table} AS ' + ' UNION ALL '.join(queries)
+
+
+def lineage(stretch: Stretch, known: Mapping[str, Stretch]) -> Iterator[tuple[str, int | None]]:
+    """Yield a stretch and those that it goes on from, with the last event that counts of each."""
+    by_number = {one.number: one for one in known.values()}
+    last: int | None = None
+    while True:
+        yield stretch.tables, last
+        if stretch.parent is None:
+            return
+        before = stretch.first_seq - 1
+        last = before if last is None else min(before, last)
+        stretch = by_number[stretch.parent]
 
 
 def open_records(address: str) -> PostgresRecords:

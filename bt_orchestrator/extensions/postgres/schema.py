@@ -196,6 +196,24 @@ class Stretch(NamedTuple):
         return sql.SQL(text).format(stretch=sql.Identifier(self.tables))
 
 
+class Gap(NamedTuple):
+    """Events that will never come."""
+
+    first: int
+    last: int
+    why: str
+    """removed, or damaged."""
+
+    def __str__(self) -> str:
+        """Return the sentence for a person."""
+        many = self.first < self.last
+        what = f'events {self.first} to {self.last}' if many else f'event {self.first}'
+        were = 'were' if many else 'was'
+        if self.why == 'removed':
+            return f'{what} {were} removed from the journal before they could be copied'
+        return f'{what} {were} damaged in the journal, and could not be copied'
+
+
 _CELL = 'SELECT number, cell, kept_by, history, epoch, page FROM plant.cells '
 _STRETCH = 'SELECT number, history, parent, first_seq, version, tables FROM plant.stretches '
 
