@@ -38,11 +38,19 @@ TARGETS = {
     'engine_normal': Target('engine alone, CPU a task, us, NORMAL'),
     'engine_against': Target('engine alone / that of --against, journal in memory', 1.05, 0.65),
     'engine_normal_against': Target('engine alone / that of --against, NORMAL', 1.05, 0.65),
-    'dispatch': Target('dispatch p50, ours / rclpy chain on the same executor, FULL', 1.5, 1.25),
+    'dispatch': Target(
+        'dispatch p50, ours with FULL less a cold durable write / rclpy chain, same executor',
+        1.5,
+        1.25,
+    ),
     'dispatch_normal': Target(
         'dispatch p50, ours / rclpy chain on the same executor, NORMAL', 1.35, 1.15
     ),
-    'wrap': Target('cycle wrap p50, ours / rclpy chain on the same executor, FULL', 1.6, 1.3),
+    'wrap': Target(
+        'cycle wrap p50, ours with FULL less a cold durable write / rclpy chain, same executor',
+        1.6,
+        1.3,
+    ),
     'own_part': Target(
         'own part, wait to first goal, less a cold durable write / chain', 2.5, 1.5
     ),
