@@ -21,6 +21,7 @@ from bt_orchestrator.cli.folders import (
     script_folders,
 )
 from bt_orchestrator.cli.here import add_cell_option
+from bt_orchestrator.cli.pacing import Pacing, add_rates_option
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.recipe import Recipe
@@ -31,7 +32,7 @@ from bt_orchestrator.script.checks.warnings import ReadScript, warnings
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.orders.by_recipe import is_recipe
 from bt_orchestrator.script.orders.order_file import is_order
-from bt_orchestrator.view.report.pace_text import script_pace
+from bt_orchestrator.view.report.pace_text import ScriptPace
 
 DESCRIPTION = """\
 Read scripts, recipes and work orders against the cell they are for, and print every mistake in
@@ -39,6 +40,7 @@ them as FILE:LINE:COLUMN: WHAT; HINT. Moves nothing and needs no node.
 
 For a script without mistakes it prints the pace: the seconds per item of a full line, by the
 durations of the cell file. It names the tasks that limit the pace, and the gain from faster ones.
+With `likely` at tasks, or a journal, it prints the expected pace as well.
 For a recipe it says whether the cell can do each operation. Only `generate` finds out whether one
 script can do all of them in a row. For a work order it also reads the script, or generates that
 of its recipe.
@@ -61,6 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_cell_options(parser)
     add_recipes_option(parser)
+    add_rates_option(parser)
     parser.add_argument(
         '--json',
         action='store_true',
@@ -117,6 +120,7 @@ class _Checked(NamedTuple):
     recipes: Sequence[Recipe]
     jobs: Sequence[Job]
     warnings: Sequence[Finding]
+    pacing: Pacing
 
 
 def _read(args: argparse.Namespace, types: ActionTypes) -> _Checked:
@@ -148,18 +152,19 @@ def _read(args: argparse.Namespace, types: ActionTypes) -> _Checked:
     ordered = of_scripts(job.script for job in jobs if job.script not in scripts)
     kinds = chain(chain.from_iterable(of_recipe(one, cell) for one in recipes), ordered)
     found += timeless(args.cell, cell, kinds)
-    return _Checked(cell, scripts, recipes, jobs, found)
+    return _Checked(cell, scripts, recipes, jobs, found, Pacing(cell, types, args.journal))
 
 
 def _lines(checked: _Checked) -> Iterator[str]:
     """Yield that everything is fine."""
     cell = checked.cell
     for script in checked.scripts:
-        yield from summary(script, cell)
+        yield from summary(script, cell, checked.pacing.of(script))
     for recipe in checked.recipes:
         yield _recipe_line(recipe, cell)
     for job in checked.jobs:
         yield from _order_lines(job, cell)
+        yield from _pace_lines(checked.pacing.of(job.script))
 
 
 def _plain_checked(checked: _Checked) -> dict[str, Any]:
@@ -170,7 +175,7 @@ def _plain_checked(checked: _Checked) -> dict[str, Any]:
     return {
         'findings': [],
         'warnings': _plain(checked.warnings),
-        'paces': [script_pace(script, cell).plain() for script in paced],
+        'paces': [checked.pacing.of(script).plain() for script in paced],
         'recipes': [_plain_recipe(one, cell) for one in checked.recipes],
         'orders': [_plain_order(job) for job in checked.jobs],
     }
@@ -186,7 +191,7 @@ def _plain(findings: Sequence[Finding]) -> list[dict[str, Any]]:
     return [{name: getattr(finding, name) for name in told} for finding in findings]
 
 
-def summary(script: Script, cell: Cell) -> Iterator[str]:
+def summary(script: Script, cell: Cell, pace: ScriptPace) -> Iterator[str]:
     """Yield that a script is fine, and how fast the line makes what it says."""
     tasks = sum(1 for tasks in script.sections.values() for _ in tasks.tasks)
     sections = len(script.sections)
@@ -197,7 +202,11 @@ def summary(script: Script, cell: Cell) -> Iterator[str]:
         f'{script.name}: {counted(tasks, "task")} in {counted(sections, "section")}'
         f'{initialization}, fits cell {cell.name}'
     )
-    yield from (f'  {line}' for line in script_pace(script, cell).lines())
+    yield from _pace_lines(pace)
+
+
+def _pace_lines(pace: ScriptPace) -> Iterator[str]:
+    return (f'  {line}' for line in pace.lines())
 
 
 def _recipe_line(recipe: Recipe, cell: Cell) -> str:
@@ -224,12 +233,11 @@ def _plain_recipe(recipe: Recipe, cell: Cell) -> dict[str, Any]:
 
 
 def _order_lines(job: Job, cell: Cell) -> Iterator[str]:
-    """Yield that an order is fine, what its script is made from, and how fast the line is."""
+    """Yield that an order is fine, and what its script is made from."""
     made_from = job.script.made_from
     of = f', made from recipe {made_from.recipe} version {made_from.version}' if made_from else ''
     items = counted(job.quantity, 'item')
     yield f'{job.id}: {items} of {job.script.name}{of}, fits cell {cell.name}'
-    yield from (f'  {line}' for line in script_pace(job.script, cell).lines())
 
 
 def _plain_order(job: Job) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from bt_orchestrator.cli.check import add_cell_options, as_json
 from bt_orchestrator.cli.folders import add_recipes_option, recipe_folders, script_folders
 from bt_orchestrator.cli.moments import moment
 from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.pacing import add_rates_option
 from bt_orchestrator.cli.side_by_side import OrderFiles, change_lines, plain_change, what_if_jobs
 from bt_orchestrator.cli.virtual_run import ROWS, Run, RunOptions, lines_of, plain, run_jobs
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -41,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_cell_options(parser)
     add_recipes_option(parser)
     _add_record_options(parser)
+    add_rates_option(parser)
     parser.add_argument(
         '--fail',
         action='append',
@@ -183,4 +185,5 @@ def _options(args: argparse.Namespace) -> RunOptions:
         args.gantt,
         args.result,
         args.gantt_rows,
+        args.journal,
     )

@@ -13,6 +13,7 @@ from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import as_json
 from bt_orchestrator.cli.cost_watch import CostWatch
 from bt_orchestrator.cli.output import cannot_write
+from bt_orchestrator.cli.pacing import Pacing
 from bt_orchestrator.cli.standing_results import standing_results
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
@@ -31,7 +32,7 @@ from bt_orchestrator.view.drawing.gantt_page import gantt_svg
 from bt_orchestrator.view.report.forecast import Forecast
 from bt_orchestrator.view.report.forecast_fold import ForecastFold
 from bt_orchestrator.view.report.forecast_text import detail_lines, job_lines, summary_lines
-from bt_orchestrator.view.report.pace_text import ScriptPace, script_pace
+from bt_orchestrator.view.report.pace_text import ScriptPace
 from bt_orchestrator.view.report.wait_log import WaitLog
 
 ROWS = ('sections', 'components')
@@ -55,6 +56,8 @@ class RunOptions:
     results: Sequence[str] = ()
     rows: str = ROWS[0]
     """The kind of a row of the chart; one of ROWS."""
+    journal: Path | None = None
+    """A journal with rates for the expected pace."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ class Run:
     complaints: tuple[str, ...]
     """Why holds were not answered although there was an answer to give."""
     paces: tuple[ScriptPace, ...]
-    """The pace of the line with each script, without a run; in the order of the jobs."""
+    """The pace of the line with each script, whatever this run; in the order of the jobs."""
 
 
 def run_jobs(
@@ -83,6 +86,7 @@ def run_jobs(
     :raises WrongUse: the chart cannot be written
     :raises Refused: the cell does not take all jobs
     :raises TooCostly: the run would take too much memory
+    :raises JournalUnusable: the journal cannot be read
     """
     scripts = [one.job.script for one in given]
     results = standing_results(options.results, scripts, cell, types)
@@ -106,7 +110,8 @@ def run_jobs(
         if options.gantt is not None:
             sections, names = cell.conveyor.sections, list(cell.components)
             _draw(gantt.chart(cell.name, sections, waits, now_s, names), options.gantt)
-        paces = (script_pace(one, cell) for one in {one.name: one for one in scripts}.values())
+        pacing = Pacing(cell, types, options.journal)
+        paces = map(pacing.of, {one.name: one for one in scripts}.values())
         return _result(simulation, outcome, fold.forecast(cell, waits), operator, tuple(paces))
 
 

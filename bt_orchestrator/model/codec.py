@@ -23,13 +23,14 @@ from typing import Any, NamedTuple, TypeVar, cast
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.model.script import Script, Task
 
 _T = TypeVar('_T')
 _TEMPLATE = '$'
 _NOT_FINITE = '$float'
-_APART = ('made_from', 'most_items')
+_APART = ('made_from', 'most_items', 'likely')
 """Keys outside of the digest: no goal depends on them."""
 
 _DIGEST = '$digest'
@@ -212,8 +213,8 @@ def text_of(definition: Script | Cell) -> str:
     return str(known[_TEXT])
 
 
-def digest(definition: Script | Cell) -> str:
-    """Return a digest of a script or a cell by what it says, wherever it comes from."""
+def digest(definition: Script | Cell | Recipe) -> str:
+    """Return a digest of a script, a cell or a recipe by what it says, wherever it comes from."""
     known = vars(definition)
     if _DIGEST not in known:  # as a cached property: its cost grows with the size
         plain = to_plain(definition)

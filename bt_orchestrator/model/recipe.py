@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from bt_orchestrator.model.reference import Template
-from bt_orchestrator.model.script import Parameter
+from bt_orchestrator.model.script import Likely, Parameter
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,8 @@ class Recipe:
     reworks: tuple[Rework, ...] = ()
     lots: Mapping[str, Template] = field(default_factory=dict)
     """As those of a script."""
+    likely: Mapping[str, Likely] = field(default_factory=dict)
+    """By the id of the operation; changes nothing of the script but this, nor its digest."""
 
     @cached_property
     def by_id(self) -> Mapping[str, Operation]:

@@ -18,6 +18,10 @@ INDEX = 'index'
 """Reserved task id of the belt's own move (formats: events)."""
 
 
+GOES_ON = (OnFailure.CONTINUE, OnFailure.REJECT)
+"""Policies with which the line goes on by itself after the last failed attempt."""
+
+
 class RunsFor(Enum):
     """For which items a task runs (semantics 6.4)."""
 
@@ -84,6 +88,11 @@ class Task:
     def gives(self, reference: Reference) -> bool:
         """Tell whether a reference names one of its own results."""
         return (reference.source, reference.name) == ('results', self.id)
+
+    @property
+    def fails_by_itself(self) -> bool:
+        """Tell whether a failure is in the ordinary course: a verdict, or the line goes on."""
+        return self.fails_unless is not None or self.on_failure in GOES_ON
 
     @property
     def _conditions(self) -> Iterator[Condition]:
@@ -248,6 +257,16 @@ class MadeFrom:
 
 
 @dataclass(frozen=True)
+class Likely:
+    """How often a task runs, and how often it fails, by experience (semantics 8.4)."""
+
+    runs: float | None = None
+    """Share of the good items for which its condition lets it run; None: not known."""
+    fails: float | None = None
+    """Share of its attempts that fail, or whose results its verdict refuses; None: not known."""
+
+
+@dataclass(frozen=True)
 class Script:
     """How one product is made, bound to a cell: every action names an existing component."""
 
@@ -266,6 +285,8 @@ class Script:
     """Where it comes from; changes nothing of what it does, nor its digest."""
     lots: Mapping[str, Template] = field(default_factory=dict)
     """The lots that go into each item, by name: texts that refer to the order (semantics 6.9)."""
+    likely: Mapping[str, Likely] = field(default_factory=dict)
+    """By the id of the task; changes nothing of what it does, nor its digest."""
 
     @cached_property
     def source(self) -> int:

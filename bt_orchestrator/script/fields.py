@@ -307,7 +307,7 @@ def file_fields(text: str, table: Table, report: Report) -> Fields:
 
 def _is_plausible(kind: Kind, node: Node) -> bool:
     """Tell whether a value of this form can have been meant for a key of this kind."""
-    if kind in (Kind.CONDITION, Kind.VALUE, Kind.SECTIONS, Kind.NAMES):
+    if kind in (Kind.CONDITION, Kind.VALUE, Kind.SECTIONS, Kind.NAMES, Kind.SHARES):
         return True
     if kind in (Kind.TABLE, Kind.MAPPING):
         return isinstance(node, MapNode)

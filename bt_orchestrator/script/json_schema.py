@@ -194,6 +194,7 @@ _VALUES: Mapping[Kind, Callable[[Key], Schema]] = {
     Kind.SECONDS: _seconds,
     Kind.TIMEOUT: _timeout,
     Kind.SHARE: _seconds,
+    Kind.SHARES: lambda key: _ref(key.of[0]),
     Kind.SWITCH: lambda _: {'type': 'boolean'},
     Kind.CHOICE: lambda key: {'enum': list(key.choices)},
     Kind.SECTIONS: _sections,

@@ -31,6 +31,8 @@ class Kind(Enum):
     SECONDS = 'a number of seconds'
     TIMEOUT = 'a number of seconds or none'
     SHARE = 'a number from 0 to 1'
+    SHARES = 'a number from 0 to 1, or a mapping'
+    """A mapping of a few of them, or one whose meaning follows from the other keys."""
     SWITCH = 'true or false'
     CHOICE = 'one of a few words'
     SECTIONS = 'a section number or a list of them'

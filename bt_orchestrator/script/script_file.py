@@ -20,6 +20,7 @@ from bt_orchestrator.script.checks.balance import check_balance
 from bt_orchestrator.script.checks.dependencies import DependencyReader
 from bt_orchestrator.script.checks.repeats import check_repeats
 from bt_orchestrator.script.checks.sections import check_sections
+from bt_orchestrator.script.conditions.likely import read_likely
 from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.identity_reader import check_serials, read_lots
@@ -94,9 +95,11 @@ class _ScriptReader:
 
     def _script(self, name: str, quantity: int | None, relations: _Relations) -> Script:
         draft = self._draft
+        sections = {n: self._section(draft.sections[n]) for n in sorted(draft.sections)}
+        conditions = {task.id: task.condition for one in sections.values() for task in one.tasks}
         return Script(
             name=name,
-            sections={n: self._section(draft.sections[n]) for n in sorted(draft.sections)},
+            sections=sections,
             initialization=tuple(
                 complete_task(draft, task, self._report) for task in draft.initialization
             ),
@@ -112,6 +115,7 @@ class _ScriptReader:
                 if repeat.tasks
             ),
             lots=read_lots(draft, self._report),
+            likely=read_likely(draft.listed, conditions, self._report),
         )
 
     def _section(self, section: SectionDraft) -> SectionList:

@@ -35,6 +35,12 @@ REPEAT = Table(
             rule='3.9',
         ),
     ),
+    misplaced={
+        'likely': (
+            'a repeat is done again as often as a verdict in it refuses',
+            'write `likely` beside `fails_unless`',
+        ),
+    },
 )
 
 PARALLEL = Table(

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.script import RunsFor
-from bt_orchestrator.script.conditions.condition_keys import CONDITION
+from bt_orchestrator.script.conditions.condition_keys import CONDITION, LIKELY_KEY
 from bt_orchestrator.script.keys import LONGEST_SECONDS, Key, Kind, Table, action, whole, words
 from bt_orchestrator.script.names import ID_FORM
 
@@ -153,6 +153,7 @@ TASK = Table(
             rule='6.4',
             sets='runs_for',
         ),
+        LIKELY_KEY,
     ),
     misplaced={'once': ('only initialization tasks can run once', 'remove `once`')},
     rivals=(('continue_if_fail', 'on_failure'), ('when', 'unless')),
@@ -178,7 +179,10 @@ INITIALIZATION_TASK = Table(
     ),
     misplaced={
         key: (_NO_ITEM.format(key), f'remove `{key}`')
-        for key in ('requires_conveyor', 'qty_change', 'when', 'unless', 'identifies', 'runs_for')
+        for key in (
+            *('requires_conveyor', 'qty_change', 'when', 'unless', 'identifies', 'runs_for'),
+            'likely',
+        )
     }
     | {
         'fails_unless': (

@@ -1,23 +1,51 @@
-"""How fast a script is by the engine itself, for plans in which sections share something."""
+"""How fast a script is by the engine itself: with good items only, and with what is likely."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import random
+import statistics
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import pairwise
+from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.condition import Condition
+from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.model.script import RunsFor, Script, SectionList, Step, Task
-from bt_orchestrator.ports import ActionTypes, EventStore
+from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Told
+from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.sim.simulation import Outcome, Simulation
+from bt_orchestrator.sim.standing_answers import StandingAnswers
+from bt_orchestrator.sim.virtual_goal import VirtualGoal
+from bt_orchestrator.view.report.pace_text import Expected
+from bt_orchestrator.view.report.rates import FAILS, RUNS, Rate
 
 ITEMS = 24
 """Beside those that fill the line: a line with shared spaces need not repeat itself at once."""
 
+MOST_DRAWN = 1000
+"""Items of a run in which it is drawn what happens to each."""
+
+MOST_TASKS = 20_000
+"""Tasks of such a run; a long script has fewer items."""
+
+BATCHES = 20
+"""Parts of such a run whose means are compared, to know how sure the mean of all is."""
+
+T_OF_BATCHES = 2.093
+"""Student's t for 95 % and one degree of freedom less than there are batches."""
+
+_DRAWN = 'drawn'
+"""Goal field and result field of such a run; no field of a message is asked for there."""
+
 
 class PaceJudge:
-    """Runs scripts in virtual time with good items only. Implements `planning.Judge`."""
+    """Runs scripts in virtual time. Implements `planning.Judge`."""
 
     def __init__(
         self, cell: Cell, types: ActionTypes, new_store: Callable[[], EventStore]
@@ -33,54 +61,179 @@ class PaceJudge:
         self._new_store = new_store
 
     def pace_s(self, script: Script) -> float | None:
-        """Return the seconds from one item to the next; None: the line does not get so far."""
-        script = _with_good_items(script)
+        """Return the seconds between good items; None: the line does not get so far."""
         fill = script.sink - script.source + 1
-        packed = _Packed()
-        simulation = Simulation(self._cell, self._types, self._new_store(), [packed])
-        simulation.submit([Job('J', script, fill + ITEMS, {})])
+        left = _Left()
+        simulation = self._simulation(left)
+        simulation.submit([Job('J', _with_tasks(script, _good), fill + ITEMS, {})])
         outcome = simulation.run()
         simulation.close()
         if outcome is not Outcome.FINISHED:
             return None
-        times_s = packed.times_s[: ITEMS + 1]  # no more items come when the others leave
+        times_s = left.times_s[: ITEMS + 1]  # no more items come when the others leave
         half = len(times_s) // 2
         return (times_s[-1] - times_s[half]) / (len(times_s) - 1 - half)
 
+    def expected(self, script: Script, rates: Sequence[Rate]) -> Expected | None:
+        """Return the pace with what is likely, the same in every run.
 
-class _Packed:
-    """When items left. Implements `ports.EventSink`."""
+        Each task that may be skipped or fail is drawn by itself, but tasks with one condition are
+        drawn together. What has no rate is as with `pace_s`.
+
+        :return: None: the line does not get so far, or the script is too long for a sure figure
+        """
+        fill = script.sink - script.source + 1
+        items = min(MOST_DRAWN, MOST_TASKS // len(script.tasks))
+        runs = {one.task: one.share for one in rates if one.what == RUNS}
+        fails = {one.task: one.share for one in rates if one.what == FAILS}
+        drawn = _DrawnTasks(script, runs, fails, items + 2 * fill)
+        left = _Left()
+        simulation = self._simulation(left, robots=partial(_DrawnRobots, fails))
+        operator = StandingAnswers(simulation, ('mark_done', 'skip'), 0.0, 'expected pace')
+        simulation.submit([Job('J', _with_tasks(script, drawn), items + 2 * fill, {})])
+        outcome = simulation.run(operator.look)
+        simulation.close()
+        times_s = left.times_s[fill - 1 : -fill]
+        size = (len(times_s) - 1) // BATCHES
+        if outcome is not Outcome.FINISHED or not size:
+            return None
+        ends_s = times_s[: size * BATCHES + 1 : size]
+        means_s = [(end - begin) / size for begin, end in pairwise(ends_s)]
+        return Expected(
+            per_item_s=statistics.fmean(means_s),
+            sure_s=T_OF_BATCHES * statistics.stdev(means_s) / BATCHES**0.5,
+            items=size * BATCHES,
+            good=left.good / len(left.times_s),
+            holds=left.holds,
+            rates=tuple(rates),
+            always=tuple(drawn.always),
+        )
+
+    def _simulation(self, sink: EventSink, **more: Any) -> Simulation:
+        return Simulation(self._cell, self._types, self._new_store(), [sink], **more)
+
+
+class _Left:
+    """When items left, and how many of them were good. Implements `ports.EventSink`."""
 
     def __init__(self) -> None:
         self.times_s: list[float] = []
+        self.good = 0
+        self.holds = 0
+        self._nonconforming: set[str | None] = set()
 
     def publish(self, events: Sequence[e.Event]) -> None:
         """Note it."""
-        self.times_s += [one.time for one in events if isinstance(one, e.ItemRemoved)]
+        for one in events:
+            if isinstance(one, e.ItemRemoved):
+                self.times_s.append(one.time)
+                self.good += one.how == 'packed' and one.item not in self._nonconforming
+            elif isinstance(one, e.TaskContinued):
+                self._nonconforming.add(one.nonconforming)
+            elif isinstance(one, e.ItemNonconforming):
+                self._nonconforming.add(one.item)
+            elif isinstance(one, e.HoldRaised):
+                self.holds += 1
 
 
-def _with_good_items(script: Script) -> Script:
-    """Return a script in which every task for good items runs, and succeeds."""
-    return replace(
-        script,
-        sections={number: _section(one) for number, one in script.sections.items()},
-        initialization=(),
-        initialization_dependencies=(),
-        params={},
-    )
+class _DrawnRobots(VirtualGateway):
+    """Robots whose tasks fail as often as is likely, each by numbers of its own."""
+
+    def __init__(self, fails: Mapping[str, float], *args: Any, **more: Any) -> None:
+        super().__init__(*args, **more)
+        self._fails = fails
+        self._numbers = {name: random.Random(name) for name in fails}
+
+    def drain(self) -> Sequence[Told]:
+        """Return what is new; what ended well may have failed."""
+        told = super().drain()
+        for one in told:
+            if isinstance(one, VirtualGoal) and one.end is not None:
+                one.end = self._drawn(one.request, one.end)
+        return told
+
+    def _drawn(self, request: GoalRequest, end: GoalEnd) -> GoalEnd:
+        task, is_judged = request.args.get(_DRAWN, ('', False))
+        if task not in self._fails:
+            return end
+        is_good = self._numbers[task].random() >= self._fails[task]
+        if is_judged:
+            return replace(end, result={_DRAWN: is_good})
+        return end if is_good else replace(end, status=GoalStatus.ABORTED)
 
 
-def _section(section: SectionList) -> SectionList:
-    return replace(section, steps=tuple(_step(step) for step in section.steps))
+class _DrawnTasks:
+    """Makes each task of a script one that runs and fails as often as is likely."""
+
+    def __init__(
+        self, script: Script, runs: Mapping[str, float], fails: Mapping[str, float], items: int
+    ) -> None:
+        self._fails = fails
+        self._items = items
+        self._met: dict[Condition, Condition] = {}
+        """A condition on the number of the item, for each that has a rate."""
+        self.always: list[str] = []
+        """Tasks with a condition that has none."""
+        for name, share in runs.items():
+            condition = script.tasks[name].condition
+            assert condition is not None
+            met = 1.0 - share if condition.negated else share
+            self._met.setdefault(_unsigned(condition), self._draw(name, met))
+
+    def __call__(self, task: Task) -> Task:
+        """Return the task for the drawn run."""
+        is_judged = task.fails_unless is not None and task.id in self._fails
+        seen = Condition(Template((Reference('results', task.id, (_DRAWN,)),)))
+        return replace(
+            task,
+            args={_DRAWN: (task.id, is_judged)},
+            condition=None if task.condition is None else self._condition(task.id, task.condition),
+            fails_unless=seen if is_judged else None,
+            identifies=(),
+        )
+
+    def _condition(self, task: str, condition: Condition) -> Condition | None:
+        drawn = self._met.get(_unsigned(condition))
+        if drawn is None:
+            self.always.append(task)
+            return None
+        return replace(drawn, negated=condition.negated)
+
+    def _draw(self, name: str, share: float) -> Condition:
+        numbers = random.Random(f'{name} runs')
+        met = [number for number in range(1, self._items + 1) if numbers.random() < share]
+        # No item has number 0, and a condition needs one at least.
+        return Condition(Template((Reference('item', 'number'),)), one_of=(0, *met))
 
 
-def _step(step: Step) -> Step:
-    return replace(step, tracks=tuple(tuple(map(_task, track)) for track in step.tracks))
+def _unsigned(condition: Condition) -> Condition:
+    """Return what `when` and `unless` have in common."""
+    return replace(condition, negated=False)
 
 
-def _task(task: Task) -> Task:
+def _good(task: Task) -> Task:
+    """Return a task that runs for every good item, and succeeds."""
     # Nobody rejects an item here; a task for rejected ones is skipped.
     runs_for = RunsFor.REJECTED if task.runs_for is RunsFor.REJECTED else RunsFor.GOOD
     return replace(
         task, args={}, condition=None, fails_unless=None, identifies=(), runs_for=runs_for
     )
+
+
+def _with_tasks(script: Script, change: Callable[[Task], Task]) -> Script:
+    """Return a script with changed tasks, without initialization and what an order sets."""
+    return replace(
+        script,
+        sections={number: _section(one, change) for number, one in script.sections.items()},
+        initialization=(),
+        initialization_dependencies=(),
+        params={},
+        lots={},
+    )
+
+
+def _section(section: SectionList, change: Callable[[Task], Task]) -> SectionList:
+    steps = (
+        Step(tuple(tuple(map(change, track)) for track in one.tracks)) for one in section.steps
+    )
+    return replace(section, steps=tuple(steps))

@@ -47,15 +47,17 @@ class Simulation:
         *,
         duration: Callable[[GoalRequest], float] | None = None,
         auto_start: bool = True,
+        robots: Callable[..., VirtualGateway] = VirtualGateway,
     ) -> None:
         """Switch the cell on at time 0.
 
         :param duration: seconds that a goal takes; without it the cell file's nominal ones
+        :param robots: makes the robots, of the same arguments as `VirtualGateway`
         :param auto_start: it resets and starts by itself when an order arrives
         """
         self.clock = VirtualClock()
         numbers = itertools.count(1)
-        self.gateway = VirtualGateway(cell, types, self.clock, duration=duration)
+        self.gateway = robots(cell, types, self.clock, duration=duration)
         self.orchestrator = Orchestrator(
             cell,
             self.gateway,

@@ -85,6 +85,7 @@ AROUND: Mapping[str, Around] = {
     'ids': Around(SCRIPT_FILE, _in_line),
     'initialization_options': Around(SCRIPT_FILE, lambda text: LINE + INITIALIZATION.format(text)),
     'operations': Around(RECIPE_FILE, lambda text: RECIPE.format(indent(text, '  '))),
+    'likely': Around(SCRIPT_FILE, lambda text: LINE + CONDITION.format(text)),
     'lots': Around(SCRIPT_FILE, lambda text: LINE + LOTS.format(text)),
     'orders': Around(ORDER_FILE, str),
     'overrides': Around(OVERRIDES_FILE, str),

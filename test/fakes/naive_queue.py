@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 
 from fakes.drawn.plan import UPDATES
@@ -209,6 +210,16 @@ class NaiveQueue(NaiveTasks):
             job.early = False
             self.jobs.remove(job)
             self.say('job.aborted', {'job': job})
+
+    def arrange(self, names: Sequence[str]) -> None:
+        """Put jobs into another order at the places that they have together (6.7)."""
+        jobs = {job.id: job for job in self.queue}
+        places = sorted(self.jobs.index(jobs[name]) for name in names)
+        for place, name in zip(places, names, strict=True):
+            self.jobs[place] = jobs[name]
+        self.say('operator.decided', {}, answer='arrange')
+        self.say('queue.arranged', {}, jobs=[job.id for job in self.queue])
+        self.settle()
 
     # --- the line runs empty (6.6) --------------------------------------------------------------
 

@@ -44,6 +44,12 @@ class Bench(Protocol):
     def ask(self, what: str, job: str, number: int) -> None: ...
     def ways_to_empty(self) -> Sequence[str]: ...
     def run_empty(self, after: str) -> None: ...
+    def free(self) -> list[str]:
+        """Return the jobs of the queue whose places nobody chose, in order."""
+
+    def arrange(self, jobs: Sequence[str]) -> None:
+        """Put these jobs into another order, at the places that they have together."""
+
     def order(self) -> bool:
         """Give the next order; return False if none is left."""
 
@@ -54,6 +60,7 @@ COMMANDS_OF = {10: ('stop',), 11: GOES_ON, 12: ('abort',)}
 """Choices of an operator who does more than answer."""
 RELEASES = 15
 RUNS_EMPTY = 26
+ARRANGES = 27
 OF_JOBS = range(16, 26)
 """Choices of one who asks something of a job."""
 SERVICE = (13, 14)
@@ -85,6 +92,9 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
             bench.ask(*possible[which], number)
         elif choice == RUNS_EMPTY and (ways := bench.ways_to_empty()):
             bench.run_empty(ways[int(moment.delay_s if moment else 0) % len(ways)])
+        elif moment and choice == ARRANGES and len(free := bench.free()) > 1:
+            turn = 1 + int(moment.delay_s) % (len(free) - 1)
+            bench.arrange([*free[turn:], *free[:turn]])
         elif moment is None and (kept := _kept(bench.possible())):
             bench.ask(*kept[0], 0)
         elif moment is None and (out := bench.out_of_service()):

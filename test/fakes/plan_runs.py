@@ -9,6 +9,7 @@ import yaml
 from fakes.action_types import FakeActionTypes
 from fakes.commands import (
     Abort,
+    Arrange,
     CellCommand,
     Clear,
     ControlJob,
@@ -37,6 +38,7 @@ from bt_orchestrator.model.packml import VERBS, possible_in
 from bt_orchestrator.model.proof.deadlock import deadlock
 from bt_orchestrator.model.requests.possible import of_job
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state.proposed import queue_digest
 from bt_orchestrator.model.wish import AFTER, NEVER
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
@@ -136,6 +138,12 @@ class NaiveBench:
 
     def run_empty(self, after: str) -> None:
         self.cell.run_empty(after)
+
+    def free(self) -> list[str]:
+        return [job.id for job in self.cell.queue if job.rank is not None]
+
+    def arrange(self, jobs: Sequence[str]) -> None:
+        self.cell.arrange(jobs)
 
     def ask(self, what: str, job: str, number: int) -> None:
         self._asked += 1
@@ -270,6 +278,14 @@ class ProductBench:
 
     def run_empty(self, after: str) -> None:
         assert self.run.ask(StopAfter(after, BY)).accepted
+
+    def free(self) -> list[str]:
+        return [one.job.id for one in self.run.state.queue if one.ranked]
+
+    def arrange(self, jobs: Sequence[str]) -> None:
+        live, others = self.run.state.jobs, iter(jobs)
+        wanted = [next(others) if one.ranked else one.job.id for one in live.queue()]
+        assert self.run.ask(Arrange(wanted, queue_digest(live), BY)).accepted
 
     def ask(self, what: str, job: str, number: int) -> None:
         self._asked += 1

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import fields
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.alike import together
 from bt_orchestrator.model.failures import answers, why_not_offered
 from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.requests.alike import together
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Hold, Phase, TaskState
 from bt_orchestrator.model.words import facts_of

@@ -10,7 +10,7 @@ from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
 
 _NO_ACTION = ('the component says which action it serves', 'remove `action`')
 
-_CONDITIONS = ('when', 'unless', 'fails_unless')
+_CONDITIONS = ('when', 'unless', 'fails_unless', 'likely')
 
 _MADE_BY_OTHERS = ('id', 'action', *_CONDITIONS)
 """Keys of a task that are those of the component, or of the operation that uses the capability."""

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from bt_orchestrator.model.capability import Preparation
-from bt_orchestrator.script.circles import circles
+from bt_orchestrator.script.checks.circles import circles
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.report import Report, did_you_mean, listing
 from bt_orchestrator.script.yaml_nodes import quoted

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from bt_orchestrator.model.script import Dependency, InitializationDependency, Zone
-from bt_orchestrator.script.circles import circles
+from bt_orchestrator.script.checks.circles import circles
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.names import check_name

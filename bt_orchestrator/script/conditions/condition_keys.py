@@ -1,4 +1,4 @@
-"""The keys of a condition (semantics 6.5)."""
+"""The keys of a condition (semantics 6.5), and of how often it holds (8.4)."""
 
 from __future__ import annotations
 
@@ -66,4 +66,28 @@ CONDITION = Table(
         ),
     ),
     forms=(*(('value', comparison) for comparison in COMPARISONS), *((part,) for part in PARTS)),
+)
+
+
+def _share(name: str, meaning: str, example: str, kind: Kind = Kind.SHARE, *of: Table) -> Key:
+    return Key(name, kind, meaning, example, minimum=0, maximum=1, of=of, rule='8.4')
+
+
+LIKELY = Table(
+    'an expectation',
+    (
+        _share('runs', 'share of the good items for which its condition lets it run', '0.3'),
+        _share('fails', 'share of its attempts that fail, or that its verdict refuses', '0.05'),
+    ),
+    one_of=('runs', 'fails'),
+    short='runs',
+)
+
+LIKELY_KEY = _share(
+    'likely',
+    'for the expected pace alone: how often it runs, with `when` or `unless`; otherwise how '
+    'often it fails',
+    '0.05',
+    Kind.SHARES,
+    LIKELY,
 )

@@ -98,6 +98,7 @@ REWORK = Table(
         ),
         REPEAT.by_name['times'],
     ),
+    misplaced=REPEAT.misplaced,
 )
 
 RECIPE = Table(
@@ -149,7 +150,7 @@ RECIPE = Table(
 
 _NOT_TO_SET = (
     *('id', 'task', 'action', 'args', 'qty_change', 'when', 'unless', 'fails_unless'),
-    'identifies',
+    *('identifies', 'likely'),
 )
 
 CHANGE = Table(

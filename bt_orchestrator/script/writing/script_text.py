@@ -133,7 +133,10 @@ class _ScriptWriter:
         return _comment(self._comments.tasks.get(task.id), indent)
 
     def _plain_task(self, task: Task, default_id: str, indent: str) -> Iterator[str]:
-        return item(task_row(task, self._cell, default_id), indent)
+        row, likely = task_row(task, self._cell, default_id), self._script.likely.get(task.id)
+        if likely is not None:
+            row['likely'] = {name: one for name, one in vars(likely).items() if one is not None}
+        return item(row, indent)
 
     def _flags(self) -> Iterator[str]:
         if self._script.dependencies:

@@ -2,14 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from bt_orchestrator.base.errors import counted
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.proof.pace import Limit, Pace, PacedLine
+from bt_orchestrator.model.proof.pace import NAMED, Limit, Pace, PacedLine
 from bt_orchestrator.model.proof.quicker import Quicker, Roomier, quicker, roomier
 from bt_orchestrator.model.script import INDEX, Script
+from bt_orchestrator.view.report.rates import Rate
+
+
+@dataclass(frozen=True)
+class Expected:
+    """The pace with what is likely: the mean of a virtual run in which it is drawn."""
+
+    per_item_s: float
+    sure_s: float
+    """The true mean is within so much of it, with a probability of 95 %."""
+    items: int
+    """Items of the run, without those that fill the line and those that leave it."""
+    good: float
+    """Share of the items that left the line conforming."""
+    holds: int
+    """Failures that were held for a person, and answered at once."""
+    rates: tuple[Rate, ...]
+    """The rates of the draws."""
+    always: tuple[str, ...]
+    """Tasks with a condition without a rate: they ran for all items."""
+
+    @property
+    def per_good_s(self) -> float | None:
+        """Seconds from one good item to the next; None: there was none."""
+        return self.per_item_s / self.good if self.good else None
+
+    def lines(self) -> Iterator[str]:
+        """Yield it for a person."""
+        good = '' if self.good == 1.0 else ', no good item'
+        if good and self.per_good_s is not None:
+            good = f', {self.per_good_s:.2f} s per good item'
+        yield f'expected: {self.per_item_s:.2f} s per item (± {self.sure_s:.2f} s){good}'
+        drawn = _named([str(one) for one in self.rates])
+        yield f'  over {counted(self.items, "item")} in virtual time: {drawn}'
+        if self.always:
+            yield f'  no `likely`, so counted as always run: {_named(self.always)}'
+        if self.holds:
+            yield f'  {counted(self.holds, "hold")} answered at once: waiting is not counted'
+
+    def plain(self) -> dict[str, Any]:
+        """Return it as data that JSON can carry."""
+        rates = [vars(one) for one in self.rates]
+        return {
+            **vars(self),
+            'per_good_s': self.per_good_s,
+            'rates': rates,
+            'always': list(self.always),
+        }
+
+
+def _named(names: Sequence[str]) -> str:
+    more = len(names) - NAMED
+    return ', '.join([*names[:NAMED], *([f'{more} more'] if more > 0 else [])])
 
 
 @dataclass(frozen=True)
@@ -23,12 +77,16 @@ class ScriptPace:
     """None: no task limits it."""
     roomier: Roomier | None
     """None: no flag limits it, or none alone."""
+    expected: Expected | None = None
+    """None: nothing is known to be likely, or the line gets stuck."""
 
     def lines(self) -> Iterator[str]:
         """Yield it for a person."""
         if self.pace is not None:
             yield str(self.pace)
         yield from (str(one) for one in (self.quicker, self.roomier) if one is not None)
+        if self.expected is not None:
+            yield from self.expected.lines()
 
     def plain(self) -> dict[str, Any]:
         """Return it as data that JSON can carry."""
@@ -54,13 +112,16 @@ class ScriptPace:
                 'capacity': larger.capacity,
                 **_then(larger.then),
             }
+        found['expected'] = None if self.expected is None else self.expected.plain()
         return found
 
 
-def script_pace(script: Script, cell: Cell) -> ScriptPace:
+def script_pace(script: Script, cell: Cell, expected: Expected | None = None) -> ScriptPace:
     """Return the pace of a script by the durations of a cell."""
     line = PacedLine(script, cell)
-    return ScriptPace(script.name, line.pace(cell), quicker(line, cell), roomier(line, cell))
+    return ScriptPace(
+        script.name, line.pace(cell), quicker(line, cell), roomier(line, cell), expected
+    )
 
 
 def _then(limit: Limit) -> dict[str, Any]:

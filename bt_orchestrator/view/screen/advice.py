@@ -6,11 +6,11 @@ import shlex
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from bt_orchestrator.model.alike import alike
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, Request, of_hold, requests_about
+from bt_orchestrator.model.requests.alike import alike
 from bt_orchestrator.model.requests.reader import (
     allowed,
     answers_of_others,

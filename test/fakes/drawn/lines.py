@@ -46,7 +46,7 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
         scripts.append(_variant(draw, scripts[0]))
     orders = _short_orders(draw) if traits.short else _orders(draw, scripts)
     first = len(orders) if draw(st.booleans()) else 1
-    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 26))
+    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 27))
     moments = draw(st.lists(moment, max_size=10))
     drawn = draw(st.lists(st.sampled_from((*SECONDS, 40.0)), max_size=5)) if traits.tied else []
     rebuilds = draw(st.frozensets(st.integers(1, 80), max_size=6))

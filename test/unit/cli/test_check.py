@@ -133,7 +133,21 @@ def test_the_pace_as_json(capsys: pytest.CaptureFixture[str]) -> None:
                 'only_one': '',
             },
         },
+        'expected': None,
     }
+
+
+def test_what_is_likely_gives_an_expected_pace(capsys: pytest.CaptureFixture[str]) -> None:
+    assert checked(TREES / 'rework_by_weight.yaml') == 0
+    *_, first, second = capsys.readouterr().out.splitlines()
+    assert first == '  expected: 5.76 s per item (± 0.06 s)'
+    assert second == '    over 1000 items in virtual time: weigh fails 10 % of its attempts'
+    assert checked(TREES / 'rework_by_weight.yaml', '--json') == 0
+    (pace,) = json.loads(capsys.readouterr().out)['paces']
+    expected = pace['expected']
+    assert expected['per_item_s'] == pytest.approx(5.76, abs=0.005)
+    assert expected['rates'] == [{'task': 'weigh', 'what': 'fails', 'share': 0.1, 'of': None}]
+    assert (expected['items'], expected['always'], expected['holds']) == (1000, [], 0)
 
 
 def test_scripts_are_looked_up_by_name_in_the_folders_named(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,14 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, ROOT, STUCK, TREES
 
-from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.base.errors import JournalUnusable, Refused
+from bt_orchestrator.cli.side_by_side import OrderFiles
 from bt_orchestrator.cli.simulate import add_arguments, simulate
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.sim.fault_options import with_faults
+from bt_orchestrator.sim.simulation import Outcome, Simulation
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 TYPES = FakeActionTypes()
 
@@ -345,3 +350,25 @@ def test_a_start_is_waited_for_from_the_begin_of_the_run(
     for begin, late_s in (('2026-05-18T05:50:00+00:00', 600.0), ('2026-05-18T06:10+00:00', 0.0)):
         assert simulated(early, '--json', '--begin', begin) == 0
         assert json.loads(capsys.readouterr().out)['time_s'] == pytest.approx(39.0 + late_s)
+
+
+def test_a_journal_tells_what_is_likely(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = order(tmp_path, 'rework', script='rework_by_weight', quantity=30)
+    journal = tmp_path / 'journal.sqlite3'
+    cell, (given,) = OrderFiles([path], REFERENCE_CELL, [TREES], []).jobs(TYPES)
+    faults = [f'component_3b.TASK_B#{n}=reads:9' for n in (2, 4, 7)]
+    with closing(SqliteStore(journal, synchronous='NORMAL')) as store:
+        run = Simulation(with_faults(cell, faults, TYPES), TYPES, store)
+        run.submit([given.job])
+        assert run.run() is Outcome.FINISHED
+        run.close()
+
+    assert simulated(path, '--journal', journal) == 0
+    assert 'weigh fails 9.09 % of 33 attempts' in capsys.readouterr().out
+    assert simulated(path, '--json') == 0
+    (pace,) = json.loads(capsys.readouterr().out)['paces']
+    assert pace['expected']['rates'][0]['of'] is None
+    with pytest.raises(JournalUnusable):
+        simulated(path, '--journal', tmp_path / 'none')

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from fakes.commands import ReleaseScript, RunNext
-from fakes.line import THREE, Line
+from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
 from fakes.virtual_run import BY, VirtualRun
 
@@ -247,3 +247,11 @@ def test_6_10_a_simulation_has_nobody_to_release_it_and_runs() -> None:
     assert [one.accepted for one in simulation.submit([Job('K', GENERATED, 1, {})])] == [True]
     assert simulation.run() is Outcome.FINISHED
     simulation.close()
+
+
+def test_6_10_what_is_likely_needs_no_release(run: VirtualRun) -> None:
+    section = with_section(2, '[{id: work, @a2, on_failure: reject, likely: 0.1}]')
+    text = section.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    run.release(made(text))
+    assert run.add(('K', made(text.replace('0.1', '0.2')))).message == 'K is queued'
+    assert run.go().counts('K')['packed'] == 1

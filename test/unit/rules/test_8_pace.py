@@ -19,8 +19,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.proof.pace import Pace, PacedLine, pace
 from bt_orchestrator.model.proof.quicker import Quicker, quicker, roomier
+from bt_orchestrator.sim.pace_judge import PaceJudge
+from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.view.report.rates import RatesSeen, rates_of
 
 pytestmark = pytest.mark.timeout(24 * 3600)
 
@@ -371,3 +375,33 @@ def test_8_4_a_larger_flag_that_lets_the_line_go_faster_is_told() -> None:
     larger = line.script(text.replace('CAPACITY', '2'))
     assert steady(line.cell, larger) == (8.0, True)
     assert roomier(PacedLine(larger, line.cell), line.cell) is None
+
+
+# --- what is likely -------------------------------------------------------------------------
+
+MAYBE = """[{id: work, @a2}, {id: more, @b2, when: "${results.work.item_present}"LIKELY}]"""
+
+
+def test_8_4_what_is_likely_is_between_best_and_worst() -> None:
+    line = Line(seconds={'b2': 4.0})
+    script = line.script(with_section(2, MAYBE.replace('LIKELY', ', likely: 0.25')))
+    found = pace(script, line.cell)
+    assert found is not None
+    judge = PaceJudge(line.cell, line.types, MemoryStore)
+    expected = judge.expected(script, list(rates_of(script, RatesSeen())))
+    assert expected is not None
+    assert found.least.per_item_s < expected.per_item_s < found.per_item_s
+    assert expected.per_item_s == pytest.approx(4.0, abs=2 * expected.sure_s)
+
+
+def test_8_4_what_is_likely_changes_nothing_else() -> None:
+    line = Line(seconds={'b2': 4.0})
+    with_it, without = (
+        line.script(with_section(2, MAYBE.replace('LIKELY', text))) for text in (', likely: 1', '')
+    )
+    assert with_it.likely != without.likely
+    assert digest(with_it) == digest(without)
+    assert pace(with_it, line.cell) == pace(without, line.cell)
+    assert line.run(with_section(2, MAYBE.replace('LIKELY', ', likely: 0'))).starts('more') == [
+        4.0
+    ]

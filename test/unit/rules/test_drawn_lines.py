@@ -43,6 +43,7 @@ def verdicts(kind: type[NaiveBench | ProductBench], plan: Plan, script: str) -> 
 OF_JOBS = (
     *('job.held', 'job.released', 'job.moved', 'job.updated', 'job.removed'),
     *('job.paused', 'job.stopping', 'queue.stop_requested', 'queue.stop_reached'),
+    'queue.arranged',
 )
 """What operators ask of jobs and of the queue."""
 

@@ -35,6 +35,8 @@ READERS = {
     Kind.REFERENCE: Fields.value,
     Kind.BOUND: Fields.value,
     Kind.CONDITION: Fields.value,
+    Kind.SHARE: Fields.share,
+    Kind.SHARES: Fields.share,
 }
 
 
@@ -54,7 +56,7 @@ def read(table: Table, key: Key, value: str) -> object:
 
 
 def test_there_are_all_tables() -> None:
-    assert len(TABLES) == 26
+    assert len(TABLES) == 28
 
 
 @pytest.mark.parametrize(('table', 'key'), KEYS)

@@ -8,12 +8,12 @@ from typing import Any
 
 from bt_orchestrator.base.errors import counted
 from bt_orchestrator.cli.check import summary
+from bt_orchestrator.cli.pacing import Pacing
 from bt_orchestrator.extensions.recipes.generating.comments import reason
 from bt_orchestrator.extensions.recipes.generating.inputs import Inputs
 from bt_orchestrator.extensions.recipes.generating.making import Made
 from bt_orchestrator.extensions.recipes.planning.outcome import Generated, NotFound, NotMade, Price
 from bt_orchestrator.extensions.recipes.planning.outcome import Made as Fact
-from bt_orchestrator.view.report.pace_text import script_pace
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,8 @@ class Kept:
 
 def summary_lines(made: Made, inputs: Inputs, kept: Kept | None) -> Iterator[str]:
     """Yield what was generated, and how fast it is."""
-    yield from summary(made.generated.script, inputs.cell)
+    script = made.generated.script
+    yield from summary(script, inputs.cell, Pacing(inputs.cell, inputs.types).of(script))
     yield f'  {made.generated.claim}'
     if kept is not None:
         here, freely = made.generated.claim, kept.freely.claim
@@ -77,7 +78,7 @@ def plain(
         'is_fastest': claim.is_fastest,
         'bound_s': claim.bound_s,
         'gap': claim.gap,
-        'pace': script_pace(script, inputs.cell).plain(),
+        'pace': Pacing(inputs.cell, inputs.types).of(script).plain(),
         'tasks': [_task(task, one) for task, one in made.generated.made.items()],
     }
     if prices:

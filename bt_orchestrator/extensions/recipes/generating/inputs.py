@@ -41,7 +41,7 @@ class Inputs:
         return MadeFrom(
             recipe=self.recipe.name,
             version=self.recipe.version,
-            recipe_digest=digest_of(to_plain(self.recipe)),
+            recipe_digest=digest(self.recipe),
             cell_digest=digest(self.cell),
             overrides_digest=digest_of(to_plain(self.overrides)) if has_overrides else '',
             generator=_version(),

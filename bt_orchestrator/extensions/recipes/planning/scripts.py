@@ -49,6 +49,7 @@ class PlanWriter:
             params=self._recipe.params,
             repeats=tuple(self._repeats()),
             lots=self._recipe.lots,
+            likely=self._recipe.likely,
         )
 
     # --- lists ------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from typing import Any
 from bt_orchestrator.extensions.recipes.reading.bindings import misfit, unknown_operation
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
-from bt_orchestrator.script.circles import circles
+from bt_orchestrator.script.checks.circles import circles
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
 from bt_orchestrator.script.orders.recipe_keys import CHANGE, OVERRIDES
 from bt_orchestrator.script.report import Report

@@ -15,6 +15,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Operation, Recipe, Rework
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.checks.repeats import check_repeats
+from bt_orchestrator.script.conditions.likely import read_likely
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.identity_reader import check_serials, read_lots
 from bt_orchestrator.script.names import check_id
@@ -56,6 +57,7 @@ def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> R
     read_parameters(draft, report)
     OperationReader(draft, cell, types, report).read()
     operations = tuple(_operation(draft, one, report) for one in draft.operations)
+    conditions = {one.id: one.options.get('condition') for one in operations}
     check_balance(draft, report)
     check_repeats(draft, report)
     check_serials(draft.operations, report)
@@ -69,6 +71,7 @@ def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> R
             Rework(tuple(one.id for one in repeat.tasks), repeat.times) for repeat in draft.repeats
         ),
         lots=read_lots(draft, report),
+        likely=read_likely(draft.operations, conditions, report),
     )
 
 

@@ -23,6 +23,11 @@ def test_lots(lots: str, expected: list[str]) -> None:
     assert mistakes(lambda: script(AROUND['lots'].whole(lots))) == expected
 
 
+@pytest.mark.parametrize(('likely', 'expected'), table('likely'))
+def test_what_is_likely(likely: str, expected: list[str]) -> None:
+    assert mistakes(lambda: line(CONDITION.format(likely))) == expected
+
+
 @pytest.mark.parametrize(('verdict', 'expected'), table('verdicts'))
 def test_verdicts(verdict: str, expected: list[str]) -> None:
     assert mistakes(lambda: line(VERDICT.format(verdict))) == expected

@@ -289,3 +289,32 @@ def test_mistakes_in_files(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.loads(said(capsys, '--json', status=1))['ok'] is False
     with pytest.raises(Refused, match=r'none\.yaml:1:1: the file does not exist'):
         generated(recipe=Path('none.yaml'))
+
+
+# --- what is likely ---------------------------------------------------------------------------
+
+
+def test_what_is_likely_is_in_the_script_and_makes_no_other_one(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    retries = 'do: glue, on_failure: continue, retries: 2'
+    edit('box.yaml', 'do: glue', retries)
+    plain = said(capsys)
+    edit('box.yaml', retries, f'{retries}, likely: 0.2')
+    text = said(capsys)
+    assert 'retries: 2, likely: {fails: 0.2}}' in text
+    made, before = (
+        admitted(one, 'text', read_cell(Path('cell.yaml'), TYPES), TYPES) for one in (text, plain)
+    )
+    assert made.likely != before.likely
+    assert digest(made) == digest(before)
+    assert made.made_from is not None
+    assert made.made_from.says_the_same(before.made_from)
+    told = said(capsys, '--explain')
+    assert '  expected: ' in told
+    assert 'glue fails 20 % of its attempts' in told
+    found = json.loads(said(capsys, '--json'))
+    expected = found['pace']['expected']
+    # The beat is 3 s with one attempt, and 2 s more with each further one.
+    mean_s = 3.0 + 2.0 * (0.2 + 0.04)
+    assert expected['per_item_s'] == pytest.approx(mean_s, abs=2 * expected['sure_s'])

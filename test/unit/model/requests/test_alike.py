@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.model.alike import alike, together, why_singly
 from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.requests.alike import alike, together, why_singly
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import Hold
 
