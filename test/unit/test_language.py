@@ -1,13 +1,7 @@
-"""How the product speaks: plain words, short sentences (test/data/language.yaml).
-
-What is not clean yet is counted for each file in test/data/language_ratchet.json; a count may only
-fall. `LANGUAGE=write` writes lower counts there.
-"""
+"""How the product speaks: plain words, short sentences (test/data/language.yaml)."""
 
 from __future__ import annotations
 
-import json
-import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -19,7 +13,6 @@ import pytest
 import yaml
 from fakes.shipped import ROOT
 
-RATCHET = ROOT / 'test' / 'data' / 'language_ratchet.json'
 LIST = yaml.safe_load((ROOT / 'test' / 'data' / 'language.yaml').read_text(encoding='utf-8'))
 MOST_WORDS: int = LIST['most_words']
 
@@ -90,38 +83,11 @@ def complaints() -> dict[str, dict[str, list[str]]]:
     return found
 
 
-def counted() -> dict[str, dict[str, int]]:
-    """Return how many complaints there are, where there are any."""
-    return {
-        kind: {name: len(lines) for name, lines in sorted(files.items()) if lines}
-        for kind, files in complaints().items()
-    }
-
-
-@cache
-def ratchet() -> dict[str, dict[str, int]]:
-    """Return how many complaints there may be, by kind of text and file."""
-    allowed: dict[str, dict[str, int]] = json.loads(RATCHET.read_text(encoding='utf-8'))
-    if os.environ.get('LANGUAGE') == 'write':
-        allowed = {
-            kind: {name: min(count, allowed[kind].get(name, 0)) for name, count in files.items()}
-            for kind, files in counted().items()
-        }
-        RATCHET.write_text(json.dumps(allowed, indent=1) + '\n', encoding='utf-8')
-    return allowed
-
-
 @pytest.mark.parametrize('kind', sorted(complaints()))
-def test_the_language_gets_no_worse(kind: str) -> None:
-    allowed = ratchet().get(kind, {})
-    worse = {
-        name: lines
-        for name, lines in complaints()[kind].items()
-        if len(lines) > allowed.get(name, 0)
-    }
-    assert worse == {}, '\n'.join(
-        f'{name} ({allowed.get(name, 0)} allowed):\n  ' + '\n  '.join(lines)
-        for name, lines in worse.items()
+def test_the_language_is_plain(kind: str) -> None:
+    wrong = {name: lines for name, lines in complaints()[kind].items() if lines}
+    assert wrong == {}, '\n'.join(
+        f'{name}:\n  ' + '\n  '.join(lines) for name, lines in wrong.items()
     )
 
 
