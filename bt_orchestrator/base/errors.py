@@ -83,6 +83,13 @@ class JournalUnusable(OrchestratorError):
     """The journal cannot be opened, or cannot be read as a whole; nothing in it was changed."""
 
 
+class JournalAway(OrchestratorError):
+    """A journal that several machines can reach cannot be written: the node has to end.
+
+    Another node may go on; this one may be started again.
+    """
+
+
 class JournalFailed(OrchestratorError):
     """Events could not be made durable; their effects were not carried out."""
 

@@ -14,6 +14,7 @@ from bt_orchestrator.cli.bookkeeping.process import BooksProcess
 from bt_orchestrator.cli.processes.foresight_process import ForesightProcess
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.keeping.journal_place import JournalPlace
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import (
@@ -23,7 +24,6 @@ from bt_orchestrator.ports import (
     EventStore,
     Foresight,
     Generating,
-    Journal,
     MadeScript,
 )
 from bt_orchestrator.script.admission import admitted
@@ -43,7 +43,6 @@ from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.store.sqlite.store import SqliteStore
 
 _T = TypeVar('_T')
 
@@ -163,7 +162,7 @@ def build_foresight(cell: Cell) -> Foresight:
     return ForesightProcess(cell)
 
 
-def build_bookkeeping(journal: Path) -> Bookkeeping:
+def build_bookkeeping(journal: JournalPlace) -> Bookkeeping:
     """Build what makes the books of a journal, in a process that starts with each work."""
     return BooksProcess(journal)
 
@@ -213,14 +212,6 @@ def load_jobs(
     assert cell is not None
     assert jobs is not None
     return cell, jobs
-
-
-def open_journal(path: Path, synchronous: str) -> Journal:
-    """Open the journal in a file.
-
-    :raises JournalUnusable: the file cannot be used
-    """
-    return SqliteStore(path, synchronous=synchronous)
 
 
 def memory_store() -> EventStore:

@@ -25,6 +25,7 @@ from bt_orchestrator.cli.parquet_folder import tables_in
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.keeping.journal_place import journal_place
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.view.report.account.booked import steady_time
 from bt_orchestrator.view.report.exports import OUTPUTS, Output, Timed
@@ -67,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--last', type=whole, metavar='N', help='begin with the last N events that there are'
     )
-    parser.add_argument('--journal', type=Path, metavar='FILE', help='read this journal file')
+    parser.add_argument('--journal', type=journal_place, metavar='FILE', help='read this journal')
     parser.add_argument('--job', metavar='JOB', help='with --journal: of this job only')
     parser.add_argument(
         '--event',

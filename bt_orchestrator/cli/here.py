@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from bt_orchestrator.model.keeping.journal_place import journal_place
 from bt_orchestrator.script.cell_file import CELL_FILE
 
 
@@ -25,10 +26,10 @@ def add_journal_option(parser: argparse.ArgumentParser) -> None:
     """Declare the journal."""
     parser.add_argument(
         '--journal',
-        type=_path_or(_journal_here),
+        type=lambda text: journal_place(text) if text else _journal_here(),
         default='',
         metavar='FILE',
-        help='the journal (default: the one in this folder)',
+        help='the journal, a file or an address of a database (default: the one in this folder)',
     )
 
 

@@ -1,20 +1,54 @@
-"""Opening a journal to read it; only this module knows how it is stored."""
+"""Opening journals; only this module knows how they are stored."""
 
 from __future__ import annotations
 
 import sys
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
+from typing import cast
 
-from bt_orchestrator.ports import Records
-from bt_orchestrator.store.sqlite.records import SqliteRecords
+from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.base.extending import POSTGRES
+from bt_orchestrator.model.keeping.journal_place import JournalPlace
+from bt_orchestrator.ports import Journal, Records
 
 
-def open_records(journal: Path) -> Records:
+def open_records(journal: JournalPlace) -> Records:
     """Open a journal for reading, whether a node has it or not.
 
     :raises JournalUnusable: it cannot be read
+    :raises ExtensionMissing: it is in a database, and the extension is not installed
     """
-    return SqliteRecords(journal)
+    if isinstance(journal, Path):
+        from bt_orchestrator.store.sqlite.records import SqliteRecords
+
+        return SqliteRecords(journal)
+    return cast('Records', _postgres('records').PostgresRecords(journal))
+
+
+def open_journal(journal: JournalPlace, synchronous: str) -> Journal:
+    """Open a journal for its only writer.
+
+    :param synchronous: FULL or NORMAL, of a file
+    :raises JournalUnusable: it cannot be used
+    :raises ExtensionMissing: it is in a database, and the extension is not installed
+    """
+    if isinstance(journal, Path):
+        from bt_orchestrator.store.sqlite.store import SqliteStore
+
+        return SqliteStore(journal, synchronous=synchronous)
+    if synchronous != 'FULL':
+        raise JournalUnusable(
+            f'a journal in a database is written with FULL; found {synchronous}: leave '
+            '--journal-synchronous out'
+        )
+    return cast('Journal', _postgres('journal').PostgresStore(journal))
+
+
+def _postgres(module: str) -> ModuleType:
+    POSTGRES.demand()
+    return import_module(f'{POSTGRES.room}.{module}')
 
 
 def say_damage(sentence: str) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from bt_orchestrator.base.diagnosis.domain import keep_to_this_computer
 from bt_orchestrator.base.diagnosis.ros_says import ros_says
-from bt_orchestrator.base.errors import OrchestratorError, Refused
+from bt_orchestrator.base.errors import JournalAway, OrchestratorError, Refused
 from bt_orchestrator.base.extending import ExtensionMissing
 from bt_orchestrator.cli.command_parser import CommandParser
 from bt_orchestrator.cli.mistakes import print_mistakes
@@ -83,6 +83,8 @@ def _carry_out(words: Sequence[str]) -> int:
     except Refused as refused:
         print_mistakes(refused)
         return 1
+    except JournalAway as error:
+        return _complain(verb, str(error), os.EX_TEMPFAIL)
     except OrchestratorError as error:
         return _complain(
             verb, str(error), 2 if isinstance(error, WrongUse | ExtensionMissing) else 1

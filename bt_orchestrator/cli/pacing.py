@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 from contextlib import closing
-from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.sim.pace_judge import PaceJudge
@@ -21,7 +21,7 @@ def add_rates_option(parser: argparse.ArgumentParser) -> None:
     """Declare the journal that knows better than the files."""
     parser.add_argument(
         '--journal',
-        type=Path,
+        type=journal_place,
         metavar='FILE',
         help='for the expected pace: how often conditions held and tasks failed in this journal; '
         '`likely` of the files counts where it has seen that too few times',
@@ -31,7 +31,9 @@ def add_rates_option(parser: argparse.ArgumentParser) -> None:
 class Pacing:
     """Works out how fast a cell is with scripts."""
 
-    def __init__(self, cell: Cell, types: ActionTypes, journal: Path | None = None) -> None:
+    def __init__(
+        self, cell: Cell, types: ActionTypes, journal: JournalPlace | None = None
+    ) -> None:
         """Read what a journal has seen.
 
         :raises JournalUnusable: it cannot be read

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from bt_orchestrator.base.errors import NotKept
 from bt_orchestrator.cli.moments import moment
+from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Records
@@ -33,7 +34,7 @@ class PastStatus(NamedTuple):
     """Whether the journal ends with the event before that moment."""
 
 
-def status_at(at: int | float, journal: Path, cell: Path) -> PastStatus:
+def status_at(at: int | float, journal: JournalPlace, cell: Path) -> PastStatus:
     """Return how a cell stood.
 
     :param at: the number of an event, or seconds since the epoch
@@ -72,7 +73,9 @@ def add_past_options(parser: argparse.ArgumentParser) -> None:
         help='how it stood after this event, or at this time, for instance 2026-05-17T14:30:05; '
         'from the journal, and no node has to run',
     )
-    parser.add_argument('--journal', type=Path, metavar='FILE', help='with --at: the journal')
+    parser.add_argument(
+        '--journal', type=journal_place, metavar='FILE', help='with --at: the journal'
+    )
     parser.add_argument(
         '--cell', type=Path, metavar='CELL', help='with --at: the cell file as it was then'
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.base.extending import of_others
@@ -30,7 +29,7 @@ every option but --namespace is also a ROS parameter of the node, which wins:
 --ros-args -p tick_rate_hz:=20.0
 
 exit status: 0 ended by a signal, 1 the cell file is refused, a goal did not end or the middleware
-did not stop, 2 wrong use"""
+did not stop, 2 wrong use, 75 a journal in a database cannot be written: start it again"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -70,7 +69,7 @@ def _add_parameter(parser: argparse.ArgumentParser, name: str, words: Words) -> 
     elif words.choices:
         settings['choices'] = words.choices
     else:
-        settings['type'] = Path if default is None else type(default)
+        settings['type'] = words.read if default is None else type(default)
         settings['metavar'] = words.metavar
     if default is not None:
         shown = ('no', 'yes')[default] if isinstance(default, bool) else default
@@ -91,8 +90,8 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         build_foresight,
         build_generating,
         memory_store,
-        open_journal,
     )
+    from bt_orchestrator.cli.journal_file import open_journal
     from bt_orchestrator.ros.node import Parts, run_node
 
     told = {name: getattr(args, name) for name, _ in described()}

@@ -65,7 +65,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         'history': ('history.verb', 'print the jobs of a journal, their items and their events'),
         'alarms': ('alarms', 'list what waited for people, and who did what about it'),
         'report': ('reporting.verb', 'account for a shift, a day or a job: output and lost time'),
-        'journal': ('journal', 'restore a backup of a journal'),
+        'journal': ('journals.verb', 'restore a backup of a journal'),
         'feed': ('cli.verb', 'copy the journal of a cell into the database of the plant'),
     },
     'maintain': {

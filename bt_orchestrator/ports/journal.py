@@ -87,6 +87,10 @@ class EventStore(Protocol):
 class Journal(EventStore, Protocol):
     """A journal that outlives its process, and is kept short for the next start."""
 
+    @property
+    def is_shared(self) -> bool:
+        """Tell whether another machine can go on with it: then a node that cannot write ends."""
+
     def save(self, snapshot: Snapshot, ended: Sequence[JobRecord] = ()) -> None:
         """Store a state to start from, and the summaries of jobs that ended.
 

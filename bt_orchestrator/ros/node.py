@@ -17,7 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from bt_orchestrator.base.diagnosis.ros_says import ros_says
-from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.base.errors import JournalAway, OrchestratorError
 from bt_orchestrator.base.leaving import leaving
 from bt_orchestrator.base.replies import begin
 from bt_orchestrator.base.stop_signals import StopSignals
@@ -32,6 +32,7 @@ from bt_orchestrator.engine.runtime.writers import WriterThread
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.keeping.journal_place import JournalPlace
 from bt_orchestrator.ports import (
     Bookkeeping,
     EventSink,
@@ -97,13 +98,13 @@ Soon = Callable[[Callable[[], None]], None]
 class Parts(NamedTuple):
     """The things that other rooms give the node."""
 
-    open_journal: Callable[[Path, str], Journal]
-    """Opens the journal in a file, to be written with a value of `journal_synchronous`."""
+    open_journal: Callable[[JournalPlace, str], Journal]
+    """Opens a journal, to be written with a value of `journal_synchronous`."""
     make_memory_store: Callable[[], EventStore]
     """Makes one that is gone with the process, where no file is named."""
     make_foresight: Callable[[Cell], Foresight]
-    make_bookkeeping: Callable[[Path], Bookkeeping]
-    """Makes what makes the books of the journal in a file."""
+    make_bookkeeping: Callable[[JournalPlace], Bookkeeping]
+    """Makes what makes the books of a journal."""
     make_generating: Callable[[Cell, Sequence[Path], Soon], Generating]
     """Makes what generates the scripts of orders by recipe, from recipes in some folders; what it
     is given lets the tick thread call something."""
@@ -182,6 +183,16 @@ class TreeNode:
         self._status.publish_now()
         while not stop.requested:
             self._spin_once()
+            if self.orchestrator.breakdown is not None:
+                self._leave_to_others()
+
+    def _leave_to_others(self) -> None:
+        """End if another node may go on with the journal.
+
+        :raises JournalAway: so it is; goals go on to their ends
+        """
+        if self._journal is not None and self._journal.is_shared:
+            raise JournalAway(f'{self.orchestrator.broken}')
 
     def finish(self, stop: StopSignals) -> list[str]:
         """Cancel every goal and wait for the ends, not longer than FAREWELL_S.

@@ -5,13 +5,14 @@ One table: the node's ROS parameters, the options of `run`, and their page are m
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, get_args, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
+from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
 from bt_orchestrator.model.roles import Role
 
 SINGLE, EVENTS = 'single', 'events'
@@ -38,6 +39,8 @@ class Words:
     high: float | None = None
     """The range of a number."""
     metavar: str | None = None
+    read: Callable[[str], Any] = Path
+    """Of a value that may be left out: what its text names."""
 
 
 @dataclass(frozen=True)
@@ -104,11 +107,12 @@ class NodeParameters:
         bool, Words('after a restart with unfinished work, go on without the hold `restarted`')
     ] = False
     journal: Annotated[
-        Path | None,
+        JournalPlace | None,
         Words(
-            'file of the durable journal (SQLite): what was begun goes on after a crash; without '
-            'it nothing survives the process',
+            'the durable journal, an SQLite file or postgresql://USER@HOST/DATABASE/CELL: what '
+            'was begun goes on after a crash; without it nothing survives the process',
             metavar='FILE',
+            read=journal_place,
         ),
     ] = None
     journal_synchronous: Annotated[

@@ -36,7 +36,7 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
         default = getattr(defaults, name)
         descriptor = _descriptor(words, default)
         value = node.declare_parameter(name, _to_ros(default), descriptor).value
-        values[name] = _from_ros(name, value)
+        values[name] = _from_ros(name, words, value)
     node.add_on_set_parameters_callback(_refuse_another_clock)
     _refuse_in_words(node)
     return NodeParameters(**values)
@@ -122,10 +122,10 @@ def _to_ros(value: Any) -> Any:
     return str(value or '') if value is None or isinstance(value, Path) else value
 
 
-def _from_ros(name: str, value: Any) -> Any:
+def _from_ros(name: str, words: Words, value: Any) -> Any:
     match getattr(NodeParameters(), name):
         case tuple():
             return tuple(map(Path, value or ()))
         case None:
-            return Path(value) if value else None
+            return words.read(value) if value else None
     return value

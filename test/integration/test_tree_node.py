@@ -26,8 +26,8 @@ from bt_orchestrator.cli.bootstrap import (
     build_foresight,
     build_generating,
     memory_store,
-    open_journal,
 )
+from bt_orchestrator.cli.journal_file import open_journal
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
 from bt_orchestrator.ros.node_parameters import NodeParameters

@@ -1,4 +1,4 @@
-"""The books of a running cell, made in a process of low priority that reads the journal file.
+"""The books of a running cell, made in a process of low priority that reads the journal.
 
 It takes seconds for a day's events: neither the tick thread's interpreter nor the writer has time
 for that. The process ends with each piece of work; a day needs it once or twice.
@@ -20,6 +20,7 @@ from bt_orchestrator.base.child_process import (
 )
 from bt_orchestrator.engine.runtime.writers import Writing
 from bt_orchestrator.model.books import Books
+from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
 
 log = logging.getLogger(__name__)
 
@@ -35,18 +36,18 @@ _MADE, _FAILED = b'+', b'-'
 class BooksProcess:
     """Asks the process, from a thread that only waits. Implements `ports.Bookkeeping`."""
 
-    def __init__(self, journal: Path) -> None:
+    def __init__(self, journal: JournalPlace) -> None:
         """Prepare; nothing is started yet.
 
-        :param journal: the file, which this process writes
+        :param journal: which this process writes
         """
-        self._journal = journal
+        self._journal = journal.resolve() if isinstance(journal, Path) else journal
         self._process: ChildProcess | None = None
         self._thread: threading.Thread | None = None
 
     def begin(self) -> Writing[Books]:
         """Begin to make the next books."""
-        process = ChildProcess(__name__, os.fsencode(self._journal.resolve()))
+        process = ChildProcess(__name__, os.fsencode(self._journal))
         making = Writing(lambda: _ask(process), lambda: None)
         self._process = process
         self._thread = threading.Thread(target=making.run, name='books', daemon=True)
@@ -79,11 +80,11 @@ class _Answers:
     """The knowledge of the process: the file of the first question."""
 
     def __init__(self) -> None:
-        self._journal: Path | None = None
+        self._journal: JournalPlace | None = None
 
     def __call__(self, question: bytes) -> bytes:
         if self._journal is None:
-            self._journal = Path(os.fsdecode(question))
+            self._journal = journal_place(os.fsdecode(question))
             return b''
         try:
             return _MADE + _next_books(self._journal).to_bytes()
@@ -91,7 +92,7 @@ class _Answers:
             return _FAILED + (str(error) or repr(error)).encode()
 
 
-def _next_books(journal: Path) -> Books:
+def _next_books(journal: JournalPlace) -> Books:
     from contextlib import closing
 
     from bt_orchestrator.cli.journal_file import open_records

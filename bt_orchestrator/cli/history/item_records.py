@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.keeping.journal_place import JournalPlace
 from bt_orchestrator.view.drawing.documents.item_page import Source, item_page
 from bt_orchestrator.view.report.item.history import ItemHistory, plain_item
 from bt_orchestrator.view.report.item.reader import item_history
@@ -22,7 +22,7 @@ class NoItem(OrchestratorError):
     """A journal does not have an item."""
 
 
-def histories(reading: Reading, journal: Path, items: Iterable[str]) -> list[ItemHistory]:
+def histories(reading: Reading, journal: JournalPlace, items: Iterable[str]) -> list[ItemHistory]:
     """Read the records of items, in the order named.
 
     :raises NoItem: the journal does not have one of them
@@ -57,7 +57,9 @@ def as_json(items: Iterable[ItemHistory]) -> str:
     return ''.join(f'{json_of(plain_item(item))}\n' for item in items)
 
 
-def as_html(items: Sequence[ItemHistory], journal: Path, title: str, lacks: Sequence[str]) -> str:
+def as_html(
+    items: Sequence[ItemHistory], journal: JournalPlace, title: str, lacks: Sequence[str]
+) -> str:
     """Return records as one document.
 
     :param lacks: what of the journal could not be read

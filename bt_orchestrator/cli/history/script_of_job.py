@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.keeping.journal_place import JournalPlace
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.writing.script_text import Comments, write_script
 from bt_orchestrator.view.report.reading import Reading
@@ -18,7 +18,7 @@ class NoScript(OrchestratorError):
     """A journal does not have the script of a job any more."""
 
 
-def script_of(job: JobRecord, reading: Reading, journal: Path) -> Iterator[str]:
+def script_of(job: JobRecord, reading: Reading, journal: JournalPlace) -> Iterator[str]:
     """Yield the text of the script that a job ran.
 
     :raises NoScript: the journal has it no more

@@ -167,11 +167,3 @@ def lineage(stretch: Stretch, known: Mapping[str, Stretch]) -> Iterator[tuple[st
         before = stretch.first_seq - 1
         last = before if last is None else min(before, last)
         stretch = by_number[stretch.parent]
-
-
-def open_records(address: str) -> PostgresRecords:
-    """Open the journal of a cell for reading.
-
-    :raises JournalUnusable: it cannot be read
-    """
-    return PostgresRecords(address)

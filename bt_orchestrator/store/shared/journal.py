@@ -28,6 +28,7 @@ class KeptJournal(ABC):
     One connection reads, and another one may write meanwhile in another thread.
     """
 
+    is_shared = False
     _reading: Database
     _check: Check = staticmethod(check_of_event)
 

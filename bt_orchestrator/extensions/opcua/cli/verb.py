@@ -25,6 +25,7 @@ from bt_orchestrator.extensions.opcua.cli.trust import run_trust
 from bt_orchestrator.extensions.opcua.server.access import Access, AccessRefused
 from bt_orchestrator.extensions.opcua.server.asyncua_version import check_version
 from bt_orchestrator.extensions.opcua.server.stack_log import stack_log
+from bt_orchestrator.model.keeping.journal_place import journal_place
 
 DESCRIPTION = """\
 Serve a tree node to OPC UA clients, an MES or a SCADA: orders, jobs, state and holds of its cell.
@@ -69,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recipes_option(parser)
     parser.add_argument(
         '--journal',
-        type=Path,
+        type=journal_place,
         metavar='FILE',
         help='journal of the node, for items of all jobs that have been; it is only read '
         '(default: what the node tells of its last events)',

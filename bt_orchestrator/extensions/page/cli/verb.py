@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from functools import partial
-from pathlib import Path
 
 from bt_orchestrator.base.extending import PAGE
 from bt_orchestrator.base.stop_signals import StopSignals
@@ -20,6 +19,7 @@ from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.extensions.page.cli.access_options import access_of, add_access_options
 from bt_orchestrator.extensions.page.cli.plant_options import add_plant_options, plant_of
+from bt_orchestrator.model.keeping.journal_place import journal_place
 
 DESCRIPTION = """\
 Serve the operator page of a tree node, for any browser: the line as it changes, holds and their
@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recipes_option(parser)
     parser.add_argument(
         '--journal',
-        type=Path,
+        type=journal_place,
         metavar='FILE',
         help='journal of the node, for everything that has been; it is only read (default: what '
         'the node tells of its last events)',

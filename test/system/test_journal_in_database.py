@@ -1,0 +1,160 @@
+"""A node whose journal is in PostgreSQL: killed, cut off, its server restarted or away (9.1)."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import time
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import closing
+
+import pytest
+from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering
+from postgres_server import PostgresServer, postgres_server
+from program_process import ProgramProcess
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.model.records import Wanted
+
+ITEMS = 6
+FAULTS = ('kill', 'cut', 'restart', 'crash', 'kill', 'cut')
+
+
+@pytest.fixture(scope='module')
+def server() -> Iterator[PostgresServer]:
+    pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
+    with postgres_server() as found:
+        yield found
+
+
+@pytest.fixture
+def address(server: PostgresServer) -> str:
+    return server.place(server.database(), 'small_cell')
+
+
+def start(start_cell: StartCell, address: str, *options: str) -> CellProcesses:
+    cell = start_cell(remembering(SMALL_CELL), run_options=['--journal', address, *options])
+    cell.connect()
+    return cell
+
+
+def journal(address: str) -> list[e.Event]:
+    """Return what the journal says."""
+    from bt_orchestrator.extensions.postgres.records import PostgresRecords
+
+    with closing(PostgresRecords(address)) as records:
+        page = records.page(Wanted())
+    assert page.is_last
+    assert not page.damage
+    return [from_record(json.loads(record.text)) for record in page.records]
+
+
+def until_some_goal_ran(cell: CellProcesses, goals: int) -> None:
+    cell.watch.ros.spin_until(lambda: len(cell.goals(event='started')) >= goals, 'goals to run')
+
+
+def cut(server: PostgresServer, address: str) -> None:
+    """End the connections of the node, as a network does."""
+    import psycopg
+
+    database = address.split('?', maxsplit=1)[0].split('/')[-2]
+    with psycopg.connect(server.address(database), autocommit=True) as connection:
+        connection.execute(
+            'SELECT pg_terminate_backend(pid) FROM pg_stat_activity '
+            "WHERE application_name = 'bt_orchestrator node'"
+        )
+
+
+def test_9_1_every_task_is_done_once_whatever_becomes_of_node_and_server(
+    start_cell: StartCell, server: PostgresServer, address: str
+) -> None:
+    cell = start(start_cell, address, '--auto-resume')
+    drawn = random.Random(34)
+    cell.run_small(task='TASK_C', quantity=ITEMS)  # two seconds of real time each
+    for number, fault in enumerate(FAULTS, 1):
+        until_some_goal_ran(cell, 2 * number)
+        moment = time.monotonic() + drawn.random() * 0.5
+        cell.watch.ros.spin_until(lambda until=moment: time.monotonic() > until, 'a moment')  # type: ignore[misc]
+        if fault == 'kill':
+            cell.kill_and_restart_node()
+        elif fault == 'cut':
+            cut(server, address)
+        else:
+            server.stop(signal.SIGINT if fault == 'restart' else signal.SIGQUIT)
+            server.start()
+    cell.watch.until_ended('WO-1', within_s=60.0)
+    cell.stop()
+
+    events = journal(address)
+    done = Counter((x.item, x.task) for x in events if isinstance(x, e.TaskSucceeded))
+    ran = Counter(record['goal'] for record in cell.goals(event='started'))
+    assert [x.seq for x in events] == list(range(1, len(events) + 1))
+    starts = sum(isinstance(x, e.OrchestratorStarted) for x in events)
+    assert starts == 1 + FAULTS.count('kill'), 'a server that comes back ends no node'
+    assert not [x for x in events if isinstance(x, e.TaskFailed)]
+    assert {x: n for x, n in done.items() if n != 1 and x[0]} == {}
+    assert sum(task == 'pack' for _, task in done) == ITEMS
+    assert set(ran.values()) == {1}
+    assert ran.total() == done.total(), 'the controllers executed what the journal says, no more'
+
+
+def test_9_1_without_its_database_a_node_ends_and_the_next_goes_on(
+    start_cell: StartCell, server: PostgresServer, address: str
+) -> None:
+    cell = start(start_cell, address, '--auto-resume')
+    cell.run_small(task='TASK_C', quantity=2)
+    until_some_goal_ran(cell, 2)
+    server.stop()
+    try:
+        assert cell.node.wait() == os.EX_TEMPFAIL, cell.node.errors
+        assert 'cannot be written' in cell.node.errors
+        assert 'Traceback' not in cell.node.errors
+        cell.start_node()
+        assert cell.node.wait() == 1
+        assert 'cannot be reached' in cell.node.errors
+    finally:
+        server.start()
+    cell.start_node()
+    cell.node.wait_ready()
+    cell.watch.until_ended('WO-1', within_s=60.0)
+    cell.stop()
+    ran = Counter(record['goal'] for record in cell.goals(event='started'))
+    assert set(ran.values()) == {1}
+    assert not [x for x in journal(address) if isinstance(x, e.TaskFailed)]
+
+
+def test_9_1_one_node_has_the_journal_and_others_read_it(
+    start_cell: StartCell, address: str
+) -> None:
+    cell = start(start_cell, address)
+    cell.run_small(quantity=2)
+    cell.watch.until_ended('WO-1')
+    words = ['run', '--cell', str(cell.cell), '--journal', address, '--namespace', 'other']
+    second = ProgramProcess(words, cell.folder, 'second')
+    assert second.wait() == 1
+    assert 'in use by another orchestrator' in second.errors
+
+    status, output, errors = cell.verb('history', '--journal', address)
+    assert (status, errors) == (0, ''), errors
+    assert 'WO-1' in output
+    status, output, _ = cell.verb('events', '--journal', address, '--event', 'item.')
+    assert status == 0
+    assert output.count('"how": "packed"') == 2
+    status, output, errors = cell.verb('report', '--journal', address, '--job', 'WO-1')
+    assert status == 0, errors
+    assert 'WO-1' in output
+    cell.stop()
+
+
+def test_9_1_a_password_in_an_address_is_refused(tmp_path_factory: pytest.TempPathFactory) -> None:
+    folder = tmp_path_factory.mktemp('words')
+    address = 'postgresql://plant:secret@host/plant/line_1'
+    for words in (['run', '--journal', address], ['history', '--journal', address]):
+        verb = ProgramProcess(words, folder, words[0])
+        assert verb.wait() == 2
+        assert '~/.pgpass' in verb.errors
+        assert 'secret' not in verb.errors
