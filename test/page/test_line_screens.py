@@ -53,6 +53,22 @@ def answer(cell: StandCell, word: str, reason: str) -> None:
     assert given.accepted, given
 
 
+def test_the_cells_of_the_plant_are_listed_with_the_way_to_their_pages(
+    line: Stand, sit: Sit
+) -> None:
+    page = sit(line.port).open('cells').page
+    rows = page.locator('.things tbody tr')
+    rows.nth(1).wait_for()
+    words = [[cell.strip() for cell in row.split('\t')] for row in rows.all_inner_texts()]
+    assert [(row[0], row[1], row[-1]) for row in words] == [
+        ('line_1', 'Held: Waits for an answer', '2 s, gaps: 1'),
+        ('line_2', 'Working', 'never complete'),
+    ]
+    assert rows.nth(0).locator('a').get_attribute('href') == 'http://line-1:8080/'
+    assert rows.nth(1).locator('a').count() == 0
+    assert page.locator('nav a[data-screen="cells"][aria-current="page"]').is_visible()
+
+
 # --- why ---------------------------------------------------------------------------------------
 
 

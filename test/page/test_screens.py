@@ -30,6 +30,7 @@ SCREENS = (
     'jobs',
     'job/WO-1001',
     'item/WO-1001/1',
+    'cells',
 )
 SIZES = ((1920, 1080), (1280, 800), (768, 1024), (390, 844))
 LOOKS = [(theme, language) for theme in ('light', 'dark') for language in ('en-GB', 'de-DE')]
@@ -127,7 +128,16 @@ def test_no_line_is_wider_than_the_window(tmp_path: Path, sit: Sit, sections: in
         person = sit(one.port)
         tab = person.open()
         tab.until(lambda: tab.count('[data-section]') == sections, 'all sections')
-        screens = ('overview', 'queue', 'order', f'section/{sections}', 'why', 'tree', 'jobs')
+        screens = (
+            'overview',
+            'queue',
+            'order',
+            f'section/{sections}',
+            'why',
+            'tree',
+            'jobs',
+            'cells',
+        )
         too_wide = {}
         for width, height in SIZES:
             tab.page.set_viewport_size({'width': width, 'height': height})

@@ -19,10 +19,18 @@ from bt_orchestrator.extensions.page.web.server import PageServer
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.model.plant.shifts import DAY_MIN, Hours, Shift, Shifts
 from bt_orchestrator.model.roles import Role
+from bt_orchestrator.ports.plant import PlantCell
 from bt_orchestrator.store.memory import MemoryStore
 
 USERS = {'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES, 'vic': Role.VIEW}
 """All with `quick_users.PASSWORD`."""
+
+
+CELLS = (
+    PlantCell('line_1', 'Held', 1.8e9, 'own_fault', 99, 1.8e9, 2.0, 1, 'http://line-1:8080/'),
+    PlantCell('line_2', 'Execute', 1.8e9, '', 7, 1.8e9, None, 0, ''),
+)
+"""Of the plant."""
 
 
 def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageServer]:
@@ -42,7 +50,9 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
     trees = (TREES if args.sections == 5 else folder,)
     planning = PlanningProcess(trees, (RECIPES,))
     plant = Plant(_shifts(), stand.cell)
-    sources = Sources(trees=trees, recipes=(RECIPES,), planning=planning, plant=plant)
+    sources = Sources(
+        trees=trees, recipes=(RECIPES,), planning=planning, plant=plant, cells=lambda: CELLS
+    )
     return stand, PageServer(WebPage(stand.node.name, stand.open_door, access, sources))
 
 

@@ -18,7 +18,7 @@ from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.extensions.page.cli.access_options import access_of, add_access_options
-from bt_orchestrator.extensions.page.cli.plant_options import add_plant_options, plant_of
+from bt_orchestrator.extensions.page.cli.plant_options import add_plant_options, cells_of, plant_of
 from bt_orchestrator.model.keeping.journal_place import journal_place
 
 DESCRIPTION = """\
@@ -62,6 +62,7 @@ def run(args: argparse.Namespace) -> int:
         trees=script_folders(args.trees),
         recipes=recipe_folders(args.recipes),
         plant=plant_of(args),
+        cells=cells_of(args),
         planning=PlanningProcess(script_folders(args.trees), recipe_folders(args.recipes)),
     )
     with StopSignals() as stop, server_log(ROOM):

@@ -13,7 +13,15 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from bt_orchestrator.extensions.page.web import account, archive, commands, me, scripts, tree_watch
+from bt_orchestrator.extensions.page.web import (
+    account,
+    archive,
+    cells,
+    commands,
+    me,
+    scripts,
+    tree_watch,
+)
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint, routes
 from bt_orchestrator.extensions.page.web.guards import GuardMiddleware
 from bt_orchestrator.extensions.page.web.openapi import with_description
@@ -59,6 +67,7 @@ def endpoints_of(page: WebPage) -> list[Endpoint]:
         *commands.endpoints(page.tickets),
         *archive.endpoints(page.archive, page),
         *account.endpoints(page.shift, page),
+        *cells.endpoints(page.sources.cells),
         *scripts.endpoints(page.shelf, page),
         *tree_watch.endpoints(page.tree, page),
         *planning.endpoints(page.questions, PageQueue(page)),

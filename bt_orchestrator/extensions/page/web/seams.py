@@ -12,6 +12,7 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.plant.shifts import Shifts
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import Planning, Records
+from bt_orchestrator.ports.plant import PlantCells
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class Sources:
     """Works out what-if and checks orders; the page closes it."""
     plant: Plant | None = None
     """For the account of the shift that runs; None: it is not shown."""
+    cells: PlantCells | None = None
+    """Reads the list of cells of the plant; None: it is not shown."""
 
 
 class SeenCell(Protocol):

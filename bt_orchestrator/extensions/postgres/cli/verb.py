@@ -8,7 +8,6 @@ import socket
 import sys
 import threading
 from contextlib import closing
-from datetime import datetime, timezone
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -82,10 +81,11 @@ def run(args: argparse.Namespace) -> int:
     from bt_orchestrator.extensions.postgres.connecting import place_of
     from bt_orchestrator.extensions.postgres.schema import CellRefused
 
-    place = place_of(args.to)
     if args.list:
-        return _list(place)
-    feeding = _Feeding(args, place)
+        return _list(args.to)
+    if args.page is not None and not args.page.startswith(('http://', 'https://')):
+        raise WrongUse(f'expected the address of a page, http://HOST:PORT/, found {args.page!r}')
+    feeding = _Feeding(args, place_of(args.to))
     with StopSignals() as stop, closing(feeding):
         stopped = threading.Event()
         stop.notify(stopped.set)
@@ -221,24 +221,13 @@ class _Teller:
             print(f'{feeding.what}: {gap}', file=sys.stderr, flush=True)
 
 
-def _list(place: Place) -> int:
-    from bt_orchestrator.extensions.postgres.connecting import connected, speaking_of
-    from bt_orchestrator.extensions.postgres.schema import cells
+def _list(address: str) -> int:
+    from bt_orchestrator.extensions.postgres.overview import cells_of
 
-    with speaking_of(place), closing(connected(place, 'feed --list')) as connection:
-        cells(connection)
-        rows = connection.execute(
-            'SELECT o.cell, o.state, o.last_seq, o.complete_at, '
-            '(SELECT count(*) FROM plant.gaps g WHERE g.cell = o.cell) '
-            'FROM plant.overview o ORDER BY o.cell'
-        ).fetchall()
-    now = datetime.now(timezone.utc)
-    for cell, state, last, at, gaps in rows:
-        behind = _behind(now, at) if isinstance(at, datetime) else 'never complete'
-        missing = f', {gaps} gaps' if gaps else ''
-        print(f'{cell}  {state or "no state yet"}  up to event {last or 0}, {behind}{missing}')
+    for cell in cells_of(address):
+        behind = cell.behind_s
+        age = 'never complete' if behind is None else f'complete {behind:.0f} s ago'
+        missing = f', {cell.gaps} gaps' if cell.gaps else ''
+        state = cell.state or 'no state yet'
+        print(f'{cell.name}  {state}  up to event {cell.last_seq}, {age}{missing}')
     return 0
-
-
-def _behind(now: datetime, at: datetime) -> str:
-    return f'complete {max(0.0, (now - at).total_seconds()):.0f} s ago'

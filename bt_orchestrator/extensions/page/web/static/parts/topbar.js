@@ -1,5 +1,6 @@
 /** The bar above every screen: how the cell is, why, what can be done now, and how old this is. */
 
+import { get } from '../core/api.js';
 import { attribute, h, show, text } from '../core/dom.js';
 import { isEmergency } from '../core/requests.js';
 import { news, part, shownMoment, subscribe } from '../core/store.js';
@@ -27,6 +28,8 @@ export function topbar(screens, speak) {
   const links = screens.map(({ name, href }) =>
     h('a', { href, 'data-screen': name }, t(`nav.${name}`)),
   );
+  const cells = links.find((link) => link.dataset.screen === 'cells');
+  showWithPlant(cells);
   const nav = h('nav', { 'aria-label': t('nav.label') }, links);
   const element = h(
     'div',
@@ -44,6 +47,14 @@ export function topbar(screens, speak) {
       for (const one of [state, commands, person]) one.end();
     },
   };
+}
+
+/** The screen of cells has a place only where the page has the database of a plant. */
+function showWithPlant(link) {
+  show(link, false);
+  get('/api/cells')
+    .then(({ has_plant }) => show(link, has_plant))
+    .catch(() => show(link, true)); // it says why it is empty
 }
 
 function stateBlock() {
