@@ -26,6 +26,7 @@ SCREENS = (
     'section/2',
     'component/component_2a',
     'why',
+    'alarms',
     'tree',
     'jobs',
     'job/WO-1001',

@@ -11,7 +11,17 @@ from page.browsing import Person, Tab
 from page.conftest import Sit
 from page.stands import Stand, stand
 
-SCREENS = ('overview', 'queue', 'order', 'why', 'section/4', 'tree', 'jobs', 'item/WO-1001/1')
+SCREENS = (
+    'overview',
+    'queue',
+    'order',
+    'why',
+    'alarms',
+    'section/4',
+    'tree',
+    'jobs',
+    'item/WO-1001/1',
+)
 SIZES = ((1920, 1080), (1366, 768), (768, 1024), (390, 844))
 PHONE = {'width': 390, 'height': 844}
 MOST_LETTERS = 12

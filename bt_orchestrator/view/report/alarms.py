@@ -29,6 +29,12 @@ from bt_orchestrator.view.report.tables import table
 
 ACKNOWLEDGE = 'acknowledge'
 
+FOLLOWED = (
+    *('hold.', 'operator.', 'request.', 'component.', 'cell.', 'job.', 'orchestrator.', 'clock.'),
+    e.ItemRemoved.event,
+)
+"""The events that alarms are made of, as `Wanted.events` names them."""
+
 
 class Kind(Enum):
     """The kinds of alarms."""
@@ -73,6 +79,8 @@ class Alarm:
     why: str = ''
     """The reason of the answer."""
     remarks: list[str] = field(default_factory=list)
+    held: e.HoldRaised | None = None
+    """The event of the hold; None: it is no hold."""
 
     def lasted_us(self, now_us: int) -> int:
         """Return how long it stood, or has stood by now."""
@@ -119,6 +127,7 @@ class AlarmFold:
                 event.job or '',
                 event.reason,
             )
+            alarm.held = event
             return
         released = self._holds.follow(event, self.now_us)
         if released is not None and released.answer:
@@ -193,7 +202,7 @@ class AlarmFold:
 def alarms_of(reading: Reading) -> AlarmFold:
     """Read all alarms of a journal, as far as it has events."""
     fold = AlarmFold(steady_time(reading))
-    for event in reading.events(Wanted()):
+    for event in reading.events(Wanted(events=FOLLOWED)):
         fold.follow(event)
     return fold
 
@@ -240,6 +249,9 @@ def alarm_plain(alarm: Alarm, now_us: int) -> dict[str, Any]:
         'key': alarm.key,
         'component': alarm.component or None,
         'job': alarm.job or None,
+        'section': alarm.held.section if alarm.held else None,
+        'item': alarm.held.item if alarm.held else None,
+        'task': alarm.held.task if alarm.held else None,
         'reason': alarm.reason or None,
         'words': alarm.words,
         'count': alarm.count,

@@ -11,6 +11,7 @@ from fakes.day import Day, at
 from fakes.hand_made_shift import the_day
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.view.report.account.steady_time import SteadyTime
 from bt_orchestrator.view.report.alarms import (
     Alarm,
     AlarmFold,
@@ -48,6 +49,14 @@ def test_every_hold_of_the_journal_is_an_alarm_as_long_as_it_stood() -> None:
     assert {one.key: one.raised_at for one in holds} == raised
     assert {one.key: one.cleared_at for one in holds} == released
     assert [one.lasted_us(0) // MIN for one in holds] == [20, 10, 10, 2]
+
+
+def test_events_that_are_not_read_change_nothing() -> None:
+    day = the_day()
+    fold = AlarmFold(SteadyTime())
+    for event in day.events:
+        fold.follow(event)
+    assert fold.alarms == of(day).alarms
 
 
 def test_who_answered_and_what_was_said_before_are_in_it() -> None:

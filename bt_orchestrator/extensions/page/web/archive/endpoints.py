@@ -9,6 +9,8 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.extensions.page.web.archive.alarms import MOST as MOST_ALARMS
+from bt_orchestrator.extensions.page.web.archive.alarms import Choice, alarms_page
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
 from bt_orchestrator.extensions.page.web.archive.downloads import endpoints as of_downloads
 from bt_orchestrator.extensions.page.web.archive.events import MOST as MOST_EVENTS
@@ -21,6 +23,7 @@ from bt_orchestrator.extensions.page.web.endpoint import Endpoint
 from bt_orchestrator.extensions.page.web.replies import Json, Problem
 from bt_orchestrator.extensions.page.web.seams import SeenCell
 from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.view.report.alarms import Kind
 
 _Found = TypeVar('_Found', dict[str, Any], dict[str, Any] | None)
 
@@ -50,6 +53,18 @@ def endpoints(archive: Archive, cell: SeenCell) -> tuple[Endpoint, ...]:
                 'most': f'so many at most, up to {MOST_EVENTS}; absent: {EVENTS_USUAL}',
                 'kinds': 'names of events with commas, * as wildcard; `task.`: all of tasks',
                 'job': 'of this job only',
+            },
+            refusals=_UNREAD,
+        ),
+        Endpoint(
+            'GET',
+            '/api/alarms',
+            routes.alarms,
+            f'returns the last alarms, at most {MOST_ALARMS}, newest first, and which came most',
+            query={
+                'kind': f'{", ".join(one.value for one in Kind)}; absent: all',
+                'component': 'of this component only',
+                'open': '1: only those that stand',
             },
             refusals=_UNREAD,
         ),
@@ -122,6 +137,14 @@ class _Routes:
         )
         most = _whole(query, 'most') or EVENTS_USUAL
         return Json(await self._read(lambda look: events_page(look, wanted, most)))
+
+    async def alarms(self, request: Request) -> Response:
+        query = request.query_params
+        kind = query.get('kind', '')
+        if kind and kind not in (kinds := [one.value for one in Kind]):
+            raise Problem(422, f'kind is one of {", ".join(kinds)}; found {kind!r}')
+        choice = Choice(kind, query.get('component', ''), query.get('open') == '1')
+        return Json(await self._read(lambda look: alarms_page(look, choice)))
 
     async def jobs(self, request: Request) -> Response:
         query = request.query_params

@@ -9,13 +9,14 @@ export const SCREENS = {
   why: () => import('./screens/why.js'),
   tree: () => import('./screens/tree.js'),
   cells: () => import('./screens/cells.js'),
+  alarms: () => import('./screens/alarms.js'),
   jobs: () => import('./screens/jobs.js'),
   job: () => import('./screens/job.js'),
   item: () => import('./screens/item.js'),
   login: () => import('./screens/login.js'),
 };
 
-const IN_NAVIGATION = ['overview', 'queue', 'order', 'why', 'tree', 'jobs', 'cells'];
+const IN_NAVIGATION = ['overview', 'queue', 'order', 'why', 'alarms', 'tree', 'jobs', 'cells'];
 
 /** Those with a place in the navigation. */
 export const NAVIGATION = IN_NAVIGATION.filter((name) => name in SCREENS).map((name) => ({

@@ -16,13 +16,14 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.engine.runtime.overview import description_of
+from bt_orchestrator.extensions.page.web.archive.alarms import Choice, alarms_page
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
 from bt_orchestrator.extensions.page.web.archive.events import events_page
 from bt_orchestrator.extensions.page.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.extensions.page.web.archive.histories import Subject, history_of
 from bt_orchestrator.extensions.page.web.archive.items import item_record
 from bt_orchestrator.extensions.page.web.archive.jobs import job_with_items, jobs_page
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.events import Event, HoldRaised
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports.doors.facts import Happened
 from bt_orchestrator.store.sqlite.records import SqliteRecords
@@ -241,3 +242,18 @@ def test_a_job_and_its_items_took_the_time_that_passed(run: VirtualRun, tmp_path
     assert len(as_it_was) == 4
     for by_s in (-3600.0, 3600.0):
         assert seconds(stepped(events, [(20, by_s)])) == pytest.approx(as_it_was)
+
+
+def test_alarms_are_those_of_the_journal_in_each_language(ask: Ask, run: VirtualRun) -> None:
+    raised = [one for one in run.store.read() if isinstance(one, HoldRaised)]
+    found = ask(lambda look: alarms_page(look, Choice()))
+    holds = [one for one in found['alarms'] if one['kind'] == 'hold']
+    assert [one['raised'] for one in holds] == [one.time for one in reversed(raised)]
+    aborted = [one for one in holds if one['reason'] == 'aborted']
+    assert [one['answer'] for one in aborted] == ['skip', 'retry']
+    assert {one['component'] for one in aborted} == {'a2'}
+    assert set(aborted[0]['said']) == {'en', 'de'}
+    assert {'kind': 'hold', 'about': 'a2', 'reason': 'aborted', 'times': 2} in found['counts']
+    assert not ask(lambda look: alarms_page(look, Choice(is_open=True)))['alarms']
+    of_a2 = ask(lambda look: alarms_page(look, Choice('hold', 'a2')))
+    assert (len(of_a2['alarms']), of_a2['is_cut']) == (2, False)

@@ -100,6 +100,7 @@ PATHS = (
     '/api/events?after=3&most=4',
     '/api/components/component_1a/history',
     '/api/sections/2/history',
+    '/api/alarms',
 )
 
 
@@ -129,6 +130,7 @@ def test_a_page_with_a_journal_and_one_without_tell_the_same(served: Served) -> 
         (f'/api/events?kinds={"a," * 101}', 422, 'kinds are at most 100 names; found 101'),
         ('/api/sections/6/history', 404, 'sections are 1 to 5; found 6'),
         ('/api/components/nobody/history', 404, 'there is no component nobody; one of conveyor'),
+        ('/api/alarms?kind=x', 422, 'kind is one of hold, emergency, contest, silent, refused'),
         ('/api/scripts/0123', 404, 'no script with the digest 0123'),
         ('/api/drawing/0123.svg', 404, 'no script with the digest 0123'),
         ('/api/tree?after=x', 422, 'after is the version'),
