@@ -26,9 +26,9 @@ from bt_orchestrator.ports import (
     Generating,
     MadeScript,
 )
-from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.orders.admission import admitted
 from bt_orchestrator.script.orders.by_recipe import Maker, recipes
 from bt_orchestrator.script.orders.duplicates import refuse_duplicates
 from bt_orchestrator.script.orders.order_file import (

@@ -66,6 +66,18 @@ class StateTopic:
 
 
 @dataclass(frozen=True)
+class Setup:
+    """One thing of a component that tasks need in one of several ways (semantics 5.3)."""
+
+    values: Mapping[str, Any]
+    """The argument of the change to each value, by the name of the value."""
+    task: str
+    """Task constant, or label, of the change."""
+    argument: str
+    """Goal field that takes the value."""
+
+
+@dataclass(frozen=True)
 class Component:
     """One device controller with one ROS 2 action server."""
 
@@ -92,6 +104,8 @@ class Component:
     """Spaces in which it works; empty: that of its section, shared with all others there."""
     prepare: Preparation | None = None
     """Its initialization in generated scripts."""
+    setups: Mapping[str, Setup] = field(default_factory=dict)
+    """By name."""
 
     def duration_s(self, task_name: str) -> float:
         """Nominal seconds of a task."""

@@ -24,15 +24,21 @@ ABORT_JOB = 'abort_job'
 (semantics 2.6, 4.3)."""
 
 RETRY, AGAIN, MARK_DONE, SKIP, REJECT = 'retry', 'again', 'mark_done', 'skip', 'reject'
-"""Answers to holds about tasks; the sixth is ABORT_JOB (semantics 7.1)."""
+CHANGE = 'change'
+"""Answers to holds about tasks; the seventh is ABORT_JOB (semantics 7.1)."""
 
 SUCCEEDED = 'succeeded'
 """The status topic says so of a goal without a result."""
 
-_NEVER_BEGUN = (Reason.GOAL_REJECTED, Reason.SERVER_UNAVAILABLE, Reason.MISSING_RESULT)
+_NEVER_BEGUN = (
+    Reason.GOAL_REJECTED,
+    Reason.SERVER_UNAVAILABLE,
+    Reason.MISSING_RESULT,
+    Reason.SETUP_MISSING,
+)
 """Ends of attempts that never reached a robot."""
 
-_NEVER_RETRIED = (Reason.MISSING_RESULT, Reason.DUPLICATE_SERIAL)
+_NEVER_RETRIED = (Reason.MISSING_RESULT, Reason.DUPLICATE_SERIAL, Reason.SETUP_MISSING)
 
 
 def may_retry(state: CellState, key: e.TaskKey, task: Task) -> bool:
@@ -199,10 +205,14 @@ def _obstacles(state: CellState, key: e.TaskKey, task: Task) -> Iterator[tuple[s
     failed = state.tasks[key]
     unknown = _what_is_unknown(key, task) if _is_open(failed, task) else None
     again = _why_not_again(state, key, task)
-    # A missing result would be missing again.
-    is_missing = failed.reason is Reason.MISSING_RESULT
-    yield RETRY, again or (sentence('missing_again') if is_missing else None)
-    yield AGAIN, _NEVER if _repeat(state, key) is None else again or _why_no_round(state, key)
+    if failed.reason is Reason.SETUP_MISSING:
+        yield CHANGE, again or _why_no_change(state, key)
+    else:
+        # A missing result would be missing again.
+        is_missing = failed.reason is Reason.MISSING_RESULT
+        yield RETRY, again or (sentence('missing_again') if is_missing else None)
+        no_round = _repeat(state, key) is None
+        yield AGAIN, _NEVER if no_round else again or _why_no_round(state, key)
     yield MARK_DONE, None
     would_stay = task.qty_change == -1 and again is None
     yield SKIP, sentence('would_stay') if would_stay else None
@@ -218,6 +228,12 @@ def _why_not_again(state: CellState, key: e.TaskKey, task: Task) -> str | None:
         return sentence('cancelled_with_job')
     skipped = effects.why_skipped(state, key, task)
     return None if skipped is None else sentence('would_be_skipped', why=skipped)
+
+
+def _why_no_change(state: CellState, key: e.TaskKey) -> str | None:
+    """Say why no change is made for a job: it would be skipped as its initialization (6.6)."""
+    assert key.job is not None
+    return sentence('aborting') if state.jobs[key.job].aborting else None
 
 
 def _why_not_rejected(state: CellState, key: e.TaskKey) -> str | None:
@@ -253,8 +269,8 @@ def _wanted(state: CellState, key: e.TaskKey) -> Words | None:
 
 def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:
     failed = state.tasks[key]
-    if failed.reason is Reason.DUPLICATE_SERIAL:
-        return OnFailure.HOLD  # two items of one name: a person has to look (6.8)
+    if failed.reason in (Reason.DUPLICATE_SERIAL, Reason.SETUP_MISSING):
+        return OnFailure.HOLD  # a person has to look (5.3, 6.8)
     if not _is_settled(failed, task) or failed.cancel_cause in (SHUTDOWN, ABORT):
         return OnFailure.HOLD
     if _is_own_cancel(failed):

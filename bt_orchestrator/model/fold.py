@@ -110,6 +110,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.ComponentContested: cell.component_contested,
     e.ComponentOutOfService: cell.component_out_of_service,
     e.ComponentInService: cell.component_in_service,
+    e.ComponentSetupLost: cell.component_setup_lost,
     e.HoldRaised: holds.hold_raised,
     e.HoldReleased: holds.hold_released,
     # the cell

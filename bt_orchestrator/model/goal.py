@@ -51,6 +51,7 @@ class Reason(Enum):
     RESULT_REFUSED = 'result_refused'
     DUPLICATE_SERIAL = 'duplicate_serial'
     MISSING_RESULT = 'missing_result'
+    SETUP_MISSING = 'setup_missing'
     SERVER_LOST = 'server_lost'
     IN_DOUBT = 'in_doubt'
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.hold_words import hold_wait_words
-from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.jobs.initialization import Preparation
 from bt_orchestrator.model.script import SectionList, Task
 from bt_orchestrator.model.state import CellState, JobState, Phase, SectionState
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -97,12 +97,12 @@ def is_done_with(state: CellState, section: SectionState, job: JobState) -> bool
     if job.cycles_left or (section.cycle and section.cycle.job == job.job.id):
         return False
     return not any(
-        not item.gone and _is_ahead(state, section, item.section, job)
+        not item.gone and is_ahead(state, section, item.section, job)
         for item in job.items.values()
     )
 
 
-def _is_ahead(state: CellState, section: SectionState, at: int, job: JobState) -> bool:
+def is_ahead(state: CellState, section: SectionState, at: int, job: JobState) -> bool:
     """Tell whether an item at a position still has to pass through a section."""
     if at == section.number:
         unhandled = section.turn_beat < state.beat

@@ -42,6 +42,18 @@ class Release(Enum):
 
 
 @dataclass(frozen=True)
+class SetupChange:
+    """The setup that a task gives its component (semantics 5.3)."""
+
+    setup: str
+    value: str
+    implied: bool = False
+    """It follows from what other tasks ask for; the text of the script does not have it."""
+    on_demand: bool = False
+    """Implied, and done only on the answer `change`: a task of the script changes it before."""
+
+
+@dataclass(frozen=True)
 class Task:
     """One goal to one action server (semantics 1 and 2)."""
 
@@ -71,6 +83,15 @@ class Task:
     """Doing it twice does no harm (semantics 2.6, 9.2)."""
     once: bool = False
     """Initialization only: skipped if it succeeded since the cell left Stopped (semantics 5.1)."""
+    setup: Mapping[str, str] = field(default_factory=dict)
+    """Values of setups that its component must have (semantics 5.3)."""
+    change: SetupChange | None = None
+    """The setup that it changes; None: none."""
+
+    @property
+    def is_implied(self) -> bool:
+        """Tell whether it is a change that the text of the script does not have."""
+        return self.change is not None and self.change.implied
 
     @property
     def comparisons(self) -> Iterator[Condition]:

@@ -131,6 +131,8 @@ class ComponentStatus:
     """The contest as facts."""
     state: str = ''
     """Last value of its state topic."""
+    setups: Mapping[str, str] = field(default_factory=dict)
+    """Its setups with their values; empty: the value is not known (semantics 5.3)."""
     task: str = ''
     """Task that it is reserved for."""
     feedback: str = ''

@@ -70,6 +70,8 @@ SENTENCES: Mapping[str, str] = {
     'again, mark_done with the result {result}',
     'serial_before': 'the serial {serial} is in the history; if this is the same item again, '
     'mark_done with the result {result}',
+    'setup_unknown': '{setup} of {component} is not known; the task needs {wanted}',
+    'setup_other': '{setup} of {component} is {found}; the task needs {wanted}',
     # why answers are not offered
     'no_answers': 'no {answers}: {words}',
     'none_to_abort': 'no job on the belt is left to abort',

@@ -13,7 +13,9 @@ from bt_orchestrator.model.cell import (
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
 from bt_orchestrator.script.capabilities.capability_keys import (
     CAPABILITIES,
+    CHANGES,
     PREPARE,
+    SETUPS,
     WORKSPACES,
 )
 from bt_orchestrator.script.keys import (
@@ -151,6 +153,8 @@ COMPONENT = Table(
         CAPABILITIES,
         WORKSPACES,
         PREPARE,
+        SETUPS,
+        CHANGES,
     ),
     misplaced={
         'duration': (
@@ -216,6 +220,8 @@ CONVEYOR = Table(
             'the conveyor does nothing for an item but move it',
             'give the capabilities to a component',
         ),
+        'setups': ('the conveyor has no setups', 'give them to a component'),
+        'changes': ('the conveyor has no setups', 'give them to a component'),
         'workspaces': ('the conveyor has no workspace of its own', 'remove `workspaces`'),
         'durations': (
             'the conveyor has one nominal duration for all its tasks',

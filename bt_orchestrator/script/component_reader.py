@@ -12,6 +12,7 @@ from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Component, StateTopic
 from bt_orchestrator.model.fault import Fault, parse_fault
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.capabilities.capability_reader import CapabilityReader
+from bt_orchestrator.script.capabilities.setups import SetupReader
 from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.checks.faults import unseen
 from bt_orchestrator.script.field_types import misfit, simple_type
@@ -40,13 +41,15 @@ class ComponentReader:
     def component(self, sections: int | None) -> Component:
         """Return a component; `sections` is the length of the belt, if known."""
         own = self._sections(sections)
-        reader = CapabilityReader(self._fields, self._name, self._type)
+        setups = SetupReader(self._fields, self._name, self._type)
+        reader = CapabilityReader(self._fields, self._name, self._type, setups.offered)
         return replace(
             self._shared(),
             sections=own,
             durations_s=self._durations(),
             capabilities={one.name: one for one in reader.capabilities()},
             workspaces=reader.workspaces(own),
+            setups=setups.setups(),
         )
 
     def conveyor(self) -> Component:

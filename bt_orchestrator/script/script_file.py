@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.jobs.setups import with_changes
 from bt_orchestrator.model.script import (
     Dependency,
     InitializationDependency,
@@ -16,6 +17,7 @@ from bt_orchestrator.model.script import (
     Zone,
 )
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.capabilities.setups import check_setups
 from bt_orchestrator.script.checks.balance import check_balance
 from bt_orchestrator.script.checks.dependencies import DependencyReader
 from bt_orchestrator.script.checks.repeats import check_repeats
@@ -87,7 +89,9 @@ class _ScriptReader:
         check_sections(self._draft, self._report)
         check_repeats(self._draft, self._report)
         check_serials(self._draft.listed, self._report)
-        return self._script(name or '', quantity, relations)
+        script = self._script(name or '', quantity, relations)
+        check_setups(script, self._draft, self._report)
+        return script if self._report.findings else with_changes(script, self._cell)
 
     def _relations(self) -> _Relations:
         reader = DependencyReader(self._draft, self._report)

@@ -154,6 +154,15 @@ TASK = Table(
             sets='runs_for',
         ),
         LIKELY_KEY,
+        Key(
+            'setup',
+            Kind.MAPPING,
+            'values that setups of its component must have',
+            '{gripper: large}',
+            members=Kind.TEXT,
+            fewest=1,
+            rule='5.3',
+        ),
     ),
     misplaced={'once': ('only initialization tasks can run once', 'remove `once`')},
     rivals=(('continue_if_fail', 'on_failure'), ('when', 'unless')),
@@ -185,10 +194,14 @@ INITIALIZATION_TASK = Table(
         )
     }
     | {
+        'setup': (
+            'initialization asks for no setup',
+            'remove `setup`, or write a change as a task',
+        ),
         'fails_unless': (
             'the results of initialization are not kept, so `fails_unless` cannot judge them',
             'remove `fails_unless`',
-        )
+        ),
     },
     rivals=(('continue_if_fail', 'on_failure'),),
 )

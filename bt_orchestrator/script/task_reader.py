@@ -7,6 +7,7 @@ from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import CONVEYOR, DEFAULT_TIMEOUT_S, Cell, Component
 from bt_orchestrator.model.script import INDEX, Task
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.capabilities.setups import asked_of
 from bt_orchestrator.script.drafts import Position, TaskDraft
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.names import check_id
@@ -46,7 +47,11 @@ class TaskReader:
             name=self._name(fields, component, type_),
             action=component.action if component else '',
             component=component.name if component else '',
-            **{'timeout_s': timeout_s, **written_options(fields)},
+            **{
+                'timeout_s': timeout_s,
+                **written_options(fields),
+                **asked_of(fields, component),
+            },
         )
         return TaskDraft(task, fields, position, component, type_)
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from bt_orchestrator.model.action_type import TASK, ActionType, MessageType
 from bt_orchestrator.model.script import Task
+from bt_orchestrator.script.capabilities.setups import read_change
 from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.conditions.reader import ConditionReader
@@ -22,14 +23,20 @@ def complete_task(script: ScriptDraft, draft: TaskDraft, report: Report) -> Task
     """Return a task with arguments and condition, checked against everything else."""
     references = ReferenceReader(script, draft, report)
     args = goal_arguments(draft.fields, draft.type, references, report)
+    change = read_change(draft, args, report)
     if draft.position is None:
-        return replace(draft.task, args=args)
+        return replace(draft.task, args=args, change=change)
     condition = ConditionReader(draft, references, report).read()
     afterwards = ReferenceReader(script, draft, report, of_verdict=True)
     verdict = ConditionReader(draft, afterwards, report).verdict()
     serial = read_serial(draft, afterwards, report)
     return replace(
-        draft.task, args=args, condition=condition, fails_unless=verdict, identifies=serial
+        draft.task,
+        args=args,
+        change=change,
+        condition=condition,
+        fails_unless=verdict,
+        identifies=serial,
     )
 
 

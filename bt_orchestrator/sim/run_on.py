@@ -142,12 +142,23 @@ class RunOn:
 
 
 def _of_cell(state: Mapping[str, Any], now: str) -> dict[str, Any]:
-    """Return a state as that of a cell with another digest; what was released stays so."""
+    """Return a state as that of a cell with another digest; what was released stays so.
+
+    The servers that made the setups are others than the virtual ones, so they are left out.
+    """
     before = state.get('cell_digest', '')
     released = {
         script: [now] for script, cells in state.get('released', {}).items() if before in cells
     }
-    return {**state, 'cell_digest': now, 'released': released}
+    return {
+        **state,
+        'cell_digest': now,
+        'released': released,
+        'setups': {
+            component: {setup: {'value': one['value']} for setup, one in setups.items()}
+            for component, setups in state.get('setups', {}).items()
+        },
+    }
 
 
 def _has_to_be_resumed(plain_state: Mapping[str, Any]) -> bool:

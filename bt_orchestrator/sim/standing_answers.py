@@ -9,7 +9,7 @@ from typing import Any
 
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.events import TaskKey
-from bt_orchestrator.model.failures import AGAIN, MARK_DONE, RETRY
+from bt_orchestrator.model.failures import AGAIN, CHANGE, MARK_DONE, RETRY
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.requests import Asked, answering, possible_answers
 from bt_orchestrator.model.roles import Role
@@ -76,7 +76,7 @@ class StandingAnswers:
                 f'hold {hold.id} does not offer {" or ".join(self._answers)}, '
                 f'but {", ".join(hold.answers)}'
             )
-        elif answer in (RETRY, AGAIN) and self._is_in_vain(hold):
+        elif answer in (RETRY, AGAIN, CHANGE) and self._is_in_vain(hold):
             self._complaints.append(
                 f'{hold.key} was tried again {MOST_RETRIES} times and failed each time; '
                 f'{hold_name(hold)} is left without an answer'

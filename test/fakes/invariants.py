@@ -137,7 +137,7 @@ class Invariants:
     def _take_for(self, key: e.TaskKey) -> None:
         """Let a task have its component and zones, if nobody else has (2.5, 4.4)."""
         component = self._used[key]
-        assert self._busy.setdefault(component, key) == key, (component, key, self._busy)
+        assert not component or self._busy.setdefault(component, key) == key, (key, self._busy)
         for zone in self._zones_of(key):
             assert self._zones.setdefault(zone, key) == key, (zone, key, self._zones)
 
@@ -147,6 +147,8 @@ class Invariants:
 
     def _failed(self, event: e.TaskFailed) -> None:
         self._in_flight.discard(event.goal or '')
+        if event.reason == 'setup_missing' and event.key in self._used:
+            self._used[event.key] = ''  # the change needs its component (5.3)
         self._free(event)  # until it is held
 
     def _free(self, event: e.TaskEvent) -> None:

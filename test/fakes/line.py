@@ -48,6 +48,7 @@ class Line:
         topics: tuple[str, ...] = (),
         results: Mapping[str, Mapping[str, Any]] | None = None,
         belt: str = '',
+        keys: Mapping[str, str] | None = None,
     ) -> None:
         """Describe the cell.
 
@@ -56,6 +57,7 @@ class Line:
         :param topics: components with a state topic
         :param results: result fields of every task of a component
         :param belt: further keys of the conveyor, in YAML
+        :param keys: further keys of a component, in YAML
         """
         named = [f'{letter}{n}' for n in range(1, sections + 1) for letter in 'ab']
         places = {name: name[1:] for name in named}
@@ -63,7 +65,11 @@ class Line:
             places['arm'] = '[2, 3]'
         places['lamp'] = ''
         text = [_belt(sections, belt), 'components:']
-        text += [_component(name, place, name in topics) for name, place in places.items()]
+        more = keys or {}
+        text += [
+            _component(name, place, name in topics, more.get(name, ''))
+            for name, place in places.items()
+        ]
         self.text = '\n'.join(text)
         """The cell file, without what the other arguments say."""
         cell = parse_cell(self.text, 'cell.yaml', TYPES)
@@ -124,13 +130,14 @@ def _belt(sections: int, more: str) -> str:
     return f'cell: test_line\nconveyor: {{{listed}{", " + more if more else ""}}}'
 
 
-def _component(name: str, sections: str, has_topic: bool) -> str:
+def _component(name: str, sections: str, has_topic: bool, more: str) -> str:
     section = f'section: {sections}, ' if sections else ''
     state = ''
     if has_topic:
         topic = f'topic: /{name}/state, type: std_msgs/msg/String, field: data, ready: [READY]'
         state = f', state: {{{topic}}}'
-    return f'  {name}: {{{section}action: /{name}/do, type: {COMPONENT_TYPE}{state}}}'
+    keys = f', {more}' if more else ''
+    return f'  {name}: {{{section}action: /{name}/do, type: {COMPONENT_TYPE}{state}{keys}}}'
 
 
 def _adapted(

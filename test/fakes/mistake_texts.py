@@ -97,6 +97,7 @@ AROUND: Mapping[str, Around] = {
     'repeats': Around(SCRIPT_FILE, _in_line),
     'section_rules': Around(SCRIPT_FILE, _in_line),
     'sections': Around(SCRIPT_FILE, _in_line),
+    'setups': Around(CELL_FILE, lambda text: COMPONENT.format(NAMED + text)),
     'verdicts': Around(SCRIPT_FILE, lambda text: LINE + VERDICT.format(text)),
     'task_names': Around(SCRIPT_FILE, _in_line),
     'task_options': Around(SCRIPT_FILE, lambda text: LINE + TASK.format(text)),

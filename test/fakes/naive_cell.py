@@ -68,12 +68,14 @@ class NaiveCell(NaiveQueue):
         job = task.job
         if task.state in ('new', 'waiting') and self.is_needless(task):
             self.carry_out(task, 'skip')
-        done = task.given.get('once') and self.done.get(task.does) == task.args
+        is_set = self.is_change_needless(task)
+        done = is_set or (task.given.get('once') and self.done.get(task.does) == task.args)
         first = [t for one in self.before(job) for t in one.first.values()]
         there = [one for one in first if one.device is task.device]
         ordered = all(one.state == 'done' for one in [*there, *task.after])
         turn = ordered and all(self.done_with_earlier(n, job) for n in task.device.places)
-        begins = self.may_begin() and (turn or (done and self.stays_done(task)))
+        stays = self.stays_set if is_set else self.stays_done
+        begins = self.may_begin() and (turn or (done and stays(task)))
         if task.state == 'new' and not (begins and self.may_be_begun(job)):
             return
         if done and task.state in ('new', 'waiting') and not self.stopped(None):

@@ -109,3 +109,35 @@ def plan_of(script: Row) -> SimpleNamespace:
         first=script.get('initialization', []),
         order=script.get('initialization_dependencies', []),
     )
+
+
+def imply(plan: SimpleNamespace, devices: dict[str, NaiveDevice]) -> None:
+    """Add the changes that the tasks of a script imply to its initialization (5.3.2, 5.3.4)."""
+    own, implied = list(plan.first), dict[str, Row]()
+    for number in sorted(plan.lists):
+        touched: set[tuple[str, str]] = set()
+        for given in [t for step in plan.lists[number] for member in step for t in member]:
+            device = devices[given['action']]
+            for setup, value in given.get('setup', {}).items():
+                made = device.given['changes'][setup]
+                change = {'id': f'{device.name}.{setup}.{value}', 'task': made['task']}
+                change |= {'action': given['action'], 'args': {made['argument']: value}}
+                late = (device.name, setup) in touched
+                before = implied.setdefault(change['id'], {**change, 'late': late})
+                before['late'] &= late
+                touched.add((device.name, setup))
+            changed = change_of(device, given)
+            if changed:
+                touched.add((device.name, changed[0]))
+    for change in implied.values():
+        first = [one['id'] for one in own if one['action'] == change['action']]
+        plan.order = [*plan.order, *({'upstream': u, 'downstream': change['id']} for u in first)]
+    plan.first = [*own, *implied.values()]
+
+
+def change_of(device: NaiveDevice, given: Row) -> tuple[str, str] | None:
+    """Return the setup and the value that a task changes, if it does."""
+    for setup, made in device.given.get('changes', {}).items():
+        if made['task'] == given['task']:
+            return setup, given['args'][made['argument']]
+    return None

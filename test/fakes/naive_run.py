@@ -10,7 +10,7 @@ from math import inf, isfinite, isnan
 from types import SimpleNamespace
 from typing import Any
 
-from fakes.naive_plan import NaiveDevice, Row, plan_of
+from fakes.naive_plan import NaiveDevice, Row, imply, plan_of
 
 Order = tuple[float, bool]
 """When a server decided what it says now, and whether it had to accept the goal before."""
@@ -161,6 +161,8 @@ class NaiveRun(ABC):
         devices = [NaiveDevice(name, given, self.sections, duration) for name, given in found]
         self.devices = {device.given['action']: device for device in devices}
         self.plans = {script['script']: plan_of(script) for script in scripts}
+        for plan in self.plans.values():
+            imply(plan, self.devices)
         self.now, self.beat, self.moving, self.state = 0.0, 1, False, 'Stopped'
         self.stopped_by_hand = False
         """An operator's stop, until an operator's start (7.2)."""
@@ -184,6 +186,8 @@ class NaiveRun(ABC):
         """Those that are not done, the one started last at the end."""
         self.done: dict[tuple[str, str], Row] = {}
         """The arguments of tasks whose last attempt succeeded (5.1)."""
+        self.setups: dict[tuple[str, str], str] = {}
+        """The known values, by component and setup (5.3)."""
         self.serials: set[str] = set()
         """Of all items that ever had one (6.8)."""
         self.holds: list[Any] = []

@@ -58,6 +58,8 @@ class NaiveState(NaiveRun):
         jobs = [one.id for one in self.jobs if component in one.needs and not self.has_begun(one)]
         self.say(f'component.{what}', {}, **concerned, jobs=jobs if is_out and jobs else None)
         self.out = [one for one in (*self.out, component) if is_out or one != component]
+        if is_out:
+            self.forget_setups(component)
         self.had_work |= bool(self.able())
 
     def release(self, script: str) -> None:
@@ -66,6 +68,9 @@ class NaiveState(NaiveRun):
         self.say('script.released', {})
         self.generated.discard(script)
         self.had_work |= bool(self.able())
+
+    @abstractmethod
+    def forget_setups(self, *names: str) -> None: ...
 
     @abstractmethod
     def cancel(self, task: Task, cause: str) -> None: ...
@@ -81,6 +86,7 @@ class NaiveState(NaiveRun):
             for task in [t for j in self.jobs if not j.items for t in j.first.values()]:
                 if task.state == 'done' and not task.attempt:
                     task.state = 'new'
+            self.forget_setups()
 
     def cell_state(self, *, still: bool) -> None:
         """Make one transition, if one is due."""

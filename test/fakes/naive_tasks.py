@@ -8,7 +8,7 @@ from typing import Any
 
 from fakes.naive_plan import Row
 from fakes.naive_run import LAST, Item, Job, Task
-from fakes.naive_state import NaiveState
+from fakes.naive_setups import NaiveSetups
 from fakes.naive_verdicts import answers, is_skipped, refuses, serial_in, verdict
 
 GRACE_S = 5.0
@@ -16,7 +16,7 @@ OF_CANCEL = {'timeout': 'timeout', 'abort': 'in_doubt', '': 'in_doubt'}
 """What it means that a goal was cancelled, by who asked for it; '': a stranger (2.3, 2.6, 7.2)."""
 
 
-class NaiveTasks(NaiveState):
+class NaiveTasks(NaiveSetups):
     """A cell that does what is to be done about each task."""
 
     # --- tasks (2, 4) -----------------------------------------------------------------------
@@ -38,12 +38,14 @@ class NaiveTasks(NaiveState):
         except KeyError:
             missing = True
         busy = [other for other in self.started if other.busy and other is not task]
-        free = not any(task.needs & other.needs for other in busy)
-        free &= task.device.name not in self.out
+        needs = task.needs | {task.device.name}
+        free = not any(needs & other.needs for other in busy)
+        free &= task.device.name not in self.out and not self.is_changing(task)
         if free and self.now >= task.not_before:
             task.attempt += 1
-            if missing:
-                self.end(task, 'missing_result')
+            lacks = list(self.lacking(task))
+            if missing or lacks:
+                self.end(task, 'missing_result' if missing else 'setup_missing')
                 self.decide(task)
             else:
                 self.start(task)
@@ -58,11 +60,13 @@ class NaiveTasks(NaiveState):
         if task.job:
             self.begin_job(task.job)
         task.state, task.cancelled, task.busy = 'running', '', True
+        task.needs = task.needs | {task.device.name}
         task.goals, task.sent = task.goals + 1, (self.deliveries, next(self.numbers))
         others = [one for one in self.started if one.state != 'done' and one is not task]
         self.started = [*others, task]
         action, name = task.does
         self.done.pop(task.does, None)
+        self.note_change(task, done=False)
         fields: Row = {'name': name, 'action': action, 'component': task.device.name}
         fields['round'] = task.round or None
         self.say('task.started', task.where, attempt=task.attempt, **fields)
@@ -105,6 +109,8 @@ class NaiveTasks(NaiveState):
             task.state, task.reason = 'failed', means.get(task.cancelled, end)
             asks = ('hold', 'abort_job') if task is self.move else ('hold',)
             task.busy &= verdict(task) in asks
+            if end == 'setup_missing':
+                task.needs = task.needs - {task.device.name}
             fields = {'attempt': task.attempt, 'reason': task.reason, 'round': task.round or None}
             self.say('task.failed', task.where, **fields, results=task.refused or None)
         else:
@@ -127,6 +133,8 @@ class NaiveTasks(NaiveState):
             self.done.pop(task.does, None)
         if done and task in self.started:
             self.done[task.does] = task.args
+        if done and task is not self.move:
+            self.note_change(task, done=True)
         serial = serial_in(task, results)
         if serial and serial != item.serial:
             item.serial = serial
@@ -167,6 +175,10 @@ class NaiveTasks(NaiveState):
             self.at(delay_s, task, 'retry', LAST)
             times = {'attempt': task.attempt + 1, 'not_before': task.not_before}
             self.say('task.retrying', task.where, **times)
+        elif what == 'change':
+            for change in [one for one in self.lacking(task) if one.state == 'done']:
+                self.carry_out(change, 'retry')
+            self.carry_out(task, 'retry')
         elif what == 'again':
             self.begin_round(task.repeat, task.where)
         elif what in ('mark_done', 'skip'):

@@ -105,7 +105,7 @@ def verdict(task: Task) -> str:
     if task.cancelled == 'abort':
         what = 'hold'
     lost = task.reason == 'server_lost' and not task.given.get('repeatable')
-    if task.reason in ('in_doubt', 'duplicate_serial') or lost:
+    if task.reason in ('in_doubt', 'duplicate_serial', 'setup_missing') or lost:
         what = 'hold'
     return str(what)
 
@@ -114,7 +114,7 @@ def is_open(task: Task) -> bool:
     """Tell whether nobody knows if a task has placed its item or taken it out (4.3, 7.1)."""
     cut_off = task.cancelled in ('abort_job', 'abort')
     unknown = task.reason in ('in_doubt', 'server_lost') or cut_off
-    begun = task.reason not in ('goal_rejected', 'missing_result')
+    begun = task.reason not in ('goal_rejected', 'missing_result', 'setup_missing')
     return bool(task.given.get('qty_change')) and unknown and begun
 
 
@@ -128,9 +128,11 @@ def answers(task: Task, on_the_belt: Iterable[Job], *, needless: bool) -> list[s
     again = again and not (slot_in_doubt and task.cancelled == 'abort_job')
     good = item and item.place and not (item.empty or item.rejected)
     jobs = [job] if job else on_the_belt
+    lacks = task.reason == 'setup_missing'
     sensible = {
-        'retry': again and task.reason != 'missing_result',
-        'again': again and task.repeat and has_rounds(task),
+        'retry': again and task.reason != 'missing_result' and not lacks,
+        'again': again and task.repeat and has_rounds(task) and not lacks,
+        'change': again and lacks and not job.aborting,
         'mark_done': True,
         'skip': job and not (again and task.given.get('qty_change') == -1),
         'reject': good and not slot_in_doubt and task.id not in job.plan.trailing,

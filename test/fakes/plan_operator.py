@@ -111,6 +111,8 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
             else:
                 if moment is None:  # somebody has to let the job end
                     answers = [one for one in answers if one != 'again']
+                if moment is None and 'change' in answers:
+                    answers = ['change']
                 bench.answer(hold, answers[choice % len(answers)])
         elif bench.paused:
             bench.pause(False)

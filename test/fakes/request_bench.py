@@ -36,15 +36,29 @@ sections:
   3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
 """
 
+SETUPS = (
+    'setups: {nozzle: [fine, wide]}, '
+    'changes: {nozzle: {task: TASK_C, argument: special_argument_1}}'
+)
+
 ANN = engineer('Ann', 'golden', 'because')
 
 
 class RequestBench:
     """A cell whose scale refuses every result, with the answers and records of each request."""
 
-    def __init__(self, folder: Path) -> None:
-        (folder / 'boxes.yaml').write_text(expanded(SCRIPT))
-        line = Line(results={'a2': {'measurement': 0.5}})
+    def __init__(self, folder: Path, *, with_setup: bool = False) -> None:
+        """Switch it on.
+
+        :param with_setup: what glues has a setup, and the first change of it fails
+        """
+        text = SCRIPT.replace('@b2', '@b2, setup: {nozzle: fine}') if with_setup else SCRIPT
+        (folder / 'boxes.yaml').write_text(expanded(text))
+        line = Line(
+            results={'a2': {'measurement': 0.5}},
+            keys={'b2': SETUPS} if with_setup else {},
+            faults={'b2': 'TASK_C#1=abort'} if with_setup else {},
+        )
         self.store = MemoryStore(history='')
         self.sim = Simulation(line.cell, TYPES, self.store)
         state = self.sim.orchestrator.state

@@ -11,6 +11,7 @@ from bt_orchestrator.model.goal import SeenContest
 from bt_orchestrator.model.pauses import UNKNOWN_GOAL
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.words import sentence
+from bt_orchestrator.ports import Servers
 
 
 def seen(state: CellState, news: SeenContest) -> Iterator[e.Event]:
@@ -31,6 +32,17 @@ def seen(state: CellState, news: SeenContest) -> Iterator[e.Event]:
     for goal in goals:
         if goal in news.before and goal not in before.goals and not _is_asked(state, goal):
             yield to_be_named(state, UNKNOWN_GOAL, _message(state, news, goal))
+
+
+def restarted(state: CellState, servers: Servers) -> list[e.Event]:
+    """Return what is lost where a controller is another process than the one that was set up."""
+    return [
+        e.ComponentSetupLost(component=name)
+        for name, setups in state.setups.items()
+        for present in (servers.server(name),)
+        if present is not None
+        and any(one.server not in (None, present) for one in setups.values())
+    ]
 
 
 def _is_asked(state: CellState, goal: str) -> bool:

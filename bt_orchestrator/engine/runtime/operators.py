@@ -14,6 +14,7 @@ from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.failures import (
     ABORT_JOB,
     AGAIN,
+    CHANGE,
     MARK_DONE,
     REJECT,
     RETRY,
@@ -23,13 +24,14 @@ from bt_orchestrator.model.failures import (
     pass_over,
 )
 from bt_orchestrator.model.hold_words import hold_name
+from bt_orchestrator.model.jobs.setups import changes_for
 from bt_orchestrator.model.judging.serials import serial_in, too_long
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.requests import ACKNOWLEDGE, ANSWERS, COMMENT, REMOVE_ITEM, Asked
 from bt_orchestrator.model.requests.reader import offer_words
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.model.state import CellState, Hold
+from bt_orchestrator.model.state import CellState, Hold, Phase
 
 
 @decides(*ANSWERS.values())
@@ -152,6 +154,16 @@ def _again(state: CellState, key: e.TaskKey, _: Asked, __: float) -> Iterator[e.
     yield begin_round(state, key)
 
 
+def _change(state: CellState, key: e.TaskKey, asked: Asked, now: float) -> Iterator[e.Event]:
+    """Do the change that a task lacks, then the task (semantics 5.3)."""
+    task = state.task(key)
+    assert task is not None
+    for change in changes_for(state, key, task):
+        if state.phase(change) is Phase.DONE:
+            yield from _retry(state, change, asked, now)
+    yield from _retry(state, key, asked, now)
+
+
 def _mark_done(state: CellState, key: e.TaskKey, asked: Asked, _: float) -> Iterator[e.Event]:
     yield from _without_verdict(state, key, asked)
     yield e.TaskMarkedDone(**key._asdict(), results=_results(asked))
@@ -187,6 +199,7 @@ def _abort_job(state: CellState, key: e.TaskKey, asked: Asked, _: float) -> Iter
 _ANSWERS = {
     RETRY: _retry,
     AGAIN: _again,
+    CHANGE: _change,
     MARK_DONE: _mark_done,
     SKIP: _skip,
     REJECT: _reject,

@@ -20,6 +20,7 @@ from bt_orchestrator.base.replies import begin
 from bt_orchestrator.engine.runtime import job_queue, lifecycle
 from bt_orchestrator.engine.runtime.breakdown import Breakdown
 from bt_orchestrator.engine.runtime.commits import PATIENCE_S, Commits
+from bt_orchestrator.engine.runtime.contests import restarted
 from bt_orchestrator.engine.runtime.deciding import not_allowed
 from bt_orchestrator.engine.runtime.flights import CARRIED_OUT, Flights
 from bt_orchestrator.engine.runtime.inbox import Inbox
@@ -180,6 +181,8 @@ class Orchestrator:
         try:
             self._ledger.look_at_clock()
             self.flights.land()
+            if self.state.setups:
+                self._ledger.record(restarted(self.state, self.gateway))
             self._inbox.land()
             self._starts.land()
             if self.tree.is_due or self._ledger.has_pending:

@@ -13,6 +13,7 @@ from bt_orchestrator.engine.runtime.stands import Standstill
 from bt_orchestrator.engine.runtime.tasks_in_flight import TasksInFlight, feedback_of
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.jobs.setups import known
 from bt_orchestrator.model.limits import ENDED_SHOWN, QUEUE_SHOWN
 from bt_orchestrator.model.requests import Request, of_cell
 from bt_orchestrator.model.roles import Role
@@ -163,6 +164,7 @@ class Overview:
             contested=contested.words(component.action) if contested else '',
             contested_words=contested.facts(component.action) if contested else None,
             state='' if reading.value is None else str(reading.value),
+            setups={one: known(state, name, one) or '' for one in component.setups},
             task=str(key) if key else '',
             feedback=feedback_of(engine.flights, progress.goal if progress else None),
         )

@@ -88,7 +88,9 @@ class Attention:
                 (e.ItemPlaced, e.ItemMissing, e.ItemRemoved, e.PositionEnded), self._slot
             ),
             e.TaskStarted: self._started,
-            **dict.fromkeys((e.ComponentStateChanged, e.ComponentContested), self._component),
+            e.TaskRetrying: self._retrying,
+            e.ComponentStateChanged: self._component,
+            e.ComponentContested: self._contested,
         }
 
     def _task(self, event: e.TaskEvent) -> None:
@@ -98,6 +100,13 @@ class Attention:
     def _started(self, event: e.TaskStarted) -> None:
         concern = self._concerns.get((event.job, event.task))
         self.due |= (concern or self._concern(event)).beside
+
+    def _retrying(self, event: e.TaskRetrying) -> None:
+        """Restart the initialization too: a change that is done may be asked for again (5.3)."""
+        if event.section is None and event.job is not None:
+            self.again()
+        else:
+            self._task(event)
 
     def _concern(self, event: e.TaskEvent) -> Concern:
         if event.job is None:
@@ -127,6 +136,13 @@ class Attention:
 
     def _component(self, event: e.ComponentStateChanged | e.ComponentContested) -> None:
         self.due |= self.sharing.component(event.component)
+
+    def _contested(self, event: e.ComponentContested) -> None:
+        """Restart all where setups are forgotten by it (5.3): changes may be to be done again."""
+        if self._state.cell.components[event.component].setups:
+            self.again()
+        else:
+            self._component(event)
 
     def _cycle(self, event: e.CycleEvent) -> None:
         self._turns.touch(event.section)

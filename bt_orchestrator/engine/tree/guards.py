@@ -16,7 +16,7 @@ from bt_orchestrator.engine.tree.subject import Recorder, Subject, is_done
 from bt_orchestrator.engine.tree.ticking import Ticked, Wrapper, invalidate
 from bt_orchestrator.engine.tree.waiter import Waiter
 from bt_orchestrator.model.cell import StateTopic
-from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.jobs.initialization import Preparation
 from bt_orchestrator.model.script import Dependency, Step
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.model.waits.starting import (

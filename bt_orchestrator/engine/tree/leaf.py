@@ -12,6 +12,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.failures import RETRY, worded
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.hold_words import again_words, hold_wait_words
+from bt_orchestrator.model.jobs.setups import missing_setup
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import End, Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -85,16 +86,9 @@ class ActionLeaf(Waiter, Ticked):
         recorder, task, key = self.subject.recorder, self.subject.task, self.subject.key
         missing = self.subject.missing() if self.subject.job is not None else None
         if missing is not None:
-            failed = e.TaskFailed(
-                **key._asdict(),
-                attempt=attempt,
-                reason=Reason.MISSING_RESULT.value,
-                message=str(missing),
-                round=self.subject.state.round(key),
-            )
-            recorder.record([failed])
-            self.feedback_message = f'failed: {missing}'
-            return Status.FAILURE
+            return self._fail(attempt, Reason.MISSING_RESULT, str(missing))
+        if task.setup and (other := missing_setup(self.subject.state, task)) is not None:
+            return self._fail(attempt, Reason.SETUP_MISSING, other)
         occupied = self._occupied()
         if occupied is not None:
             recorder.record([occupied])
@@ -116,6 +110,20 @@ class ActionLeaf(Waiter, Ticked):
         recorder.record([started])
         self.feedback_message = self._running(attempt, further)
         return Status.RUNNING
+
+    def _fail(self, attempt: int, reason: Reason, message: str) -> Status:
+        """Let an attempt end before a goal."""
+        key = self.subject.key
+        failed = e.TaskFailed(
+            **key._asdict(),
+            attempt=attempt,
+            reason=reason.value,
+            message=message,
+            round=self.subject.state.round(key),
+        )
+        self.subject.recorder.record([failed])
+        self.feedback_message = f'failed: {message}'
+        return Status.FAILURE
 
     def _begin_job(self) -> None:
         """Start the job with its first task (semantics 6.1)."""

@@ -54,6 +54,14 @@ class ComponentInService(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ComponentSetupLost(Event):
+    """The controller of a component was started anew: its setups are not known (semantics 5.3)."""
+
+    event: ClassVar[str] = 'component.setup_lost'
+    component: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class HoldRaised(Event):
     """Something waits for an operator (semantics 7.1)."""
 

@@ -8,6 +8,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.job_folds import forget_skips, note_work
+from bt_orchestrator.model.jobs.setups import forget_all
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import CellState, OutOfService, Reading
 from bt_orchestrator.model.stop_reason import StopReason
@@ -47,11 +48,19 @@ def component_contested(event: e.ComponentContested, state: CellState) -> None:
     state.contests.pop(event.component, None)
     if contest:
         state.contests[event.component] = contest
+    if event.goals:
+        forget_all(state, event.component)
+
+
+def component_setup_lost(event: e.ComponentSetupLost, state: CellState) -> None:
+    """Forget what its controller was set up for."""
+    forget_all(state, event.component)
 
 
 def component_out_of_service(event: e.ComponentOutOfService, state: CellState) -> None:
     """Let it get no goal, and let later jobs pass the jobs that need it."""
     state.out_of_service[event.component] = OutOfService(event.reason, event.time)
+    forget_all(state, event.component)
     for job in event.jobs:
         state.jobs.lack(job, (*state.jobs.queued(job).unavailable, event.component))
 
@@ -85,6 +94,7 @@ def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
     if state.packml in _FORGET_ONCE:
         state.done_once.clear()
         forget_skips(state, lambda job: not job.progress.started)
+        forget_all(state)
     if state.packml is PackmlState.STARTING:
         state.had_work = state.has_work
 

@@ -7,6 +7,7 @@ from dataclasses import fields
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.failures import answers, why_not_offered
 from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.jobs.setups import forget_all
 from bt_orchestrator.model.requests.alike import together
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Hold, Phase, TaskState
@@ -25,6 +26,8 @@ def hold_raised(event: e.HoldRaised, state: CellState) -> None:
     hold = changed(hold_of(event), message_words=facts_of(event.message))
     state.holds[hold.id] = hold
     state.holds_raised += 1
+    if hold.must_be_named:
+        forget_all(state)  # nobody knows what was done meanwhile (5.3)
     if hold.key is not None:
         before = state.tasks.get(hold.key, TaskState(Phase.HELD))
         state.tasks[hold.key] = changed(before, phase=Phase.HELD, hold=hold.id)

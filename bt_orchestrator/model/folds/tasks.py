@@ -9,6 +9,7 @@ from bt_orchestrator.model.folds.cell import note_uptime
 from bt_orchestrator.model.folds.line import mark_nonconforming
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.jobs.setups import forget, learn
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, End, Phase, TaskState, same_args, same_task
 
@@ -68,6 +69,8 @@ def task_failed(event: e.TaskFailed, state: CellState) -> None:
     # While an operator is asked, the robot stays where it stopped (semantics 4.4).
     if not will_hold(state, event.key, state.task(event.key) or index_task(state.cell)):
         _release(state, event.key)
+    if reason is Reason.SETUP_MISSING:
+        _free_component(state, event.key)  # the change needs it (5.3)
 
 
 def round_begun(event: e.RoundBegun, state: CellState) -> None:
@@ -147,8 +150,11 @@ _ENDS = {
 
 def _succeed(state: CellState, key: e.TaskKey, end: End) -> None:
     task, progress = state.task(key), state.tasks[key]
-    if task is not None and progress.goal is not None:
-        state.done_once[same_task(task)] = same_args(progress.args)
+    if task is not None:
+        if progress.goal is not None:
+            state.done_once[same_task(task)] = same_args(progress.args)
+        if task.change is not None:
+            learn(state, task, progress.server)
     _end(state, key, end)
 
 
@@ -157,6 +163,8 @@ def _forget_done(state: CellState, key: e.TaskKey) -> None:
     task = state.task(key)
     if task is not None:
         state.done_once.pop(same_task(task), None)
+        if task.change is not None:
+            forget(state, task.component, task.change.setup)
 
 
 def _end(state: CellState, key: e.TaskKey, end: End) -> None:
@@ -168,13 +176,17 @@ def _end(state: CellState, key: e.TaskKey, end: End) -> None:
 
 def _release(state: CellState, key: e.TaskKey) -> None:
     """Free the component and the zones that a task has, if it still has them."""
+    _free_component(state, key)
+    for zone in _zones(state, key):
+        if state.zones.get(zone) == key:
+            del state.zones[zone]
+
+
+def _free_component(state: CellState, key: e.TaskKey) -> None:
     task = state.task(key)
     component = task.component if task else state.cell.conveyor.component.name
     if state.reserved.get(component) == key:
         del state.reserved[component]
-    for zone in _zones(state, key):
-        if state.zones.get(zone) == key:
-            del state.zones[zone]
 
 
 def _zones(state: CellState, key: e.TaskKey) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.jobs.initialization import Preparation
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.limits import ENDED_KEPT, RELEASED_KEPT
 from bt_orchestrator.model.script import Script

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.jobs.setups import stays
 from bt_orchestrator.model.line import (
     is_done_with,
     may_not_begin,
@@ -44,16 +45,18 @@ def _waits_in_order(state: CellState, job: str, task: Task) -> Wait | None:
 def remains_done(state: CellState, job: str, task: Task) -> bool:
     """Tell whether what is done remains so until a job begins (semantics 5.1).
 
-    Only then may it be skipped before its turn. A job begins when its source has finished the
-    earlier ones; until then another may be put in front of it.
+    Only then may it be skipped before its turn; so may a change of a setup (5.3). A job begins
+    when its source has finished the earlier ones; until then another may be put in front of it.
     """
     live = state.jobs[job]
     source = state.sections[live.job.script.source]
     before = list(state.jobs.before(job))
-    return (
-        all(is_done_with(state, source, earlier) for earlier in before)
-        and not _prepares(state, live, task, besides=task.id)
-        and not any(_prepares(state, one, task) or _does(state, one, task) for one in before)
+    if not all(is_done_with(state, source, earlier) for earlier in before):
+        return False
+    if task.is_implied:
+        return stays(state, live, before, task)
+    return not _prepares(state, live, task, besides=task.id) and not any(
+        _prepares(state, one, task) or _does(state, one, task) for one in before
     )
 
 

@@ -24,7 +24,7 @@ from typing import Any
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, hints_of, text_of, to_plain
-from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.jobs.initialization import Preparation
 from bt_orchestrator.model.judging.used_ids import UsedIds
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.packml import VERBS, Cause, PackmlState

@@ -212,6 +212,10 @@ ANSWERS: Mapping[str, Request] = {
             'first task', _OPERATORS,
         ),
         _request(
+            About.HOLD, failures.CHANGE, 'changes the setup that the task lacks, and then does '
+            'the task', _OPERATORS,
+        ),
+        _request(
             About.HOLD, failures.MARK_DONE, 'the task was done: its item goes on as after success',
             _OPERATORS, _RESULTS,
         ),

@@ -8,14 +8,20 @@ from dataclasses import dataclass, field
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
-from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.jobs.initialization import Preparation
 from bt_orchestrator.model.judging.used_ids import UsedIds
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.model.state.hold import Hold
 from bt_orchestrator.model.state.jobs import ItemState, JobState
-from bt_orchestrator.model.state.line import FlagState, OutOfService, Reading, SectionState
+from bt_orchestrator.model.state.line import (
+    FlagState,
+    KnownSetup,
+    OutOfService,
+    Reading,
+    SectionState,
+)
 from bt_orchestrator.model.state.live_jobs import LiveJobs
 from bt_orchestrator.model.state.tasks import Phase, TaskState
 from bt_orchestrator.model.stop_reason import StopReason
@@ -111,6 +117,9 @@ class CellState:
     done_once: dict[str, str] = field(default_factory=dict)
     """Arguments of the last attempt of each task (`same_task`), if it succeeded since Stopped
     (semantics 5.1)."""
+    setups: dict[str, dict[str, KnownSetup]] = field(default_factory=dict)
+    """The known setups of components, by name; a component without any is left out (semantics
+    5.3)."""
 
     def __post_init__(self) -> None:
         """Begin with an empty belt, and state topics without a value."""

@@ -69,6 +69,15 @@ class Reading:
 
 
 @dataclass(frozen=True)
+class KnownSetup:
+    """The present value of a setup (semantics 5.3)."""
+
+    value: str
+    server: str | None = None
+    """Instance of the server that made it; None: not known."""
+
+
+@dataclass(frozen=True)
 class OutOfService:
     """A component that an operator took out of service (semantics 7.5)."""
 

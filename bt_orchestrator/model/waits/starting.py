@@ -16,6 +16,7 @@ from bt_orchestrator.model.jobs.preparing import (
     remains_done,
     waits_for_its_turn,
 )
+from bt_orchestrator.model.jobs.setups import changes_for, why_needless
 from bt_orchestrator.model.line import waits_for_readiness, waits_for_service
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.script import Dependency, Task
@@ -50,7 +51,19 @@ def before_attempt(state: CellState, key: TaskKey, task: Task, seen: Seen) -> Wa
         return skipped
     if progress is not None and is_delayed:
         return Wait(f'waiting to retry, attempt {progress.attempt + 1}', WaitKind.RETRY_DELAY)
+    if task.setup:
+        wait = _waits_for_component(state, key, task, seen)
+        return wait or _waits_for_change(state, key, task)
     return _waits_for_component(state, key, task, seen)
+
+
+def _waits_for_change(state: CellState, key: TaskKey, task: Task) -> Wait | None:
+    """Say that the setup which a task lacks is being changed (semantics 5.3)."""
+    for change in changes_for(state, key, task):
+        if state.phase(change) not in (None, Phase.DONE):
+            what = f'waiting for initialization {change.task} of {key.job}'
+            return Wait(what, WaitKind.INITIALIZATION, change.task, task=change.task)
+    return None
 
 
 def _waits_for_component(state: CellState, key: TaskKey, task: Task, seen: Seen) -> Wait | None:
@@ -168,9 +181,11 @@ def ends_with_its_job(state: CellState, key: TaskKey, task: Task) -> bool:
 
 
 def done_before(state: CellState, key: TaskKey, task: Task) -> str | None:
-    """Say that the same task is already done and need not be repeated (5.1)."""
+    """Say that the same task is already done and need not be repeated (5.1, 5.3)."""
     if not task.once:
         return None
+    if task.is_implied:
+        return why_needless(state, key, task)
     args = resolve(task.args, state.scope(key))
     done = state.done_once.get(same_task(task))
     return 'done before' if done == same_args(args) else None

@@ -100,6 +100,48 @@ CAPABILITIES = Key(
     rule='8.5',
 )
 
+CHANGE = Table(
+    'a change',
+    (
+        Key(
+            'task',
+            Kind.TEXT,
+            'task constant of the change; a label where the type has no task field',
+            'CHANGE_GRIPPER',
+            required=True,
+            rule='5.3',
+        ),
+        Key(
+            'argument',
+            Kind.TEXT,
+            'goal field that takes the wanted value; absent: the one named as the setup',
+            'special_argument_1',
+            rule='5.3',
+        ),
+    ),
+    short='task',
+)
+
+SETUPS = Key(
+    'setups',
+    Kind.MAPPING,
+    'what tasks need in one of several ways, with its values: a gripper, a program, a fixture',
+    '{gripper: [small, large]}',
+    members=Kind.LIST,
+    name_form=NAME_WITHOUT_DOTS,
+    rule='5.3',
+)
+
+CHANGES = Key(
+    'changes',
+    Kind.MAPPING,
+    'task that changes each setup',
+    '{gripper: {task: CHANGE_GRIPPER, argument: special_argument_1}}',
+    of=(CHANGE,),
+    name_form=NAME_WITHOUT_DOTS,
+    rule='5.3',
+)
+
 WORKSPACES = Key(
     'workspaces',
     Kind.LIST,

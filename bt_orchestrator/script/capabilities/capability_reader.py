@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from bt_orchestrator.model.action_type import TASK, TASK_RESULT, ActionType, FieldType
@@ -10,6 +10,7 @@ from bt_orchestrator.model.capability import Capability, Preparation
 from bt_orchestrator.model.reference import Reference
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.script.capabilities.capability_keys import CAPABILITY
+from bt_orchestrator.script.capabilities.setups import read_setup
 from bt_orchestrator.script.checks.balance import check_unjudged
 from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.drafts import Position, ScriptDraft, TaskDraft
@@ -28,11 +29,24 @@ NO_FIELD = 'none'
 """In `needs`: the device that holds the thing is asked, and no goal field takes it."""
 
 
+_NO_SETUPS: Mapping[str, Collection[str]] = {}
+
+
 class CapabilityReader:
     """Reads capabilities, workspaces and preparation of one component."""
 
-    def __init__(self, component: Fields, name: str, type_: ActionType | None) -> None:
-        self._component = component
+    def __init__(
+        self,
+        component: Fields,
+        name: str,
+        type_: ActionType | None,
+        setups: Mapping[str, Collection[str]] = _NO_SETUPS,
+    ) -> None:
+        """Begin.
+
+        :param setups: of the component, with their values
+        """
+        self._component, self._setups = component, setups
         self._name = name
         self._type = type_
         self._report = component.report
@@ -104,7 +118,7 @@ class CapabilityReader:
             gives=self._named(fields, 'gives', result),
             needs=self._named(fields, 'needs', goal),
             holds=self._holds(fields),
-            options=written_options(fields) | self._identifies(fields),
+            options=written_options(fields) | self._identifies(fields) | self._setup(fields),
         )
         self._check_once(fields, capability)
         return capability
@@ -119,6 +133,11 @@ class CapabilityReader:
         references = ReferenceReader(ScriptDraft(fields), task, self._report, of_verdict=True)
         serial = read_serial(task, references, self._report)
         return {'identifies': serial} if serial else {}
+
+    def _setup(self, fields: Fields) -> dict[str, dict[str, str]]:
+        """Return the values of setups that it asks for, if it asks for any."""
+        asked = read_setup(fields, self._name, self._setups)
+        return {'setup': asked} if asked else {}
 
     def _task(self, fields: Fields, missing: str) -> str:
         if self._type is None:

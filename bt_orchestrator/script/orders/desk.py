@@ -22,8 +22,8 @@ from bt_orchestrator.model.jobs.order import NO_TERMS, Job, RecipeChoice, Terms,
 from bt_orchestrator.model.proof.sharing import examine
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes, MadeScript
-from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.lookup import find_below, find_script
+from bt_orchestrator.script.orders.admission import admitted
 from bt_orchestrator.script.orders.choice import NOT_MADE_HERE, wrong_choice
 from bt_orchestrator.script.orders.order_file import (
     OrderPlaces,

@@ -10,7 +10,7 @@ from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
 from bt_orchestrator.script.script_keys import LOTS, PARAMS, REPEAT
 from bt_orchestrator.script.task_keys import TASK
 
-_OF_EQUIPMENT = ('task', 'action', 'args', 'requires_conveyor', 'qty_change')
+_OF_EQUIPMENT = ('task', 'action', 'args', 'requires_conveyor', 'qty_change', 'setup')
 """Keys of a task that are those of the component that does it."""
 
 _SERIAL = "what the operation gives that is the item's serial, text or a whole number"
@@ -150,7 +150,7 @@ RECIPE = Table(
 
 _NOT_TO_SET = (
     *('id', 'task', 'action', 'args', 'qty_change', 'when', 'unless', 'fails_unless'),
-    *('identifies', 'likely'),
+    *('identifies', 'likely', 'setup'),
 )
 
 CHANGE = Table(

@@ -78,13 +78,18 @@ class _ScriptWriter:
 
     def _initialization(self) -> Iterator[str]:
         ids = (f'init.{number}' for number in count(1))
-        if self._script.initialization:
+        implied = {task.id for task in self._script.initialization if task.is_implied}
+        written = [task for task in self._script.initialization if task.id not in implied]
+        order = self._script.initialization_dependencies
+        if written:
             yield 'initialization:'
-        for task in self._script.initialization:
+        for task in written:
             yield from self._task(task, next(ids), STEP)
-        if self._script.initialization_dependencies:
+        if any(one.downstream not in implied for one in order):
             yield 'initialization_dependencies:'
-        for one in self._script.initialization_dependencies:
+        for one in order:
+            if one.downstream in implied:
+                continue
             yield from item({'upstream': one.upstream, 'downstream': one.downstream}, STEP)
 
     def _section(self, section: SectionList) -> Iterator[str]:

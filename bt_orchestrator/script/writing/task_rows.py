@@ -54,6 +54,7 @@ def _own_keys(task: Task, cell: Cell | None, default_id: str) -> Mapping[str, An
         **when,
         'fails_unless': task.fails_unless and condition_row(task.fails_unless),
         'identifies': '.'.join(task.identifies) or None,
+        'setup': task.setup or None,
     }
 
 

@@ -171,7 +171,13 @@ def _shortened(texts: list[str]) -> list[str]:
 def _options(sheet: Sheet, task: Task) -> Iterator[str]:
     """Yield what differs from a plain task."""
     say = sheet.wording.say
-    if task.once:
+    for setup, value in task.setup.items():
+        yield say('needs {setup}: {value}', setup=setup, value=value)
+    if task.change is not None:
+        yield say('changes {setup} to {value}', setup=task.change.setup, value=task.change.value)
+    if task.is_implied:
+        yield say('unless it is so')
+    elif task.once:
         yield say('once, until the cell stops')
     if task.condition is not None:
         yield sheet.wording.condition(str(task.condition))

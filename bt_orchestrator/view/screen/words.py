@@ -48,6 +48,9 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
     yield from (f'  {text}' for text in troubles(status))
     for flag in status.flags:
         yield f'  flag {flag_count(flag)}'
+    for component in status.components:
+        if component.setups:
+            yield f'  setup of {component.name}: {setup_words(component)}'
     for hold in status.holds:
         yield f'  {hold_text(hold)}'
         yield from (f'    {text}' for text in advice(hold, status, shell))
@@ -264,6 +267,12 @@ def reasons(waits: Iterable[Wait]) -> list[str]:
 def flag_count(flag: FlagStatus) -> str:
     """Return where the counter of a flag stands."""
     return f'{one_line(flag.name)}: {flag.count} of {flag.capacity}'
+
+
+def setup_words(component: ComponentStatus) -> str:
+    """Name the setups of a component with their values."""
+    named = (f'{name} {value or "not known"}' for name, value in component.setups.items())
+    return ', '.join(named)
 
 
 def troubles(status: CellStatus) -> list[str]:

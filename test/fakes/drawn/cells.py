@@ -73,11 +73,15 @@ def _component(draw: Draw, name: str, place: Any, number: int, traits: Traits) -
     seconds = draw(st.sampled_from(SECONDS))
     if not traits.tied:
         seconds = 0.2 + seconds / 10 + number * 0.0171
-    found['durations'] = dict.fromkeys(('PREPARE', 'TASK_A', 'TASK_B'), seconds)
+    found['durations'] = dict.fromkeys(('PREPARE', 'TASK_A', 'TASK_B', 'TASK_C'), seconds)
     if chance(draw, 20):
         found['results'] = {'TASK_A': {'item_present': False, 'measurement': 2.5}}
     if traits.faults and (faults := _faults(draw, 15)):
         found['faults'] = faults
+    dies = any('die' in text for text in found.get('faults', []))
+    if traits.setups and not dies and not chance(draw, 40):
+        found['setups'] = {'tool': ['x', 'y']}
+        found['changes'] = {'tool': {'task': 'TASK_C', 'argument': 'special_argument_1'}}
     return found
 
 

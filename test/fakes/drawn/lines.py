@@ -27,6 +27,8 @@ from hypothesis import strategies as st
 
 ANY = Traits()
 MOMENTS = (0.13, 3.71, 17.93, 61.57)
+OF_SETUPS = (0, 1, 2, 3, 4, 5, 9, 10, 11, 11, 11, 12, 13, 13, 14, 14, 16, 19)
+"""Choices of an operator after which setups are not known, and of one who answers and starts."""
 PRIORITIES = (0, 0, 3, 5, -1)
 STARTS = st.sampled_from((None, None, 0.0371, 9.0373, 45.0379))
 """At no moment at which anything else happens: what comes first then is open."""
@@ -46,8 +48,9 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
         scripts.append(_variant(draw, scripts[0]))
     orders = _short_orders(draw) if traits.short else _orders(draw, scripts)
     first = len(orders) if draw(st.booleans()) else 1
-    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 27))
-    moments = draw(st.lists(moment, max_size=10))
+    choices = st.sampled_from(OF_SETUPS) if traits.setups else st.integers(0, 27)
+    moment = st.builds(Moment, st.sampled_from(MOMENTS), choices)
+    moments = draw(st.lists(moment, min_size=8 * traits.setups, max_size=10 + 6 * traits.setups))
     drawn = draw(st.lists(st.sampled_from((*SECONDS, 40.0)), max_size=5)) if traits.tied else []
     rebuilds = draw(st.frozensets(st.integers(1, 80), max_size=6))
     return Plan(

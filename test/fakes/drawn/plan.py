@@ -121,6 +121,8 @@ class Traits:
     most_sections: int = MOST_SECTIONS
     short: bool = False
     """Several orders of one item, each with a setup of its own."""
+    setups: bool = False
+    """Components have setups, and tasks ask for values of them."""
 
 
 def devices(cell: Row) -> list[Row]:

@@ -26,6 +26,8 @@ class DrawnScript:
         """All tasks of the lists with their sections, in the order of the lists."""
         self.repeated: set[str] = set()
         """Tasks in repeats, which no flag may name."""
+        self.tools = {name: draw(st.sampled_from('xy')) for name in with_tools(cell)}
+        """The value that each component with a setup needs in this script."""
         self.readable: list[str] = []
         """Tasks whose results later ones may use."""
 
@@ -75,7 +77,14 @@ class DrawnScript:
         self._settle(number)
 
     def _single(self, number: int) -> Row:
-        return self._task(number, self.draw(st.sampled_from(self._devices(number))))
+        task = self._task(number, self.draw(st.sampled_from(self._devices(number))))
+        name = task['action'].split('/')[1]
+        if name in self.tools and self.draw(st.integers(0, 3)) == 0:
+            for key in ('when', 'unless', 'fails_unless', 'setup'):
+                task.pop(key, None)
+            given = {'special_argument_1': self.tools[name]}
+            task |= {'task': 'TASK_C', 'args': given, 'runs_for': 'all'}
+        return task
 
     def _alone(self, number: int) -> Row:
         if not chance(self.draw, 15):
@@ -125,6 +134,8 @@ class DrawnScript:
         }
         task |= {'action': f'/{name}/do', 'on_failure': draw(st.sampled_from(POLICIES))}
         task['timeout'] = 8.03
+        if name in self.tools and not chance(draw, 30):
+            task['setup'] = {'tool': self.tools[name]}
         if chance(draw, 35):
             task['requires_conveyor'] = False
         if chance(draw, 25):
@@ -218,6 +229,11 @@ class DrawnScript:
             for task in tasks_of(steps) if place > number else []:
                 if task['on_failure'] == 'reject':
                     task['on_failure'] = 'continue'
+
+
+def with_tools(cell: Row) -> list[str]:
+    """Return the components that have a setup."""
+    return [name for name, one in cell['components'].items() if 'setups' in one]
 
 
 def _ids(lists: dict[int, list[Any]]) -> list[str]:

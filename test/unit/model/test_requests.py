@@ -39,7 +39,9 @@ def test_who_may_ask_what() -> None:
     queue = {'queue.add'} | {f'job.{word}' for word in ('hold', 'release', 'pause', 'resume')}
     queue |= {'job.stop', 'job.requeue', 'job.clear'}
     assert words(Role.MES) == queue | {'job.update', 'job.cancel'}
-    answers = {f'hold.{word}' for word in ('retry', 'again', 'mark_done', 'skip', 'reject')}
+    answers = {
+        f'hold.{word}' for word in ('retry', 'again', 'change', 'mark_done', 'skip', 'reject')
+    }
     remarks = {'hold.acknowledge', 'hold.comment'}
     cell = {f'cell.{word}' for word in ('reset', 'start', 'pause', 'resume', 'stop', 'abort')}
     after = {f'cell.stop_after_{word}' for word in ('item', 'job', 'never')}

@@ -130,3 +130,15 @@ def test_5_1_short_orders_go_as_the_second_opinion_says(plan: Plan) -> None:
     naive = NaiveBench(plan, product.refused)
     assert operate(naive, plan.moments) == ended
     assert comparable(product.run.records) == naive.cell.records
+
+
+@examples(60, 600)
+@given(lines(Traits(setups=True)))
+def test_5_3_setups_go_as_the_second_opinion_says(plan: Plan) -> None:
+    """Components are set up for jobs, lose their setups, and get them back by answers."""
+    show(plan)
+    product = ProductBench(plan)
+    ended = operate(product, plan.moments)
+    naive = NaiveBench(plan, product.refused)
+    assert operate(naive, plan.moments) == ended
+    assert comparable(product.run.records) == naive.cell.records

@@ -59,6 +59,7 @@ _OF_HOLDS = (
     StopId(209, Reason.IN_DOUBT.value, 700, 'it is not known how far the task came'),
     StopId(210, Reason.RESULT_REFUSED.value, 600, 'the verdict of the task refuses its result'),
     StopId(213, Reason.DUPLICATE_SERIAL.value, 600, 'the serial that was read is in the history'),
+    StopId(214, Reason.SETUP_MISSING.value, 600, 'the component has another setup'),
     StopId(211, 'slot_occupied', 600, 'an item stands where another one would be placed'),
     StopId(212, 'overrun', 600, 'the belt would carry an item out of the last section'),
     StopId(221, pauses.RESTARTED, 500, 'a node took over unfinished work'),

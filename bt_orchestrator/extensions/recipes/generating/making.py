@@ -16,7 +16,7 @@ from bt_orchestrator.extensions.recipes.planning.prices import prices
 from bt_orchestrator.extensions.recipes.planning.problem import Problem
 from bt_orchestrator.model.codec import digest, digest_of
 from bt_orchestrator.model.script import MadeFrom, Script
-from bt_orchestrator.script.admission import admitted
+from bt_orchestrator.script.orders.admission import admitted
 from bt_orchestrator.script.writing.script_text import write_script
 from bt_orchestrator.sim.pace_judge import PaceJudge
 from bt_orchestrator.store.memory import MemoryStore

@@ -10,6 +10,7 @@ from bt_orchestrator.extensions.recipes.planning.plans import Plan, Plans
 from bt_orchestrator.extensions.recipes.planning.section_lists import Entry, Group, Listed
 from bt_orchestrator.extensions.recipes.planning.values import Values
 from bt_orchestrator.model.cell import CONVEYOR, Cell
+from bt_orchestrator.model.jobs.setups import change_by, with_changes
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import (
     Dependency,
@@ -39,7 +40,7 @@ class PlanWriter:
     def script(self) -> Script:
         """Return the script."""
         initialization, order = self._initialization()
-        return Script(
+        script = Script(
             name=self._recipe.script,
             sections={number: self._section(number, one) for number, one in self._lists.items()},
             initialization=initialization,
@@ -51,6 +52,7 @@ class PlanWriter:
             lots=self._recipe.lots,
             likely=self._recipe.likely,
         )
+        return with_changes(script, self._cell)
 
     # --- lists ------------------------------------------------------------------------------
 
@@ -70,12 +72,14 @@ class PlanWriter:
         options: dict[str, Any] = self._values.options(one)
         if one.operation.id == self._plans.reach.line.all_leave_by:
             options['runs_for'] = RunsFor.ALL
+        name, args = one.capability.task, self._values.args(one)
         return Task(
             id=one.operation.id,
-            name=one.capability.task,
+            name=name,
             action=one.component.action,
             component=one.component.name,
-            args=self._values.args(one),
+            args=args,
+            change=change_by(one.component, name, args),
             **{'timeout_s': one.component.timeout_s, **options},
         )
 

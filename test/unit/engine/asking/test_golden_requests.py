@@ -76,6 +76,14 @@ def of_holds(answer: str, **more: Any) -> Iterator[Step]:
     yield f'hold.{answer}', {'hold': '1', **more}
 
 
+def of_a_setup() -> Iterator[Step]:
+    yield 'queue.add', {'orders': orders('A')}
+    yield 5.0
+    yield 'hold.skip', {'hold': '1'}
+    yield HELD
+    yield 'hold.change', {'hold': '2'}
+
+
 def of_the_cell() -> Iterator[Step]:
     yield 'queue.add', {'orders': orders('A')}
     yield 2.0
@@ -109,13 +117,15 @@ STORIES: Mapping[str, Sequence[Step]] = {
         answer: tuple(of_holds(answer))
         for answer in ('retry', 'again', 'skip', 'reject', 'abort_job')
     },
+    'change': tuple(of_a_setup()),
     'mark_done': tuple(of_holds('mark_done', results={'measurement': 1.5})),
 }
 
 
 def told(folder: Path, steps: Sequence[Step]) -> tuple[str, set[str]]:
     """Return what a story tells, and the requests that were accepted."""
-    cell, accepted = RequestBench(folder), set[str]()
+    with_setup = any(step[0] == 'hold.change' for step in steps if not isinstance(step, float))
+    cell, accepted = RequestBench(folder, with_setup=with_setup), set[str]()
     for step in steps:
         if isinstance(step, float):
             cell.pass_time(step)

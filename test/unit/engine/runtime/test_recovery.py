@@ -115,6 +115,31 @@ def assert_killed_anywhere_it_ends_the_same(
     assert kills > 10
 
 
+CHANGED = with_section(
+    2,
+    """
+    - {id: one, @a2, setup: {gripper: small}}
+    - {id: to_large, @a2.TASK_C, args: {special_argument_1: large}, runs_for: all}
+    - {id: two, @a2, setup: {gripper: large}}
+    - {id: to_small, @a2.TASK_C, args: {special_argument_1: small}, runs_for: all}
+    """,
+)
+
+
+def test_5_3_killed_after_any_settle_setups_are_the_same() -> None:
+    setups = 'setups: {gripper: [small, large]}, '
+    line = Line(
+        keys={
+            'a2': f'{setups}changes: {{gripper: {{task: TASK_C, argument: special_argument_1}}}}'
+        }
+    )
+    whole = World(line.cell)
+    whole.go(begun(whole, line.script(CHANGED)))
+    story = story_of(whole)
+    assert len([one for one in story if 'small' in str(one[-1])]) == 4
+    assert_killed_anywhere_it_ends_the_same(line, CHANGED, story)
+
+
 def test_2_8_killed_after_any_settle_every_verdict_is_the_same() -> None:
     line = Line(faults={'a2': '#1=reads:2.5 #3=reads:3.5 #4=reads:4.5'})
     whole = World(line.cell)

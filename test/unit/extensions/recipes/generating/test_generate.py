@@ -22,8 +22,8 @@ from bt_orchestrator.extensions.recipes.generating.verb import add_arguments, ge
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
+from bt_orchestrator.script.orders.admission import admitted
 
 TYPES = FakeActionTypes()
 DECK = ROOT / 'recipes' / 'wm_100.yaml'

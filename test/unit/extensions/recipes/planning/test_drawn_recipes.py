@@ -35,7 +35,7 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.script.admission import admitted
+from bt_orchestrator.script.orders.admission import admitted
 from bt_orchestrator.script.writing.script_text import write_script
 from bt_orchestrator.sim.pace_judge import PaceJudge
 from bt_orchestrator.sim.simulation import Outcome, Simulation

@@ -126,6 +126,7 @@ class Component {
         ),
       ],
       ['state', component.state],
+      ['setups', setupWords(component.setups)],
       ['task', component.task && busyWith(component)],
       ['sections', sections.length ? sections : t('component.no_section')],
       ['action', component.action],
@@ -145,4 +146,11 @@ class Component {
         : h('p', { class: 'nothing' }, t('section.no_feedback')),
     );
   }
+}
+
+/** Name the setups of a component with their values; empty: it has none. */
+function setupWords(setups) {
+  return Object.entries(setups)
+    .map(([name, value]) => `${name}: ${value || t('component.setup_unknown')}`)
+    .join(', ');
 }

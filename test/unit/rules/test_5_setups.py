@@ -1,0 +1,329 @@
+"""Semantics 5.3: setups of components, and the changes that tasks imply."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+from fakes.commands import Reset, Start, Stop
+from fakes.line import Line, with_section
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.model.jobs.setups import known
+
+GRIPPER = (
+    'setups: {gripper: [small, large]}, '
+    'changes: {gripper: {task: TASK_C, argument: special_argument_1}}'
+)
+SMALL = with_section(2, '- {id: work, @a2, setup: {gripper: small}}')
+LARGE = SMALL.replace('small', 'large')
+BOTH = with_section(
+    2,
+    """
+    - {id: one, @a2, setup: {gripper: small}}
+    - {id: to_large, @a2.TASK_C, args: {special_argument_1: large}, runs_for: all}
+    - {id: two, @a2, setup: {gripper: large}}
+    - {id: to_small, @a2.TASK_C, args: {special_argument_1: small}, runs_for: all}
+    """,
+)
+
+
+def gripped(
+    component: str = 'a2', seconds: Mapping[str, float] | None = None, **faults: str
+) -> Line:
+    return Line(keys={component: GRIPPER}, seconds=seconds, faults=faults)
+
+
+def changes(run: VirtualRun) -> list[tuple[float, str, str]]:
+    """Return when each change began, for which job, and to what."""
+    return [
+        (one['time'], one['job'], one['args']['special_argument_1'])
+        for one in run.all('task.started', name='TASK_C')
+    ]
+
+
+def stopped_and_started(run: VirtualRun) -> None:
+    run.command(Stop)
+    run.go(until=run.now + 5.0)
+    assert run.state.packml.value == 'Stopped'
+    run.command(Reset)
+    run.command(Start)
+
+
+def test_5_3_a_component_is_set_up_before_its_first_task_of_a_job() -> None:
+    run = gripped().run(SMALL, 2)
+    assert run.ended
+    assert changes(run) == [(0.0, 'J', 'small')]
+    assert known(run.state, 'a2', 'gripper') == 'small'
+
+
+def test_5_3_a_change_happens_only_where_the_setup_differs() -> None:
+    line = gripped()
+    run = line.begin(SMALL)
+    for name, text in (('K', SMALL), ('L', LARGE), ('M', LARGE)):
+        run.submit(name, line.script(text), 1)
+    run.go()
+    assert run.ended
+    assert [(job, value) for _, job, value in changes(run)] == [('J', 'small'), ('L', 'large')]
+
+
+def test_5_3_a_change_waits_for_its_section_and_not_for_the_line() -> None:
+    line = gripped()
+    run = line.begin(SMALL, 2)
+    run.submit('K', line.script(LARGE), 1)
+    run.go()
+    ((_, _, _), (begun, job, _)) = changes(run)
+    assert job == 'K'
+    assert begun == max(run.times('cycle.completed', section=2, job='J'))
+    assert begun < run.times('job.completed', job='J')[0]
+
+
+def test_5_3_whether_it_is_needed_is_decided_when_it_could_start() -> None:
+    """The job between, which needs another gripper, leaves the queue after K was queued."""
+    line = gripped()
+    run = line.begin(SMALL, 2)
+    run.submit('K', line.script(LARGE), 1)
+    run.submit('L', line.script(SMALL), 1)
+    run.control('cancel', 'K')
+    run.go()
+    assert changes(run) == [(0.0, 'J', 'small')]
+    assert run.all('task.skipped', job='L')[0]['reason'] == 'set up'
+
+
+def test_5_3_a_shared_component_that_is_set_up_does_not_drain_the_line() -> None:
+    line = gripped('arm')
+    text = with_section(2, '- {id: work, @arm, setup: {gripper: small}}')
+    run = line.begin(text, 3)
+    run.submit('K', line.script(text), 1)
+    run.go()
+    assert [job for _, job, _ in changes(run)] == ['J']
+    begun = run.times('cycle.started', section=1, job='K')[0]
+    assert begun < run.times('job.completed', job='J')[0]
+
+
+def test_5_3_a_shared_component_waits_for_an_earlier_job_that_changes_it() -> None:
+    line = gripped('arm')
+    text = with_section(2, '- {id: work, @arm, setup: {gripper: small}}')
+    run = line.begin(text, 2)
+    run.submit('K', line.script(text.replace('small', 'large')), 1)
+    run.submit('L', line.script(text), 1)
+    run.go()
+    assert run.ended
+    assert [(job, value) for _, job, value in changes(run)] == [
+        ('J', 'small'),
+        ('K', 'large'),
+        ('L', 'small'),
+    ]
+
+
+def test_5_3_changes_in_a_list_are_ordinary_tasks() -> None:
+    run = gripped().run(BOTH, 2)
+    assert run.ended
+    assert run.order('task.started').count('to_large') == 2
+    assert run.all('task.skipped', task='a2.gripper.large')[0]['reason'] == 'not asked for'
+    assert not run.all('hold.raised')
+
+
+def test_5_3_it_comes_behind_the_initialization_of_the_component() -> None:
+    line = gripped()
+    run = line.begin('initialization: [{id: ready, @a2.PREPARE}]' + SMALL)
+    run.go()
+    assert run.starts('a2.gripper.small') == [1.0]
+
+
+def test_5_3_a_change_that_fails_is_held_and_may_be_tried_again() -> None:
+    run = gripped(a2='TASK_C#1=abort').run(SMALL)
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.reason) == ('a2.gripper.small', 'aborted')
+    assert known(run.state, 'a2', 'gripper') is None
+    run.answer('retry')
+    run.go()
+    assert run.ended
+
+
+def test_5_3_a_change_that_is_marked_done_is_known() -> None:
+    run = gripped(a2='TASK_C#1=abort').run(SMALL)
+    run.answer('mark_done')
+    assert known(run.state, 'a2', 'gripper') == 'small'
+    run.go()
+    assert run.ended
+    assert len(changes(run)) == 1
+
+
+@pytest.mark.parametrize('policy', ['hold', 'reject', 'continue', 'abort_job'])
+def test_5_3_a_task_without_its_setup_gets_no_goal(policy: str) -> None:
+    """The change was skipped; whatever the policy says, a person has to look."""
+    text = SMALL.replace('setup:', f'on_failure: {policy}, retries: 2, setup:')
+    text = text.replace('@a3', '@a3, runs_for: all')
+    run = gripped(a2='TASK_C#1=abort').run(text)
+    run.answer('skip')
+    run.go()
+    assert run.starts('work') == []
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.reason) == ('work', 'setup_missing')
+    assert hold.message == 'gripper of a2 is not known; the task needs small'
+    assert hold.answers == ('change', 'mark_done', 'skip', 'reject', 'abort_job')
+
+
+def held_without_setup() -> VirtualRun:
+    run = gripped(a2='TASK_C#1=abort').run(SMALL, 2)
+    run.answer('skip')
+    return run.go()
+
+
+def test_5_3_the_answer_change_changes_it_and_goes_on() -> None:
+    run = held_without_setup()
+    assert run.answer('change').accepted
+    run.go()
+    assert run.ended
+    assert run.counts()['packed'] == 2
+    assert [value for _, _, value in changes(run)] == ['small', 'small']
+    assert run.starts('work')[0] == run.times('task.succeeded', task='a2.gripper.small')[0]
+
+
+def test_5_3_the_change_of_an_answer_starts_while_earlier_jobs_are_on_the_line() -> None:
+    """Section 3 has not finished J, whose item waits for the belt behind the held one."""
+    line = Line(keys={'arm': GRIPPER})
+    text = with_section(2, '- {id: work, @arm, setup: {gripper: small}}')
+    run = line.begin(text, 1)
+    run.submit('K', line.script(text), 2)
+    run.go(until=run.now + 8.0)
+    run.service('arm', out=True)
+    run.service('arm', out=False)
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert hold.reason == 'setup_missing'
+    run.answer('change')
+    run.go()
+    assert run.ended
+
+
+def test_5_3_other_answers_begin_no_change() -> None:
+    for answer, counted in (('mark_done', 'packed'), ('skip', 'packed'), ('reject', 'missing')):
+        run = held_without_setup()
+        assert run.answer(answer).accepted, answer
+        run.go()
+        assert len(changes(run)) == 1, counted
+
+
+def test_5_3_a_change_that_fails_again_asks_again() -> None:
+    run = gripped(a2='TASK_C#1=abort TASK_C#2=abort').run(SMALL)
+    run.answer('skip')
+    run.go()
+    run.answer('change')
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.reason) == ('a2.gripper.small', 'aborted')
+    run.answer('skip')
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.reason) == ('work', 'setup_missing')
+
+
+def test_5_3_no_change_for_a_job_that_is_aborted() -> None:
+    text = SMALL.replace('setup:', 'runs_for: all, setup:')
+    run = gripped(a2='TASK_C#1=abort').run(text)
+    run.answer('skip')
+    run.go()
+    assert run.control('abort', 'J').accepted
+    (hold,) = run.state.holds.values()
+    assert hold.answers == ('mark_done', 'skip')
+    assert 'no change or abort_job: the job is being aborted' in hold.answers_why
+
+
+def test_5_3_a_setup_is_unknown_after_stopped() -> None:
+    run = gripped().begin(SMALL, 3)
+    run.go(until=5.0)
+    assert known(run.state, 'a2', 'gripper') == 'small'
+    stopped_and_started(run)
+    assert known(run.state, 'a2', 'gripper') is None
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert hold.reason == 'setup_missing'
+    run.answer('change')
+    run.go()
+    assert run.ended
+
+
+def test_5_3_a_job_that_has_not_come_to_the_component_is_set_up_again() -> None:
+    run = gripped(seconds={'a1': 5.0}).begin(SMALL, 3)
+    run.go(until=2.0)
+    assert known(run.state, 'a2', 'gripper') == 'small'
+    stopped_and_started(run)
+    run.go()
+    assert run.ended
+    assert not run.all('hold.raised')
+    assert len(changes(run)) == 2
+
+
+def test_5_3_a_setup_is_unknown_after_out_of_service() -> None:
+    run = gripped(seconds={'a1': 5.0}).begin(SMALL, 1)
+    run.go(until=2.0)
+    run.service('a2', out=True)
+    assert known(run.state, 'a2', 'gripper') is None
+    run.service('a2', out=False)
+    run.go()
+    assert run.ended
+    assert len(changes(run)) == 2
+
+
+def test_5_3_a_setup_is_unknown_from_the_start_of_a_change() -> None:
+    run = gripped().begin(BOTH, 1)
+    run.go(until=4.5)
+    assert run.order('task.started')[-1] == 'to_large'
+    assert known(run.state, 'a2', 'gripper') is None
+
+
+def test_5_3_the_set_up_state_is_told() -> None:
+    run = gripped().run(SMALL)
+    assert run.state.setups['a2']['gripper'].value == 'small'
+
+
+def test_5_3_a_setup_is_unknown_when_its_controller_was_started_anew() -> None:
+    run = gripped(seconds={'a1': 9.0}, a2='#1=abort #2=die:1').begin(SMALL, 1)
+    run.go(until=1.5)
+    run.answer('mark_done')
+    assert known(run.state, 'a2', 'gripper') == 'small'
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert hold.reason == 'server_lost'
+    assert run.all('component.setup_lost', component='a2')
+    assert known(run.state, 'a2', 'gripper') is None
+    run.answer('retry')
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert (hold.reason, run.starts('work')) == ('setup_missing', [run.starts('work')[0]])
+
+
+MISTAKES = {
+    'not asked for back': (
+        BOTH.replace(
+            '    - {id: to_small, @a2.TASK_C, args: {special_argument_1: small}, runs_for: all}\n',
+            '',
+        ),
+        '`two` leaves gripper large, but `one` asks for small',
+    ),
+    'other value': (
+        BOTH.replace(
+            '- {id: to_large, @a2.TASK_C, args: {special_argument_1: large}, runs_for: all}', ''
+        ),
+        '`two` asks for gripper large, but it is small there (`one`)',
+    ),
+    'side by side': (
+        SMALL.replace('a2', 'arm').replace('@a3', '@arm, setup: {gripper: large}'),
+        '`pack` works with gripper large, and `work` in section 2 with small',
+    ),
+    'not for all': (
+        BOTH.replace(', runs_for: all', '', 1),
+        '`to_large` changes a setup, so it must run for every item',
+    ),
+}
+
+
+@pytest.mark.parametrize('case', MISTAKES)
+def test_5_3_a_script_that_would_be_held_is_refused(case: str) -> None:
+    text, expected = MISTAKES[case]
+    with pytest.raises(Refused) as refused:
+        gripped('arm' if 'arm' in text else 'a2').script(text)
+    assert expected in str(refused.value)
