@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from bench.rows import Row, percentile
-from bt_orchestrator.view.drawing.box import Box
+from bt_orchestrator.view.drawing.canvas import Box
 from bt_orchestrator.view.drawing.style import ALARM, SLOT_FILL
 from bt_orchestrator.view.drawing.svg import Svg
 

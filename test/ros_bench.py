@@ -20,7 +20,7 @@ from sim_cell_process import SimCellProcess
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.fault import EVERY, Fault, FaultKind
 from bt_orchestrator.ros.actions.gateway import RosGateway
-from bt_orchestrator.ros.executor.lean_executor import LeanExecutor
+from bt_orchestrator.ros.executor.executors import LeanExecutor
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 
 DISCOVERY_S = 60.0

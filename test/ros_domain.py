@@ -12,7 +12,7 @@ from typing import TextIO
 
 import pytest
 
-from bt_orchestrator.base.diagnosis.domain import domains_in_use
+from bt_orchestrator.base.diagnosis.ros_environment import domains_in_use
 
 DOMAINS = range(1, 102)
 """Free of clashes with the ephemeral ports of Linux, and without 0, where people work."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from held_port import HeldPort
 from program_process import ProgramProcess
 
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.script.users.file import UsersFile
 
 PASSWORD = 'a long password of tests'

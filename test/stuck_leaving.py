@@ -10,7 +10,7 @@ import threading
 
 import rclpy
 
-from bt_orchestrator.base import leaving
+from bt_orchestrator.base import stop_signals
 from bt_orchestrator.cli.main import main
 
 
@@ -20,6 +20,6 @@ def hang(**_: object) -> None:
 
 
 if __name__ == '__main__':
-    leaving.LEAVING_S = 1.0
+    stop_signals.LEAVING_S = 1.0
     rclpy.shutdown = rclpy.try_shutdown = hang
     sys.exit(main(sys.argv[1:]))

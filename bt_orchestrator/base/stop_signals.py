@@ -1,11 +1,13 @@
-"""SIGINT and SIGTERM as a stop request, also while the main thread waits in the middleware."""
+"""SIGINT and SIGTERM as a stop request, and a limit for the last thing that a process does."""
 
 from __future__ import annotations
 
+import faulthandler
 import signal
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -64,3 +66,26 @@ def _noted(number: int, frame: FrameType | None) -> None:
 
 def _nothing() -> None:
     """Placeholder until a wake function is set."""
+
+
+# A limit for the last thing that a process does: to let go of the middleware.
+
+LEAVING_S = 20.0
+"""Far more than it ever takes, on a busy machine too."""
+
+_STDERR = 2
+
+
+@contextmanager
+def leaving() -> Iterator[None]:
+    """Let go of the middleware in time, or be ended with status 1 and a stack trace on stderr.
+
+    The destructors of a DDS may wait for each other for ever. They may do so while their thread
+    holds Python's lock, so no thread of Python can watch over them; faulthandler's is none. What
+    is to be written or told must be so before. Only for processes that end: it ends them.
+    """
+    faulthandler.dump_traceback_later(LEAVING_S, exit=True, file=_STDERR)
+    try:
+        yield
+    finally:
+        faulthandler.cancel_dump_traceback_later()

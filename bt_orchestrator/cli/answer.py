@@ -6,7 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from bt_orchestrator.cli.asked.words import in_one_line
+from bt_orchestrator.cli.command_parser import in_one_line
 from bt_orchestrator.cli.door import ask_and_print, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -14,7 +14,7 @@ from bt_orchestrator.model.requests import About, requests_about
 from bt_orchestrator.model.requests.alike import why_singly
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.ports import CellLink
-from bt_orchestrator.script.given_results import results_of
+from bt_orchestrator.script.given_values import results_of
 
 DESCRIPTION = """\
 Decide about something that is held; `status` lists the holds and what each of them offers.

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 
 from bt_orchestrator.base.errors import Finding, NotRead, Refused
 from bt_orchestrator.base.extending import RECIPES
-from bt_orchestrator.cli.bookkeeping.process import BooksProcess
+from bt_orchestrator.cli.processes.bookkeeping_process import BooksProcess
 from bt_orchestrator.cli.processes.foresight_process import ForesightProcess
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
@@ -30,7 +30,7 @@ from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.orders.admission import admitted
 from bt_orchestrator.script.orders.by_recipe import Maker, recipes
-from bt_orchestrator.script.orders.duplicates import refuse_duplicates
+from bt_orchestrator.script.orders.file_findings import refuse_duplicates
 from bt_orchestrator.script.orders.order_file import (
     OrderFile,
     OrderPlaces,

@@ -27,8 +27,13 @@ from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.checks.timeless import of_recipe, of_scripts, timeless
-from bt_orchestrator.script.checks.warnings import ReadScript, warnings
+from bt_orchestrator.script.checks.warnings import (
+    ReadScript,
+    of_recipe,
+    of_scripts,
+    timeless,
+    warnings,
+)
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.orders.by_recipe import is_recipe
 from bt_orchestrator.script.orders.order_file import is_order

@@ -14,9 +14,14 @@ from pathlib import Path
 
 from bt_orchestrator.base.diagnosis import machine
 from bt_orchestrator.base.diagnosis.check import Check, Verdict, fail, ok, warn, worst
-from bt_orchestrator.base.diagnosis.domain import domain, domain_id, other_domains, reach
 from bt_orchestrator.base.diagnosis.journal_folder import journal_folder
-from bt_orchestrator.base.diagnosis.security import security
+from bt_orchestrator.base.diagnosis.ros_environment import (
+    domain,
+    domain_id,
+    other_domains,
+    reach,
+    security,
+)
 from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.numbers import seconds
@@ -168,10 +173,9 @@ def _with_ros(args: argparse.Namespace, cell: Cell | None) -> Iterator[Check]:
 
 
 def _on_graph(args: argparse.Namespace, cell: Cell | None) -> Iterator[Check]:
-    from bt_orchestrator.ros.diagnosis.cell import cell_on_graph
+    from bt_orchestrator.ros.diagnosis.cell import cell_on_graph, tree_node
     from bt_orchestrator.ros.diagnosis.exchange import discovery
     from bt_orchestrator.ros.diagnosis.graph import Graph
-    from bt_orchestrator.ros.diagnosis.tree_node import tree_node
 
     exchanged = discovery()
     yield exchanged

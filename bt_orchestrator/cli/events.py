@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import IO
 
@@ -20,11 +21,10 @@ from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
-from bt_orchestrator.cli.output import opened
-from bt_orchestrator.cli.parquet_folder import tables_in
+from bt_orchestrator.cli.output import cannot_write, opened
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import to_text
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.events import Event, OrchestratorStarted
 from bt_orchestrator.model.keeping.journal_place import journal_place
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.view.report.account.booked import steady_time
@@ -234,3 +234,32 @@ def _records(reading: Reading, args: argparse.Namespace, stop: StopSignals) -> I
         yield from (record.text for record in page.records)
         if page.is_last and (not args.follow or stopped.wait(POLL_S)):
             return
+
+
+# The format `parquet` of the verb `events`: a folder with two tables, for BI tools.
+
+
+@contextmanager
+def tables_in(folder: Path | None, reading: Reading) -> Iterator[Callable[[str], None]]:
+    """Give what takes one record after another; the tables are at their places at the end.
+
+    :param reading: of the journal
+    :raises WrongUse: no folder is named, it cannot be written, or pyarrow is missing
+    """
+    if folder is None:
+        raise WrongUse('parquet is two tables in a folder; name it: -o FOLDER')
+    PARQUET.demand()
+    started = reading.events(Wanted(events=(OrchestratorStarted.event,)))
+    starts = [event.seq for event in started]
+    try:
+        export = import_module(f'{PARQUET.room}.export').ParquetExport(
+            folder, reading.records.extent().history, steady_time(reading), starts
+        )
+    except OSError as error:
+        raise WrongUse(cannot_write(folder, error)) from error
+    try:
+        yield export.write
+        export.close()
+    except BaseException:
+        export.discard()
+        raise

@@ -138,7 +138,7 @@ def _servers(args: argparse.Namespace) -> Iterable[FoundServer]:
     if not args.from_graph:
         return ()
     # Imported here, because files can be written without ROS.
-    from bt_orchestrator.ros.discovery import find_action_servers
+    from bt_orchestrator.ros.diagnosis.graph import find_action_servers
 
     return find_action_servers(args.timeout)
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import getpass
 import os
 import socket
 
 from bt_orchestrator.cli.numbers import node_name, seconds
-from bt_orchestrator.cli.user_name import user_name
 from bt_orchestrator.view.screen.advice import DEFAULT_NODE, PROGRAM
 
 
@@ -41,3 +41,15 @@ def origin() -> str:
     """Say where a command comes from: this program on this computer, and over which terminal."""
     over = os.environ.get('SSH_CONNECTION', '').partition(' ')[0]
     return f'{PROGRAM} at {socket.gethostname()}{f" from {over}" if over else ""}'
+
+
+# The name of the user of this program.
+
+
+def user_name() -> str:
+    """Return the login name of the user; in a container the user id may have none."""
+    try:
+        name = getpass.getuser()
+    except (ImportError, KeyError, OSError):
+        return f'user {os.getuid()}'
+    return name.encode(errors='replace').decode()

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Protocol
 
 from bt_orchestrator.base.errors import CommandRefused
-from bt_orchestrator.cli.action import Action
 from bt_orchestrator.cli.asked.derived import of_request
-from bt_orchestrator.cli.asked.words import in_one_line, what_to_know
+from bt_orchestrator.cli.command_parser import Action, in_one_line, what_to_know
 from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.numbers import whole_32

@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 import argparse
+import json
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.base.ordinary_file import read_ordinary
+from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options
+from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
 from bt_orchestrator.cli.draw_tree import draw_tree
 from bt_orchestrator.cli.folders import script_folders
-from bt_orchestrator.cli.live_picture import follow, node_status, saved_status
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.view.drawing.line import draw_line
 from bt_orchestrator.view.drawing.picture import DOT, FORMATS, Picture
 from bt_orchestrator.view.drawing.status_marks import line_state
+from bt_orchestrator.view.screen.machine import read_status
 
 DESCRIPTION = """\
 Draw a script: the belt with its sections, every task with its arguments and policies, flags, zones
@@ -158,3 +165,90 @@ def _picture(view: str, script: Script, cell: Cell, status: CellStatus | None) -
     if view == TREE:
         return draw_tree(script, cell)
     return draw_line(script, cell, None if status is None else line_state(status, script, cell))
+
+
+# Drawing what a node says, once or again and again.
+
+LARGEST_FILE = 100_000_000
+"""Bytes; a status of 100 jobs and sections has some 200,000."""
+
+
+class CannotRead(OrchestratorError):
+    """The file of a status cannot be read."""
+
+
+def saved_status(path: Path) -> CellStatus:
+    """Read what `status --json` printed.
+
+    :raises CannotRead: there is no such file, or it holds something else
+    """
+    try:
+        found = json.loads(read_ordinary(path, LARGEST_FILE))
+    except OSError as error:
+        raise CannotRead(f'cannot read {path}: {error.strerror}; check the path') from error
+    except (RecursionError, ValueError) as error:
+        raise CannotRead(
+            f'{path} is not JSON: {error}; expected what status --json prints'
+        ) from error
+    try:
+        return read_status(found)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise CannotRead(
+            f'{path} holds no status of a cell ({error!r}); expected what status --json of this '
+            'version prints'
+        ) from error
+
+
+def node_status(node: str, timeout_s: float) -> CellStatus:
+    """Ask a node.
+
+    :raises NodeUnreachable: it does not answer
+    """
+    with open_door(node, timeout_s) as door:
+        return door.status()
+
+
+def follow(
+    node: str, timeout_s: float, script: str, every_s: float, draw: Callable[[CellStatus], None]
+) -> None:
+    """Draw every change, until a job of the script has ended and no other one is left, or Ctrl-C.
+
+    :param every_s: shortest time between two drawings
+    :raises NodeUnreachable: it does not answer
+    """
+    newest, course = _Newest(), Course(script)
+    with StopSignals() as stop, open_door(node, timeout_s) as door:
+        door.follow(newest)
+        drawn_at = -every_s
+        while not stop.requested and not course.is_over:
+            if newest.status is not None and time.monotonic() >= drawn_at + every_s:
+                drawn_at = time.monotonic()
+                status, newest.status = newest.status, None
+                draw(status)
+                course.look(status)
+            door.turn(STEP_S)
+
+
+class _Newest(Ignoring):
+    """Keeps the last status that came."""
+
+    status: CellStatus | None = None
+
+    def on_status(self, status: CellStatus) -> None:
+        self.status = status
+
+
+class Course:
+    """Whether to wait for the jobs of a script. States: expected, live, over."""
+
+    def __init__(self, script: str) -> None:
+        self._script = script
+        self._was_live = False
+        self.is_over = False
+
+    def look(self, status: CellStatus) -> None:
+        """Take note of a status."""
+        states = [job.state for job in status.jobs if job.script == self._script]
+        is_live = any(state not in OVER for state in states)
+        self.is_over = self._was_live and not is_live
+        self._was_live |= is_live

@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator.cli.asked.words import in_one_line
+from bt_orchestrator.cli.command_parser import in_one_line
 from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.ordering.order_request import give_orders
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.requests import REQUESTS, TABLE, Kind, Parameter, Request, Why
-from bt_orchestrator.script.given_results import results_of
+from bt_orchestrator.script.given_values import results_of
 
 DESCRIPTION = """\
 Make any request to the cell by its name, which is its subject and its word:

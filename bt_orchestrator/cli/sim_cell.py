@@ -10,8 +10,8 @@ from pathlib import Path
 from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.here import add_cell_option
-from bt_orchestrator.cli.mistakes import print_mistakes
 from bt_orchestrator.cli.numbers import factor, seconds
+from bt_orchestrator.cli.wrong_use import print_mistakes
 
 DESCRIPTION = """\
 Start a real ROS 2 action server for every component of a cell file and for its conveyor. They have
@@ -127,15 +127,19 @@ def _simulate(args: argparse.Namespace, stop: StopSignals) -> int:
     from bt_orchestrator.script.cell_file import read_cell
     from bt_orchestrator.sim.controllers.goal_log import GoalLog, UnusableLog
     from bt_orchestrator.sim.controllers.node import Setup
-    from bt_orchestrator.sim.controllers.pace import Pace
+    from bt_orchestrator.sim.controllers.options import (
+        Pace,
+        WrongSelection,
+        controller_names,
+        select,
+    )
     from bt_orchestrator.sim.controllers.process import BadRosArguments, run_controllers
-    from bt_orchestrator.sim.controllers.selection import WrongSelection, names, select
 
     types = InstalledActionTypes()
     try:
         cell = read_cell(args.cell, types)
         setup = Setup(
-            components=select(cell, list(names(args.only)), args.fail, types),
+            components=select(cell, list(controller_names(args.only)), args.fail, types),
             types=types,
             interfaces=InstalledInterfaces(),
             log=GoalLog(args.log),

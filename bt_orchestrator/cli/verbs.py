@@ -8,9 +8,7 @@ from types import ModuleType
 from typing import NamedTuple, cast
 
 from bt_orchestrator.base.extending import EXTENSIONS, Extension, of_others
-from bt_orchestrator.cli.action import Action
-from bt_orchestrator.cli.asked.words import in_one_line
-from bt_orchestrator.cli.command_parser import CommandParser
+from bt_orchestrator.cli.command_parser import Action, CommandParser, in_one_line
 from bt_orchestrator.model.requests import TABLE, About, Request, words_about
 
 PROGRAM = 'bt-orchestrator'
@@ -21,7 +19,10 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         'check': ('check', 'name every mistake of scripts and their cell, with places and hints'),
         'generate': ('generating.verb', 'write the script of a recipe for a cell'),
         'render': ('render', 'draw a script for review: SVG, PNG or PDF'),
-        'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),
+        'simulate': (
+            'simulating.verb',
+            'run work orders in virtual time and print the prediction',
+        ),
         'release-script': ('asked.derived', ''),
     },
     'run the cell': {
@@ -31,8 +32,8 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         ),
         'sim-cell': ('sim_cell', 'serve each component as a simulated ROS 2 action server'),
         'run': ('run', 'run the tree node of a cell: it takes orders and carries them out'),
-        'page': ('cli.verb', 'serve the operator page of a node, for any browser'),
-        'opcua': ('cli.verb', 'serve a node over OPC UA, for an MES or a SCADA'),
+        'page': ('verb', 'serve the operator page of a node, for any browser'),
+        'opcua': ('verb', 'serve a node over OPC UA, for an MES or a SCADA'),
     },
     'give it work': {
         'submit': ('submit', 'give work orders to a node'),
@@ -66,7 +67,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         'alarms': ('alarms', 'list what waited for people, and who did what about it'),
         'report': ('reporting.verb', 'account for a shift, a day or a job: output and lost time'),
         'journal': ('journals.verb', 'restore a backup of a journal'),
-        'feed': ('cli.verb', 'copy the journal of a cell into the database of the plant'),
+        'feed': ('verb', 'copy the journal of a cell into the database of the plant'),
     },
     'maintain': {
         'doctor': ('doctor', 'check this machine and the cell on it, and say what to do'),
@@ -170,7 +171,7 @@ def declare_actions(
     """Declare the actions of a verb, for help, mistakes and shells; returns the parser."""
     parser.description = module_of(verb).DESCRIPTION
     parser.epilog = f'{PROGRAM} {verb} ACTION --help says more about an action'
-    actions = parser.add_subparsers(dest='action', metavar='ACTION', required=True)
+    actions = parser.add_subparsers(dest='command_parser', metavar='ACTION', required=True)
     for name, action in actions_of(verb).items():
         one = actions.add_parser(name, help=action.effect.replace('%', '%%'))
         if with_options:

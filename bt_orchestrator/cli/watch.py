@@ -94,7 +94,7 @@ class Watching(Ignoring):
 def live_or(other: Callable[[], Lines], shell: Shell) -> Iterator[LiveView | Lines]:
     """Open the live view if the standard output is a terminal, otherwise another one."""
     from bt_orchestrator.view.screen.live import LiveView
-    from bt_orchestrator.view.screen.terminal.second_screen import second_screen
+    from bt_orchestrator.view.screen.second_screen import second_screen
 
     # A name that the terminal cannot encode must not end the view.
     sys.stdout.reconfigure(errors='replace')  # type: ignore[union-attr]

@@ -1,11 +1,28 @@
-"""The sender of a command, recorded with each command (semantics 7.1)."""
+"""The sender of a command, with role and ticket, recorded with each command (semantics 7.1)."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import Enum
 
-from bt_orchestrator.model.roles import Role
+# The rights of users: four roles, and the requests of `model.requests` that each may make.
+
+
+class Role(Enum):
+    """The role of a user."""
+
+    VIEW = 'view'
+    """Reads status, events, reports, the past; makes no requests."""
+    MES = 'mes'
+    """Manages the queue, as an MES does; answers no hold and starts no cell."""
+    OPERATE = 'operate'
+    """Works at the line."""
+    ENGINEER = 'engineer'
+    """May do everything."""
+
+
+# The sender of a command, recorded with each command (semantics 7.1).
 
 
 class Known(Enum):
@@ -71,3 +88,36 @@ def named(who: str, known: str) -> str:
 
 
 _PROVEN = frozenset(known.value for known in Known if known.proves_name)
+
+
+# Tickets: a program that people log in at numbers their commands, to find them on record later.
+#
+# A ticket stands in the origin of the command (`By.origin`): `page 0123456789abcdef`.
+
+_TICKET = re.compile(r' ([0-9a-f]{16})(?=$|[ ,])')
+
+WANTED_TICKET = '16 hexadecimal digits in small letters'
+
+
+def is_ticket(text: str) -> bool:
+    """Tell whether a text is a ticket."""
+    return _TICKET.fullmatch(f' {text}') is not None
+
+
+def origin_with(program: str, ticket: str, remark: str = '') -> str:
+    """Return the origin of a command with a ticket.
+
+    :param remark: anything else about where it comes from
+    """
+    return f'{program} {ticket}{f", {remark}" if remark else ""}'
+
+
+def ticket_in(origin: str) -> str:
+    """Return the ticket in an origin; empty: there is none."""
+    found = _TICKET.search(origin)
+    return found[1] if found else ''
+
+
+def without_ticket(origin: str) -> str:
+    """Return an origin that all commands of its program share."""
+    return _TICKET.sub('', origin)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.judging.serials import lots_of, serial_in
+from bt_orchestrator.model.judging.results import lots_of, serial_in
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, JobState, Phase
 

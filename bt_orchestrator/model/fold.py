@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.folds import cell, holds, line, tasks
+from bt_orchestrator.model.folds import cell, line, tasks
 from bt_orchestrator.model.jobs import job_folds as jobs
 from bt_orchestrator.model.state import CellState
 
@@ -45,7 +45,7 @@ def apply(state: CellState, event: e.Event) -> None:
     if kind in ON_THE_BELT:
         state.belt_seq = seq
     if state.holds and kind in CHANGE_ANSWERS:
-        holds.offer_anew(state)
+        cell.offer_anew(state)
 
 
 def _refused(_: e.Event, state: CellState) -> None:
@@ -111,8 +111,8 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.ComponentOutOfService: cell.component_out_of_service,
     e.ComponentInService: cell.component_in_service,
     e.ComponentSetupLost: cell.component_setup_lost,
-    e.HoldRaised: holds.hold_raised,
-    e.HoldReleased: holds.hold_released,
+    e.HoldRaised: cell.hold_raised,
+    e.HoldReleased: cell.hold_released,
     # the cell
     e.OperatorDecided: cell.operator_decided,
     e.OrchestratorStarted: cell.orchestrator_started,

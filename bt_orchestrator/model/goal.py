@@ -1,15 +1,16 @@
-"""Data of goals: requests to an action server, and their ends."""
+"""Data of goals: requests to an action server, their ends, and goals and servers of others."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
-from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.action_type import MessageType
 from bt_orchestrator.model.frozen import made_at_once
-from bt_orchestrator.model.words import sentence
+from bt_orchestrator.model.limits import SAID, cut
+from bt_orchestrator.model.words import Words, sentence
 
 SERVER_TIMEOUT_S = 5.0
 """Seconds that a request waits for a server that is not there."""
@@ -129,3 +130,77 @@ class StateReading:
     component: str
     value: Any
     """The value of the field; None: nothing is published there (any more)."""
+
+
+# The words of a controller about a failed attempt: the texts of its Result.
+
+MESSAGE_FIELD = 'message'
+"""Field of a Result that is meant for a person, by custom."""
+
+
+def controller_words(result: Mapping[str, Any]) -> str:
+    """Return `message` of a result; if that is empty, every text in it with its name."""
+    message = result.get(MESSAGE_FIELD)
+    if isinstance(message, str) and message.strip():
+        return cut(message.strip(), SAID)
+    return cut('; '.join(f'{name}: {text}' for name, text in _texts(result, '')), SAID)
+
+
+def words_field(result: MessageType) -> str:
+    """Return the field of a Result in which a simulated controller says something; empty: none."""
+    texts = [
+        name for name, field in result.fields.items() if field.kind == 'str' and not field.is_array
+    ]
+    return MESSAGE_FIELD if MESSAGE_FIELD in texts else next(iter(texts), '')
+
+
+def _texts(value: object, place: str) -> Iterator[tuple[str, str]]:
+    """Yield every text that is not blank, with its place."""
+    if isinstance(value, str):
+        if value.strip():
+            yield place, value.strip()
+    elif isinstance(value, Mapping):
+        for name, member in value.items():
+            yield from _texts(member, f'{place}.{name}' if place else str(name))
+    elif isinstance(value, (list, tuple)):
+        for number, member in enumerate(value):
+            if not isinstance(member, (bool, int, float)):
+                yield from _texts(member, f'{place}[{number}]')
+
+
+# Contests: a second server of a component, or goals that are not the line's (2.5).
+
+
+@dataclass(frozen=True)
+class Contest:
+    """Other servers or clients of a component; empty: only the line uses it."""
+
+    servers: tuple[str, ...] = ()
+    """Nodes of all servers of its action, if there are several: each would execute a goal."""
+    goals: tuple[str, ...] = ()
+    """UUIDs of goals there that belong to no task of the line."""
+
+    def __bool__(self) -> bool:
+        """Tell whether there is a contest."""
+        return bool(self.servers or self.goals)
+
+    def wait(self, component: str, action: str) -> str:
+        """Say what a task waits for."""
+        if self.servers:
+            return f'waiting for {component} to have one server; there are {self.words(action)}'
+        return f'waiting for {component}; {self.words(action)}'
+
+    def facts(self, action: str) -> Words:
+        """Return what `words` says as facts, of a contest that there is."""
+        if self.servers:
+            count, servers = str(len(self.servers)), ', '.join(self.servers)
+            return Words('several_servers', {'action': action, 'count': count, 'servers': servers})
+        kind = 'foreign_goals' if len(self.goals) > 1 else 'foreign_goal'
+        return Words(kind, {'goals': ', '.join(self.goals)})
+
+    def words(self, action: str) -> str:
+        """Describe the contest; empty: there is none."""
+        return self.facts(action).text() if self else ''
+
+
+NO_CONTEST = Contest()

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from bt_orchestrator.model.events import HoldRaised
-from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.texts import one_line
 
 
 def hold_words(hold: Hold | HoldRaised) -> str:

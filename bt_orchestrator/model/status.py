@@ -10,17 +10,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.counting import produced_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.roles import Role
-from bt_orchestrator.model.stands import Stands
 from bt_orchestrator.model.state import Hold, PassedTask
-from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.model.wait import Wait
-from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.stop_reason import StopReason, Wish
+from bt_orchestrator.model.wait import Stands, Wait
 from bt_orchestrator.model.words import Words
 
 

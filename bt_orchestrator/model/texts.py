@@ -33,3 +33,11 @@ def readable(text: str) -> str:
 
 def _is_unseen(char: str) -> bool:
     return char not in _WANTED and unicodedata.category(char) in _UNSEEN
+
+
+# Foreign text, such as the words of a controller, for one line of a terminal or a report.
+
+
+def one_line(text: str) -> str:
+    """Return a text without line ends, and without characters that a terminal obeys."""
+    return ''.join(c if c.isprintable() else '\ufffd' for c in ' '.join(text.split()))

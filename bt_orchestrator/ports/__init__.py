@@ -3,16 +3,15 @@
 Every implementation of a port passes the contract tests of that port (test/contract).
 """
 
-from bt_orchestrator.ports.bookkeeping import Bookkeeping
 from bt_orchestrator.ports.clock import Clock, Timer
 from bt_orchestrator.ports.door import CellLink, EventPage, Listener, Moment, QueuePage, Watch
-from bt_orchestrator.ports.foresight import Foresight
 from bt_orchestrator.ports.generating import Generating, MadeScript
 from bt_orchestrator.ports.journal import EventStore, Journal, Snapshot
 from bt_orchestrator.ports.planning import (
     CheckedOrder,
     Consequence,
     ExpectedJob,
+    Foresight,
     JobChange,
     Past,
     Planning,
@@ -23,7 +22,7 @@ from bt_orchestrator.ports.planning import (
 )
 from bt_orchestrator.ports.records import Records
 from bt_orchestrator.ports.servers import ActionGateway, ActionTypes, Goal, Servers, Told
-from bt_orchestrator.ports.writing import EventSink, Writer, Writing
+from bt_orchestrator.ports.writing import Bookkeeping, EventSink, Writer, Writing
 
 __all__ = [
     'Goal',

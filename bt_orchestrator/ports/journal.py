@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.judging.sealed_ids import SealedIds
+from bt_orchestrator.model.judging.used_ids import SealedIds
 
 
 class Snapshot(NamedTuple):

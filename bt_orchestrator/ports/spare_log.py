@@ -5,8 +5,7 @@ from __future__ import annotations
 import time
 from typing import Protocol
 
-from bt_orchestrator.model.allowance import Allowance
-from bt_orchestrator.model.limits import LOG_LINES, MESSAGE, cut
+from bt_orchestrator.model.limits import LOG_LINES, MESSAGE, Allowance, cut
 
 
 class Logger(Protocol):

@@ -1,10 +1,11 @@
-"""The outputs of the engine: to the disk, and to its followers."""
+"""The outputs of the engine: to the disk, to its followers, and to books."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Protocol, TypeVar
 
+from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 
 _Result = TypeVar('_Result')
@@ -41,3 +42,19 @@ class EventSink(Protocol):
 
     def publish(self, events: Sequence[Event]) -> None:
         """Publish durable events, oldest first."""
+
+
+# The maker of the books of a journal.
+
+
+class Bookkeeping(Protocol):
+    """Makes the account of a journal in slots of time, outside the tick thread."""
+
+    def begin(self) -> Writing[Books]:
+        """Begin to make the next books: from some events after those that are in books.
+
+        Its result raises `ChildFailed` or `JournalUnusable`; then nothing was made.
+        """
+
+    def close(self) -> None:
+        """Stop working."""

@@ -16,14 +16,12 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from bt_orchestrator.base.diagnosis.ros_says import ros_says
+from bt_orchestrator.base.diagnosis.ros_environment import ros_says
 from bt_orchestrator.base.errors import JournalAway, OrchestratorError
-from bt_orchestrator.base.leaving import leaving
 from bt_orchestrator.base.replies import begin
-from bt_orchestrator.base.stop_signals import StopSignals
-from bt_orchestrator.engine.asking.anew import QueueAnew
+from bt_orchestrator.base.stop_signals import StopSignals, leaving
 from bt_orchestrator.engine.asking.handler import RequestHandler
-from bt_orchestrator.engine.asking.recipes import RecipeOrders
+from bt_orchestrator.engine.asking.recipes import QueueAnew, RecipeOrders
 from bt_orchestrator.engine.runtime.housekeeping import Housekeeping
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations, last_events
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
@@ -45,19 +43,14 @@ from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.executor.executors import make_executor, soon, spin_once
-from bt_orchestrator.ros.executor.heart import Heart
-from bt_orchestrator.ros.garbage import collect_rarely
+from bt_orchestrator.ros.executor.heart import Heart, Pulse
 from bt_orchestrator.ros.identity import Presence
 from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
-from bt_orchestrator.ros.large_blocks import give_back
+from bt_orchestrator.ros.memory import collect_rarely, give_back, widen_buffers
 from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.parameters import declare
-from bt_orchestrator.ros.pulse import Pulse
-from bt_orchestrator.ros.receive_buffers import widen
-from bt_orchestrator.ros.services.events_service import EventsService
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
-from bt_orchestrator.ros.services.job_lists import serve_lists
 from bt_orchestrator.ros.services.order_process import order_process
 from bt_orchestrator.ros.services.order_reader import OrderReader
 from bt_orchestrator.ros.services.outputs import (
@@ -68,10 +61,9 @@ from bt_orchestrator.ros.services.outputs import (
 )
 from bt_orchestrator.ros.services.patient_service import make_all_patient
 from bt_orchestrator.ros.services.prompt_profile import prompt_answers
+from bt_orchestrator.ros.services.reading_services import EventsService, StateService, serve_lists
 from bt_orchestrator.ros.services.run_job import RunJobServer
-from bt_orchestrator.ros.services.senders import Senders
-from bt_orchestrator.ros.services.services import Services
-from bt_orchestrator.ros.services.state_service import StateService
+from bt_orchestrator.ros.services.services import Senders, Services
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.script.cell_file import CELL_FILE, read_cell
 
@@ -162,7 +154,7 @@ class TreeNode:
         self._inspected = start_inspection(
             node, self.orchestrator, self._ticks, self.parameters.inspection
         )
-        widen()
+        widen_buffers()
         self.executor.add_node(node)
         presence.announce(
             cell, store.history, lambda words: begin(self.orchestrator.carry_out(FoundTwin(words)))

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Annotated, Any, get_args, get_type_hints
 
 from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
 from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
-from bt_orchestrator.model.roles import Role
 
 SINGLE, EVENTS = 'single', 'events'
 BUILTIN, PY_TREES_ROS = 'builtin', 'py_trees_ros'

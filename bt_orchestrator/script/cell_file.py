@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from pathlib import Path
 
-from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.model.cell import (
     CONVEYOR,
     Cell,
@@ -15,15 +16,18 @@ from bt_orchestrator.model.cell import (
     Start,
 )
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.capabilities.preparations import Prepared, check_preparations
+from bt_orchestrator.script.capabilities.capability_reader import Prepared, check_preparations
 from bt_orchestrator.script.cell_keys import CELL, COMPONENT
 from bt_orchestrator.script.component_reader import ComponentReader
+from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
 from bt_orchestrator.script.names import check_name
-from bt_orchestrator.script.report import Report
+from bt_orchestrator.script.report import START, Report
 from bt_orchestrator.script.ros_names import check_token
+from bt_orchestrator.script.script_keys import SCRIPT
+from bt_orchestrator.script.shape import refuse_strangers
 from bt_orchestrator.script.source_text import read_text
-from bt_orchestrator.script.yaml_nodes import Entry
+from bt_orchestrator.script.yaml_nodes import Entry, MapNode
 
 CELL_FILE = 'cell.yaml'
 """The cell file of a folder, where the user names no other."""
@@ -136,3 +140,33 @@ class _CellReader:
                 f'the action `{component.action}` already belongs to `{first}` (line {first_line})'
             )
             self._report.add(fields.place('action'), what, 'give each component its own action')
+
+
+# Telling a user's cell file from a script, by what is in it.
+
+
+class FileKind(Enum):
+    """The subject of a file."""
+
+    CELL = 'cell'
+    SCRIPT = 'script'
+
+
+def file_kind(path: Path) -> FileKind:
+    """Tell what a file describes; its mistakes are reported by its reader.
+
+    :raises Refused: it cannot be read, or describes neither
+    """
+    report = Report(str(path))
+    text = read_text(path)
+    root = compose(text, report)
+    refuse_strangers(text, root, report, [CELL, SCRIPT], 'a cell file or a script')
+    report.refuse()
+    keys = {entry.key.text for entry in root.entries} if isinstance(root, MapNode) else set()
+    if keys & {'conveyor', 'components'}:
+        return FileKind.CELL
+    if 'sections' in keys:
+        return FileKind.SCRIPT
+    what = 'this is neither a cell file nor a script'
+    hint = 'a cell file has the keys `conveyor` and `components`, a script has `sections`'
+    raise Refused([Finding(str(path), START.line, START.column, what, hint)])

@@ -13,7 +13,7 @@ from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.checks.arguments import member_type
-from bt_orchestrator.script.conditions.operands import are_crossed
+from bt_orchestrator.script.conditions.reader import are_crossed
 from bt_orchestrator.script.field_types import PARAMETER_TYPES, Misfit, misfit
 from bt_orchestrator.script.references import FIXED, is_single
 from bt_orchestrator.script.yaml_nodes import found_value

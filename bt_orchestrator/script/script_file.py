@@ -10,6 +10,7 @@ from bt_orchestrator.model.jobs.setups import with_changes
 from bt_orchestrator.model.script import (
     Dependency,
     InitializationDependency,
+    MadeFrom,
     Repeat,
     Script,
     SectionList,
@@ -19,22 +20,19 @@ from bt_orchestrator.model.script import (
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.capabilities.setups import check_setups
 from bt_orchestrator.script.checks.balance import check_balance
-from bt_orchestrator.script.checks.dependencies import DependencyReader
-from bt_orchestrator.script.checks.repeats import check_repeats
-from bt_orchestrator.script.checks.sections import check_sections
+from bt_orchestrator.script.checks.structure import DependencyReader, check_repeats, check_sections
 from bt_orchestrator.script.conditions.likely import read_likely
+from bt_orchestrator.script.declared import read_parameters
 from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft
 from bt_orchestrator.script.fields import Fields, file_fields
-from bt_orchestrator.script.identity_reader import check_serials, read_lots
+from bt_orchestrator.script.keys import Kind
 from bt_orchestrator.script.names import check_id
-from bt_orchestrator.script.origin import read_origin
-from bt_orchestrator.script.parameters import read_parameters
 from bt_orchestrator.script.report import Report
-from bt_orchestrator.script.script_keys import SCRIPT
+from bt_orchestrator.script.script_keys import MADE_FROM, SCRIPT
 from bt_orchestrator.script.section_reader import SectionReader
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.task_reader import TaskReader
-from bt_orchestrator.script.task_values import complete_task
+from bt_orchestrator.script.task_values import check_serials, complete_task, read_lots
 
 
 def read_script(path: Path, cell: Cell, types: ActionTypes) -> Script:
@@ -133,3 +131,18 @@ class _ScriptReader:
             for step in section.steps
         )
         return SectionList(section.section, steps, section.release)
+
+
+# The key `made_from`: where a generated script comes from.
+
+_TEXTS = tuple(key.name for key in MADE_FROM.keys if key.kind is Kind.TEXT)
+
+
+def read_origin(script: Fields) -> MadeFrom | None:
+    """Return what a script was made from; None: it was written by hand."""
+    fields = script.table('made_from')
+    if fields is None:
+        return None
+    texts = {name: fields.text(name) or '' for name in _TEXTS}
+    without = tuple(name.text for name in fields.names('without'))
+    return MadeFrom(version=fields.optional_whole('version') or 0, without=without, **texts)

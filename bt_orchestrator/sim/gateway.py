@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.contest import Contest
-from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, GoalRequest
+from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, Contest, GoalRequest
 from bt_orchestrator.ports import ActionTypes, Clock, Told
 from bt_orchestrator.ports.news import News
-from bt_orchestrator.sim.virtual_client import VirtualClient
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
+from bt_orchestrator.sim.virtual_client import VirtualClient, VirtualGoal
 
 
 class VirtualGateway:

@@ -21,7 +21,7 @@ from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Told
 from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.sim.standing_answers import StandingAnswers
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
+from bt_orchestrator.sim.virtual_client import VirtualGoal
 from bt_orchestrator.view.report.pace_text import Expected
 from bt_orchestrator.view.report.rates import FAILS, RUNS, Rate
 

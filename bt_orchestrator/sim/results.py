@@ -7,7 +7,7 @@ from typing import Any
 
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType, FieldType, Kind, MessageType
 from bt_orchestrator.model.cell import Component, StateTopic
-from bt_orchestrator.model.controller_words import words_field
+from bt_orchestrator.model.goal import words_field
 
 _DEFAULTS: Mapping[Kind, Any] = {'bool': True, 'int': 0, 'float': 0.0, 'str': '', 'bytes': 0}
 

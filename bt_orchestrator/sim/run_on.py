@@ -11,23 +11,24 @@ import math
 import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import replace
 from typing import Any
 
-from bt_orchestrator.engine.runtime.ends_unknown import Unknown
+from bt_orchestrator.engine.runtime.job_overview import Unknown
 from bt_orchestrator.engine.runtime.observed_durations import as_observed
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.judging.sealed_ids import text_of
-from bt_orchestrator.model.pauses import RESTARTED
+from bt_orchestrator.model.judging.used_ids import text_of
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.stop_reason import RESTARTED
 from bt_orchestrator.ports import ActionTypes, EventSink, Snapshot
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
+from bt_orchestrator.sim.virtual_client import VirtualGoal
 
 CYCLES_RUN = 40
 """Number of cycles run of each job; omitted ones are assumed at the pace in the middle."""
@@ -264,3 +265,27 @@ class _From:
     def used_ids(self, digest: str) -> str:  # noqa: ARG002 - the port's
         """Return an empty part: what was used before the state is no matter of a forecast."""
         return text_of((), {})
+
+
+# Forecasts when jobs of a running cell end: runs the real engine on from the present state.
+#
+# A cell that waits for an answer, or was stopped, gets no forecast: the time until it continues
+# is unknown.
+
+
+def expected_ends(
+    cell: Cell,
+    types: ActionTypes,
+    plain_state: Mapping[str, Any],
+    observed_s: Mapping[str, Mapping[str, float]],
+    now_s: float,
+) -> dict[str, float]:
+    """Return when each live job will end, on the clock of `now_s`; those unknown are left out.
+
+    :param plain_state: of `model.keeping.snapshot`
+    :param observed_s: seconds that tasks took, by component and task constant
+    """
+    until = time.monotonic() + LONGEST_S
+    with closing(RunOn(cell, types, plain_state, observed_s, now_s)) as run:
+        run.go_on(until)
+        return run.ends_s()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from enum import Enum
 
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
@@ -13,12 +13,12 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.needs import awaits_release
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.jobs.releases import awaits_release
 from bt_orchestrator.model.requests import RELEASE_SCRIPT, Asked
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.model.wait import PartWait
+from bt_orchestrator.model.wait import PartWait, Wait, WaitKind
 from bt_orchestrator.ports import ActionTypes, EventSink, EventStore
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
@@ -109,3 +109,30 @@ class Simulation:
     def close(self) -> None:
         """Give the engine up."""
         self.orchestrator.close()
+
+
+# Why a virtual run does not go on: the waits that matter, and the goals that never end.
+
+
+def standstill(state: CellState, waits: Sequence[PartWait]) -> list[PartWait]:
+    """Return the waits, in the order of the belt.
+
+    A section without work that only waits for the line is left out, unless a part with work waits
+    for it.
+    """
+    awaited = {n for wait in waits if _has_work(state, wait) for n in wait.wait.sections}
+    relevant = [wait for wait in waits if _has_work(state, wait) or wait.section in awaited]
+    return [*relevant, *_endless(state)]
+
+
+def _has_work(state: CellState, wait: PartWait) -> bool:
+    return wait.section is None or state.sections[wait.section].cycle is not None
+
+
+def _endless(state: CellState) -> Iterator[PartWait]:
+    """Name the goals in flight: when time stands still, nothing will end them."""
+    for key, task in state.running.items():
+        found = state.task(key)
+        component = state.cell.conveyor.component.name if found is None else found.component
+        what = f'{key} runs since {task.started:g} s and will never end'
+        yield PartWait(component, Wait(what, WaitKind.COMPONENT, component, task=key.task))

@@ -7,12 +7,11 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.failures import AGAIN, CHANGE, MARK_DONE, RETRY
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.requests import Asked, answering, possible_answers
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.sim.simulation import Simulation
 

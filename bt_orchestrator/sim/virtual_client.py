@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from bt_orchestrator.base.deadlines import has_come, instant_ns
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import (
     REQUEST_CHECKS,
     RESULT_CHECK_S,
     SERVER_LEASE_S,
     WITHDRAWN,
+    Contest,
     GoalEnd,
     GoalRequest,
     GoalStatus,
@@ -26,7 +26,6 @@ from bt_orchestrator.ports.news import News
 from bt_orchestrator.sim.carrier import Verdict
 from bt_orchestrator.sim.controller import Controller
 from bt_orchestrator.sim.results import not_ready_value, ready_value
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
 
 _UNKNOWN = 'the server does not know the goal (any more)'
 
@@ -257,3 +256,46 @@ class VirtualClient:
 
     def _after(self, seconds: float, then: Callable[[], None]) -> Timer:
         return self._clock.call_at(self._clock.steady() + seconds, then)
+
+
+# One goal in virtual time.
+
+
+class VirtualGoal:
+    """States as in `ports.Goal`, which it implements. Only the gateway's parts change it."""
+
+    __slots__ = (
+        '_cancel',
+        'accepted',
+        'cancel_requested',
+        'end',
+        'feedback',
+        'request',
+        'sent_s',
+        'timer',
+    )
+
+    def __init__(self, request: GoalRequest, cancel: Callable[[VirtualGoal], None]) -> None:
+        self.request = request
+        self.accepted = False
+        self.end: GoalEnd | None = None
+        self.feedback: Mapping[str, Any] | None = None
+        self.cancel_requested = False
+        self.sent_s = 0.0
+        """When the request left; the results are asked for again from then on."""
+        self.timer: Timer | None = None
+        """The next event of it, if nothing else comes."""
+        self._cancel = cancel
+
+    def __repr__(self) -> str:
+        return f'VirtualGoal({self.request}, accepted={self.accepted}, end={self.end})'
+
+    def cancel(self) -> None:
+        """Ask to cancel; see `ports.Goal`."""
+        self._cancel(self)
+
+    def stop_timer(self) -> None:
+        """Take back what was going to happen next."""
+        if self.timer is not None:
+            self.timer.cancel()
+            self.timer = None

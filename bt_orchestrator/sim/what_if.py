@@ -12,17 +12,15 @@ from typing import Any, cast
 
 from bt_orchestrator.base.errors import Refused, counted
 from bt_orchestrator.base.replies import begin
-from bt_orchestrator.engine.asking.anew import WHO, QueueAnew
-from bt_orchestrator.engine.asking.desk_here import DeskHere
 from bt_orchestrator.engine.asking.handler import RequestHandler
-from bt_orchestrator.engine.asking.recipes import RecipeOrders
+from bt_orchestrator.engine.asking.orders import DeskHere
+from bt_orchestrator.engine.asking.recipes import WHO, QueueAnew, RecipeOrders
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.requests import Asked, ask
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.words import sentence

@@ -10,8 +10,7 @@ from typing import Any, get_args, get_origin
 from bt_orchestrator.model import events
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import event_types, hints_of
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
 from bt_orchestrator.model.script import Script
 from tables import docstrings
 from tables.markdown import cell, table

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from bt_orchestrator.extensions.opcua.mes.methods import DIFFERENT, STATES, TABLE, Answered
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.view.report.isa95.codes import ReturnStatus
 from bt_orchestrator.view.report.isa95.job_response import EXTRAS
 from bt_orchestrator.view.report.isa95.machinery import IN_RESPONSE, KINDS
-from bt_orchestrator.view.report.isa95.return_status import ReturnStatus
 from tables.docstrings import of_members
 from tables.markdown import code, table
 from tables.standard import GONE, NONE, Cell, read_table

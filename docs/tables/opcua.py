@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from bt_orchestrator.extensions.opcua.mes.packml import COMMANDS, STATE_NUMBERS, WITHOUT
 from bt_orchestrator.extensions.opcua.mes.stop_ids import STOP_IDS
 from bt_orchestrator.extensions.opcua.server import simple
-from bt_orchestrator.extensions.opcua.server.packml_meanings import VALUES
+from bt_orchestrator.extensions.opcua.server.packml_values import VALUE_MEANINGS
 from tables.markdown import cell, table
 
 
@@ -39,7 +39,7 @@ def states_in_numbers() -> Iterator[str]:
 def values_of_packml() -> Iterator[str]:
     """Yield the variables below PackML."""
     yield from table(
-        ('node', 'meaning'), ((f'`{path}`', cell(one)) for path, one in VALUES.items())
+        ('node', 'meaning'), ((f'`{path}`', cell(one)) for path, one in VALUE_MEANINGS.items())
     )
 
 

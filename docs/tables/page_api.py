@@ -6,9 +6,8 @@ import re
 from collections.abc import Iterator
 from typing import Any, cast
 
-from bt_orchestrator.extensions.page.web.app import endpoints_of
+from bt_orchestrator.extensions.page.web.app import endpoints_of, with_description
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.extensions.page.web.openapi import with_description
 from tables.markdown import cell, code, table
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import TABLE, About, Request, Why, of_cell, of_job
-from bt_orchestrator.model.roles import Role
 from tables import docstrings
 from tables.markdown import cell, table
 

@@ -8,9 +8,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any, get_args, get_origin
 
 from bt_orchestrator.model.codec import hints_of
-from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.model.wait import WaitKind
+from bt_orchestrator.model.wait import StandCause, WaitKind
 from tables import docstrings
 from tables.markdown import cell, table
 

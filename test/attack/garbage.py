@@ -8,8 +8,8 @@ import sys
 from typing import Any
 
 from bt_orchestrator.model.action_type import FieldType, MessageType
+from bt_orchestrator.ros.types.action_types import message_type
 from bt_orchestrator.ros.types.messages import fill
-from bt_orchestrator.ros.types.slot_types import message_type
 
 LONG = 1_000_000
 

@@ -13,11 +13,10 @@ import pytest
 from contract.link_bench import LinkBench
 from ros_domain import kept_domain
 
-from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import ask
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ports import CellLink
 
 ANN = By('Ann', 'contract', 'because', Role.ENGINEER, Known.LOCAL_USER)

@@ -8,8 +8,8 @@ from collections.abc import Awaitable, Callable, Mapping
 from fakes.opcua_access import any_security
 
 from bt_orchestrator.extensions.opcua.server import nodesets
+from bt_orchestrator.extensions.opcua.server.server import make_stack
 from bt_orchestrator.extensions.opcua.server.space import Space
-from bt_orchestrator.extensions.opcua.server.stack import make_stack
 
 
 class BareSpace:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
+from bt_orchestrator.sim.virtual_client import VirtualGoal
 
 
 class DyingGateway(VirtualGateway):

@@ -19,12 +19,12 @@ from fakes.opcua_access import URI, access_in, certificate, write_client
 from fakes.quick_users import PASSWORD
 from opcua_reader import client_of
 
-from bt_orchestrator.extensions.opcua.server.callers import CALLER, Caller
+from bt_orchestrator.extensions.opcua.server.calls import CALLER, Caller
 from bt_orchestrator.extensions.opcua.server.client_certificates import Untrusted, thumbprint
 from bt_orchestrator.extensions.opcua.server.overrides.security import Security
 from bt_orchestrator.extensions.opcua.server.overrides.server import GuardedServer
 from bt_orchestrator.extensions.opcua.server.trust import Trust
-from bt_orchestrator.script.users.attempts import Attempts
+from bt_orchestrator.script.users.logins import Attempts
 
 T = TypeVar('T')
 

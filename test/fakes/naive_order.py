@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from itertools import combinations, pairwise, product
 from math import prod
 
-from bt_orchestrator.model.capability import Capability
-from bt_orchestrator.model.cell import Cell, OnFailure
+from bt_orchestrator.model.cell import Capability, Cell, OnFailure
 from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.recipe import Operation, Overrides, Recipe
 from bt_orchestrator.model.reference import Reference

@@ -17,9 +17,9 @@ from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import CellState, Phase, Reading, TaskState
+from bt_orchestrator.model.stop_reason import AFTER
 from bt_orchestrator.model.wait import BELT, Wait, WaitKind
 from bt_orchestrator.model.waits.waiting import by_part
-from bt_orchestrator.model.wish import AFTER
 from bt_orchestrator.sim.past import StillEngine
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from fakes.quick_users import PASSWORD, write_users
 from bt_orchestrator.extensions.opcua.server.access import Access
 from bt_orchestrator.extensions.opcua.server.overrides.security import Security
 from bt_orchestrator.extensions.opcua.server.pki import Pki, own
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 
 ROLES = {
     'stand': Role.ENGINEER, 'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES,

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.model.by import By, Known
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import By, Known, Role
 
 
 def ann(reason: str = 'a test') -> By:

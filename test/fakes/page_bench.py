@@ -19,19 +19,17 @@ from starlette.responses import Response
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.page.web import commands, me
 from bt_orchestrator.extensions.page.web.access import Access
-from bt_orchestrator.extensions.page.web.endpoint import Endpoint, routes
+from bt_orchestrator.extensions.page.web.endpoint import HANDLERS, Endpoint, Json, body_of, routes
 from bt_orchestrator.extensions.page.web.guards import GuardMiddleware
 from bt_orchestrator.extensions.page.web.people import People
-from bt_orchestrator.extensions.page.web.replies import HANDLERS, Json, body_of
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.ports.doors.tickets import Tickets
 from bt_orchestrator.script.cell_file import read_cell
-from bt_orchestrator.sim.virtual_link import VirtualLink
-from bt_orchestrator.sim.virtual_node import VirtualNode
+from bt_orchestrator.sim.virtual_link import VirtualLink, VirtualNode
 from bt_orchestrator.store.memory import MemoryStore
 
 ROLES = {'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES, 'vic': Role.VIEW}

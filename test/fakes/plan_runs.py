@@ -39,7 +39,7 @@ from bt_orchestrator.model.proof.deadlock import deadlock
 from bt_orchestrator.model.requests.possible import of_job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state.proposed import queue_digest
-from bt_orchestrator.model.wish import AFTER, NEVER
+from bt_orchestrator.model.stop_reason import AFTER, NEVER
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
 

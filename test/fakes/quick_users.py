@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.script.users.file import User, _plain
 from bt_orchestrator.script.users.passwords import Cost, hashed
 

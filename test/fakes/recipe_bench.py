@@ -11,8 +11,8 @@ from fakes.script_texts import LINE, cell
 
 from bt_orchestrator.base.errors import NotRead, Refused
 from bt_orchestrator.base.replies import Reply, begin
-from bt_orchestrator.engine.asking.desk_here import DeskHere
 from bt_orchestrator.engine.asking.handler import RequestHandler
+from bt_orchestrator.engine.asking.orders import DeskHere
 from bt_orchestrator.engine.asking.recipes import RecipeOrders
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.commands import Answer

@@ -11,8 +11,8 @@ from fakes.operator import engineer
 
 from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.base.replies import begin
-from bt_orchestrator.engine.asking.desk_here import DeskHere
 from bt_orchestrator.engine.asking.handler import RequestHandler
+from bt_orchestrator.engine.asking.orders import DeskHere
 from bt_orchestrator.engine.asking.recipes import RecipeOrders
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import to_text

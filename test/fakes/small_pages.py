@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from bt_orchestrator.engine.tree import pages
+from bt_orchestrator.engine.tree import section
 
 
 @contextmanager
@@ -15,6 +15,6 @@ def small_pages(tasks: int) -> Iterator[None]:
     """Have every list in pages of so many tasks; 0: as ever."""
     with pytest.MonkeyPatch.context() as patch:
         if tasks:
-            patch.setattr(pages, 'MOST_WHOLE', 0)
-            patch.setattr(pages, 'PAGE', tasks)
+            patch.setattr(section, 'MOST_WHOLE', 0)
+            patch.setattr(section, 'PAGE', tasks)
         yield

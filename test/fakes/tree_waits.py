@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from bt_orchestrator.engine.tree.waiter import Waiter
+from bt_orchestrator.engine.tree.subject import Waiter
 from bt_orchestrator.model.wait import Wait
 
 

@@ -10,7 +10,7 @@ from bt_orchestrator_interfaces.srv import GetEvents
 
 from bt_orchestrator.model.events import JobStarted
 from bt_orchestrator.model.limits import EVENTS_BYTES
-from bt_orchestrator.ros.services.events_service import EventsService
+from bt_orchestrator.ros.services.reading_services import EventsService
 from bt_orchestrator.store.memory import MemoryStore
 
 LONG = 400_000

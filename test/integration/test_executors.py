@@ -20,9 +20,8 @@ from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Empty
 
 from bt_orchestrator.ros.actions.questions import Questions
-from bt_orchestrator.ros.executor.executors import spin_once
-from bt_orchestrator.ros.executor.lean_executor import LeanExecutor
-from bt_orchestrator.ros.executor.parted import PartedWaitable
+from bt_orchestrator.ros.executor.executors import LeanExecutor, spin_once
+from bt_orchestrator.ros.executor.handles import PartedWaitable
 
 pytestmark = pytest.mark.every_distro
 

@@ -9,9 +9,8 @@ import pytest
 
 from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.model.action_type import FieldType
-from bt_orchestrator.ros.types.action_types import InstalledActionTypes
+from bt_orchestrator.ros.types.action_types import InstalledActionTypes, message_type
 from bt_orchestrator.ros.types.interface_classes import message_class
-from bt_orchestrator.ros.types.slot_types import message_type
 
 pytestmark = pytest.mark.every_distro
 

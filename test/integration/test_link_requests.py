@@ -8,13 +8,12 @@ import pytest
 from bt_orchestrator_interfaces.msg import Event
 
 from bt_orchestrator.base.errors import CommandRefused, NodeUnreachable
-from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import TABLE, BadArguments, Kind, Parameter, ask
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ros.link.requests import Call, call_of
 from bt_orchestrator.ros.link.ros_link import event_of
-from bt_orchestrator.script.given_arguments import arguments_of
+from bt_orchestrator.script.given_values import arguments_of
 
 ANN = By('Ann', 'test', 'because')
 

@@ -22,7 +22,7 @@ from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.keeping.snapshot import nearest, state_from_plain, state_to_plain
 from bt_orchestrator.model.requests import UPDATE
 from bt_orchestrator.ports import QueuePage
-from bt_orchestrator.ros.services.job_lists import list_jobs, list_queue
+from bt_orchestrator.ros.services.reading_services import list_jobs, list_queue
 from bt_orchestrator.ros.types.status_messages import job_message, job_status, listed_job
 from bt_orchestrator.view.report.pace import expected_ends_s
 from bt_orchestrator.view.screen import words

@@ -14,11 +14,10 @@ from rclpy.action.server import ActionServer
 from ros_bench import RosBench
 from thread_servers import ThreadServers
 
-from bt_orchestrator.model.contest import Contest
-from bt_orchestrator.model.goal import RESULT_CHECK_S, GoalStatus, SeenContest
+from bt_orchestrator.model.goal import RESULT_CHECK_S, Contest, GoalStatus, SeenContest
 from bt_orchestrator.ros.actions import rivals
-from bt_orchestrator.ros.actions.goal import RosGoal
 from bt_orchestrator.ros.actions.goal_client import GoalClient
+from bt_orchestrator.ros.actions.open_goals import RosGoal
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from bt_orchestrator.ports import Clock
 from bt_orchestrator.ros.clock import RosClock
-from bt_orchestrator.sim.controllers.clock import NodeClock
+from bt_orchestrator.sim.controllers.node import NodeClock
 
 pytestmark = pytest.mark.every_distro
 

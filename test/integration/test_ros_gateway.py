@@ -17,8 +17,8 @@ from thread_servers import LateYes, ThreadServers
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalStatus
 from bt_orchestrator.ros.actions.action_link import ActionLink
-from bt_orchestrator.ros.actions.goal import RosGoal
 from bt_orchestrator.ros.actions.goal_client import GoalClient
+from bt_orchestrator.ros.actions.open_goals import RosGoal
 
 pytestmark = pytest.mark.every_distro
 

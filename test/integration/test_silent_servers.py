@@ -16,7 +16,7 @@ from thread_servers import LateYes, ThreadServers
 
 from bt_orchestrator.model.goal import GoalStatus
 from bt_orchestrator.ros.actions.action_link import ActionLink
-from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.open_goals import RosGoal
 
 pytestmark = pytest.mark.every_distro
 

@@ -30,7 +30,7 @@ from bt_orchestrator.model.status import (
     JobStatus,
     ListedJob,
 )
-from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.stop_reason import Wish
 from bt_orchestrator.model.words import Words
 from bt_orchestrator.ros.stamps import from_time, to_time
 from bt_orchestrator.ros.types import order_messages  # noqa: F401 - maps orders

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from random import Random
 from typing import NamedTuple
 
-from bt_orchestrator.model.capability import Capability
-from bt_orchestrator.model.cell import Cell, Component, Conveyor
+from bt_orchestrator.model.cell import Capability, Cell, Component, Conveyor
 from bt_orchestrator.model.recipe import Operation, Recipe
 
 TYPE = 'bt_orchestrator_interfaces/action/Component'

@@ -11,10 +11,9 @@ from page.browsing import Person, Tab
 from page.conftest import Sit
 from page.stands import Stand, stand
 
-from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.model.requests import ask
-from bt_orchestrator.model.roles import Role
 
 FAULTS = ['component_3a.TASK_A#3=abort', 'component_3a.TASK_A#4=false']
 """The third item is held, and held again when it is retried."""

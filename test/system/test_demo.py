@@ -16,7 +16,7 @@ from opcua_reader import reading
 from program_process import DEMO_PACKED, PATIENCE_S, ProgramProcess
 
 from bt_orchestrator.cli.demo.folder import stop_process
-from bt_orchestrator.cli.demo.opcua_user import NAME, PASSWORD
+from bt_orchestrator.cli.demo.programs import NAME, PASSWORD
 
 INTERRUPTED = 130
 

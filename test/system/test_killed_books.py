@@ -25,7 +25,7 @@ from bt_orchestrator.view.report.reading import Reading
 LINE = Line()
 EVENTS = 8_000
 TOLD = 'the books of the account cannot be made (the process ended by signal SIGKILL)'
-PROCESS = 'bt_orchestrator.cli.bookkeeping.process'
+PROCESS = 'bt_orchestrator.cli.processes.bookkeeping_process'
 
 
 def report(journal: Path, period: Period) -> Account:

@@ -36,12 +36,13 @@ MOST_ENTRIES = 14
 """At the top of the package: folders, and files."""
 
 BEFORE = {
-    **{f'extensions/{one}/cli': 'cli' for one in ('page', 'opcua')},
+    **{f'extensions/{one}/verb': 'cli' for one in ('page', 'opcua')},
     'extensions/opcua/mes': 'mes',
     'extensions/opcua': 'opcua',
     'extensions/page': 'web',
     'extensions/parquet': 'report',
-    'extensions/postgres/cli': 'cli',
+    'extensions/postgres/sources': 'cli',
+    'extensions/postgres/verb': 'cli',
     'extensions/postgres': 'store',
     'extensions/recipes/generating': 'cli',
     'extensions/recipes/planning': 'planning',

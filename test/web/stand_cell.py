@@ -21,9 +21,8 @@ from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import CellLink, EventStore, Listener
 from bt_orchestrator.script.cell_file import read_cell
-from bt_orchestrator.sim.fault_options import with_faults
-from bt_orchestrator.sim.virtual_link import VirtualLink
-from bt_orchestrator.sim.virtual_node import VirtualNode
+from bt_orchestrator.sim.faults import with_faults
+from bt_orchestrator.sim.virtual_link import VirtualLink, VirtualNode
 from bt_orchestrator.store.memory import MemoryStore
 
 TYPES = FakeActionTypes()

@@ -16,9 +16,9 @@ from bt_orchestrator.extensions.page.web.access import Access
 from bt_orchestrator.extensions.page.web.page import WebPage
 from bt_orchestrator.extensions.page.web.seams import Plant, Sources
 from bt_orchestrator.extensions.page.web.server import PageServer
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.model.plant.shifts import DAY_MIN, Hours, Shift, Shifts
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ports.plant import PlantCell
 from bt_orchestrator.store.memory import MemoryStore
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping
 
-from bt_orchestrator.cli.action import Action
 from bt_orchestrator.cli.asked.derived import add_answer_options, of_request
-from bt_orchestrator.cli.asked.words import allowed, in_one_line
+from bt_orchestrator.cli.command_parser import Action, allowed, in_one_line
 from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.model.requests import About, requests_about
-from bt_orchestrator.model.wish import STOP_AFTER
+from bt_orchestrator.model.stop_reason import STOP_AFTER
 
 DESCRIPTION = """\
 Command the cell of a running tree node as a whole; `job` is for one job. docs/operating.md says

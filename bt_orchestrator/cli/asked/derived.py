@@ -7,12 +7,10 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from bt_orchestrator.cli.action import Action
 from bt_orchestrator.cli.asked.typed import TYPED, one_word
-from bt_orchestrator.cli.asked.words import in_one_line, what_to_know
+from bt_orchestrator.cli.command_parser import Action, in_one_line, what_to_know
 from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
-from bt_orchestrator.model.pauses import NAMED
 from bt_orchestrator.model.requests import (
     About,
     Kind,
@@ -22,6 +20,7 @@ from bt_orchestrator.model.requests import (
     of_word,
     words_about,
 )
+from bt_orchestrator.model.stop_reason import NAMED
 
 _NO_LOCKOUT = (
     'It does not protect people at the machine: lock out its energy before you reach into it.'

@@ -4,11 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 
 from bt_orchestrator.cli.demo.folder import DemoFolder, DemoRecord, is_ours, stop_process
-from bt_orchestrator.cli.demo.opcua_user import NAME, PASSWORD, opcua_options
 from bt_orchestrator.cli.programs import Program, ProgramFailed
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.script.users.file import UsersFile
+
+# The one user of a demo's OPC UA server: it needs a login, and everybody may know this one.
+
+NAME, PASSWORD = 'demo', 'only-for-demos'
+
+
+def opcua_options(folder: Path) -> list[str]:
+    """Write the user; returns the options with which the server lets clients in.
+
+    :param folder: of the demo; the server's certificate is kept there as well
+    """
+    users = folder / 'users.yaml'
+    users.unlink(missing_ok=True)
+    UsersFile(users).add(NAME, Role.ENGINEER, PASSWORD)
+    return ['--insecure', '--users', str(users), '--pki', str(folder / 'pki')]
+
+
+# The programs of a demo: simulated controllers in two processes, tree node, page, OPC UA.
 
 READY_S = 60.0
 """Longest time that a program may take to be ready, on a slow and busy machine."""

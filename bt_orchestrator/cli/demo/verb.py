@@ -7,6 +7,7 @@ import json
 import os
 import random
 import shlex
+import shutil
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
@@ -17,11 +18,9 @@ from typing import Any
 from bt_orchestrator.base.extending import OPCUA, PAGE
 from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.bootstrap import installed_types, load_cell
-from bt_orchestrator.cli.called_as import called_as, verb_as
-from bt_orchestrator.cli.demo.dialogue import Dialogue
 from bt_orchestrator.cli.demo.folder import DemoFolder, DemoRecord, default_folder
 from bt_orchestrator.cli.demo.programs import READY_S, DemoPrograms
-from bt_orchestrator.cli.demo.show import DemoShow, Interrupted
+from bt_orchestrator.cli.demo.show import DemoShow, Dialogue, Interrupted
 from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.journal_file import open_records
@@ -35,13 +34,13 @@ from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.orders.order_file import read_order
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
-from bt_orchestrator.sim.controllers.selection import WrongSelection, select
+from bt_orchestrator.sim.controllers.options import WrongSelection, select
 from bt_orchestrator.view.report.forecast_fold import forecast
 from bt_orchestrator.view.report.forecast_text import detail_lines, summary_lines
 from bt_orchestrator.view.report.reading import Reading
-from bt_orchestrator.view.screen.advice import DEFAULT_NODE, Shell
+from bt_orchestrator.view.screen.advice import DEFAULT_NODE, PROGRAM, Shell
+from bt_orchestrator.view.screen.keys import keys_of_person
 from bt_orchestrator.view.screen.plain import EventLines
-from bt_orchestrator.view.screen.terminal.keys import keys_of_person
 from bt_orchestrator.view.screen.words import hold_text
 
 DESCRIPTION = """\
@@ -237,3 +236,29 @@ def _sum_up(folder: DemoFolder, cell: Cell, job: str) -> int:
     print(f'journal: {folder.journal}')
     done = next((j for j in result.jobs if j.job == job), None)
     return 0 if done is not None and done.packed == done.quantity else 1
+
+
+# The words that call this program again, in the shell and folder it was called in.
+
+WRAPPER = 'BT_ORCHESTRATOR_CALLED_AS'
+"""Variable in which a script that calls a verb says how it was called itself."""
+
+
+def called_as() -> str:
+    """Return the words for this program that work where the reader stands."""
+    program = Path(sys.argv[0])
+    if program.name != PROGRAM:  # python -m
+        program = Path(sys.executable).with_name(PROGRAM)
+    if not program.exists():
+        return f'{shlex.quote(sys.executable)} -m bt_orchestrator'
+    found = shutil.which(PROGRAM)
+    if found is not None and Path(found).samefile(program):
+        return PROGRAM
+    path = program.absolute()
+    here = Path.cwd()
+    return shlex.quote(str(path.relative_to(here) if path.is_relative_to(here) else path))
+
+
+def verb_as(verb: str) -> str:
+    """Return the words for a verb; those of the script that called it, if one did."""
+    return os.environ.get(WRAPPER) or f'{called_as()} {verb}'

@@ -14,9 +14,12 @@ from bt_orchestrator.view.drawing.gantt import End, GanttFold
 from bt_orchestrator.view.drawing.gantt_page import gantt_svg
 from bt_orchestrator.view.report.account.planned import US
 from bt_orchestrator.view.report.reading import Reading
-from bt_orchestrator.view.report.retrospect.plain import retrospect_plain
 from bt_orchestrator.view.report.retrospect.retrospect import Retrospect
-from bt_orchestrator.view.report.retrospect.text import period_of, retrospect_text
+from bt_orchestrator.view.report.retrospect.text import (
+    period_of,
+    retrospect_plain,
+    retrospect_text,
+)
 
 _NOT_WITH = (
     'script',

@@ -4,31 +4,33 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 
-from bt_orchestrator.cli.history.chart import chart_svg
-from bt_orchestrator.cli.history.choosing import jobs_meant, no_item, no_job, with_items
+from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.cli.history.chart import chart_svg, jobs_meant, no_item, no_job, with_items
 from bt_orchestrator.cli.history.forecast import forecast_text
-from bt_orchestrator.cli.history.item_records import (
-    as_html,
-    as_json,
-    histories,
-    refuse_too_many,
-)
 from bt_orchestrator.cli.history.options import (
     add_arguments,
     chooses_items,
     is_record,
     refuse_contradictions,
 )
-from bt_orchestrator.cli.history.script_of_job import script_of
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.output import opened
+from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, job_to_plain
+from bt_orchestrator.model.keeping.journal_place import JournalPlace
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.script.writing.script_text import Comments, write_script
+from bt_orchestrator.view.drawing.documents.item_page import Source, item_page
 from bt_orchestrator.view.report.isa95.job_response import b2mml, response_of_record
-from bt_orchestrator.view.report.job_text import job_text
+from bt_orchestrator.view.report.item.history import ItemHistory, plain_item
+from bt_orchestrator.view.report.item.reader import item_history
+from bt_orchestrator.view.report.jobs import job_text
 from bt_orchestrator.view.report.reading import Reading
 
 __all__ = ['add_arguments', 'run']
@@ -117,3 +119,91 @@ def _json(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[str]:
         if not args.items:
             plain.pop('items', None)
         yield json_of(plain)
+
+
+# The script that a job ran, as a file.
+
+
+class NoScript(OrchestratorError):
+    """A journal does not have the script of a job any more."""
+
+
+def script_of(job: JobRecord, reading: Reading, journal: JournalPlace) -> Iterator[str]:
+    """Yield the text of the script that a job ran.
+
+    :raises NoScript: the journal has it no more
+    """
+    script = reading.script(job.digest) if job.digest else None
+    if script is None:
+        raise NoScript(
+            f'the script of {job.job} is not kept any more in {journal}; a backup of the journal '
+            'may have it'
+        )
+    if _origin(script) != (job.recipe, job.recipe_version):
+        script = replace(script, made_from=None)  # an equal one, of another version of the recipe
+    head = [
+        f'The script that job {job.job} ran, by the journal, with the time limits of components.'
+    ]
+    if job.params:
+        head.append(f'Its parameters: {json_of(job.params)}')
+    yield write_script(script, None, Comments(head)).rstrip()
+
+
+def _origin(script: Script) -> tuple[str, int | None]:
+    made_from = script.made_from
+    return (made_from.recipe, made_from.version) if made_from else ('', None)
+
+
+# Records of single items, as JSON or as one HTML document.
+
+MOST_ITEMS = 500
+"""More than this in one document is too slow for a browser and too long for a reader."""
+
+
+class NoItem(OrchestratorError):
+    """A journal does not have an item."""
+
+
+def histories(reading: Reading, journal: JournalPlace, items: Iterable[str]) -> list[ItemHistory]:
+    """Read the records of items, in the order named.
+
+    :raises NoItem: the journal does not have one of them
+    """
+    found = []
+    for item in items:
+        history = item_history(reading, item)
+        if history is None:
+            raise NoItem(
+                f'the journal {journal} knows no item {item}: it never was, or its events are not '
+                'kept any more; `bt-orchestrator history --job JOB --items` names the items of a '
+                'job'
+            )
+        found.append(history)
+    return found
+
+
+def refuse_too_many(items: Sequence[str]) -> None:
+    """Refuse what makes no document.
+
+    :raises WrongUse: there are too many items
+    """
+    if len(items) > MOST_ITEMS:
+        raise WrongUse(
+            f'{len(items)} items are too many for one document, which has {MOST_ITEMS} at most: '
+            'choose with --serial, --job, --from and --to; --record writes them all as JSON'
+        )
+
+
+def as_json(items: Iterable[ItemHistory]) -> str:
+    """Return records as JSON, one object an item and line."""
+    return ''.join(f'{json_of(plain_item(item))}\n' for item in items)
+
+
+def as_html(
+    items: Sequence[ItemHistory], journal: JournalPlace, title: str, lacks: Sequence[str]
+) -> str:
+    """Return records as one document.
+
+    :param lacks: what of the journal could not be read
+    """
+    return item_page(items, Source(f'the journal {journal}', time.time(), lacks), title)

@@ -15,9 +15,8 @@ from bt_orchestrator.cli.door import answer_within_s, asked, open_door
 from bt_orchestrator.model.commands import Answer, OrderAnswer
 from bt_orchestrator.model.jobs.order import NO_TERMS, WorkOrder
 from bt_orchestrator.script.lookup import is_path
-from bt_orchestrator.script.orders.duplicates import refuse_duplicates
+from bt_orchestrator.script.orders.file_findings import pointed, refuse_duplicates
 from bt_orchestrator.script.orders.order_file import OrderFile, OrderPlaces, draft_order
-from bt_orchestrator.script.orders.pointing import pointed
 
 _HAS_MISTAKES = '/the file has mistakes'
 """Follows the id of an order that must not be queued: a node refuses ids with a slash."""

@@ -9,7 +9,7 @@ import shlex
 from collections.abc import Iterator
 
 from bt_orchestrator.base.errors import counted
-from bt_orchestrator.cli.asked.words import allowed
+from bt_orchestrator.cli.command_parser import allowed
 from bt_orchestrator.cli.door import ask_and_print, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.processes.planning_process import PlanningProcess

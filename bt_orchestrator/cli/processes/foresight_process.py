@@ -85,7 +85,7 @@ class _Answers:
 
     def __init__(self) -> None:
         from bt_orchestrator.ros.types.action_types import InstalledActionTypes
-        from bt_orchestrator.sim.foresight import expected_ends
+        from bt_orchestrator.sim.run_on import expected_ends
 
         self._expected_ends = expected_ends
         self._types = InstalledActionTypes()

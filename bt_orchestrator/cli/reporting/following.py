@@ -20,11 +20,10 @@ from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.view.report.account.calendar import Now, day_on, shift_at
-from bt_orchestrator.view.report.account.live import Live, LiveAccount
-from bt_orchestrator.view.report.account.live_words import live_line, live_plain
+from bt_orchestrator.view.report.account.live import Live, LiveAccount, live_line, live_plain
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import us_of
-from bt_orchestrator.view.screen.terminal.keys import Keys, keys_of_person
+from bt_orchestrator.view.screen.keys import Keys, keys_of_person
 
 EVERY_S, LEAST_S = 2.0, 0.2
 """Time between two looks: the usual one, and the shortest."""
@@ -155,8 +154,8 @@ Show = Callable[[Live | None, str], None]
 
 def _picture(stack: ExitStack) -> Show | None:
     """Take the terminal, if the standard output is one."""
+    from bt_orchestrator.view.screen.second_screen import second_screen
     from bt_orchestrator.view.screen.shift import ShiftScreen
-    from bt_orchestrator.view.screen.terminal.second_screen import second_screen
 
     screen = stack.enter_context(second_screen())
     return None if screen is None else ShiftScreen(screen).show

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -14,15 +15,14 @@ from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.here import add_journal_option
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.output import opened
-from bt_orchestrator.cli.reporting.durations import (
-    add_duration_options,
-    are_wanted,
-    durations_text,
-)
 from bt_orchestrator.cli.reporting.following import add_follow_options, follow
 from bt_orchestrator.cli.reporting.periods import add_which_options, period_of, periods_of
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.cell_file import parse_cell
+from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.writing.duration_edits import NotEditable, with_durations
 from bt_orchestrator.view.report.account.account import Account, account
 from bt_orchestrator.view.report.account.beside import Beside, beside
 from bt_orchestrator.view.report.account.beside_words import (
@@ -32,9 +32,16 @@ from bt_orchestrator.view.report.account.beside_words import (
 )
 from bt_orchestrator.view.report.account.named_figures import By
 from bt_orchestrator.view.report.account.period import Period
-from bt_orchestrator.view.report.account.plain import account_plain
-from bt_orchestrator.view.report.account.rows import write_csv
+from bt_orchestrator.view.report.account.plain import account_plain, write_csv
 from bt_orchestrator.view.report.account.text import account_text
+from bt_orchestrator.view.report.durations import (
+    Durations,
+    durations,
+    lines,
+    plain,
+    proposals,
+    sentence,
+)
 from bt_orchestrator.view.report.reading import Reading
 
 DESCRIPTION = """\
@@ -147,3 +154,84 @@ def _write_beside(made: Beside, args: argparse.Namespace, file: IO[str]) -> None
         file.write(json.dumps(beside_plain(made, by), ensure_ascii=False) + '\n')
     else:
         file.writelines(f'{line}\n' for line in beside_text(made, by))
+
+
+# The options `--durations` and `--update-durations` of the verb `report`.
+
+
+def add_duration_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the output in place of the account."""
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument(
+        '--durations',
+        action='store_true',
+        help='how long each task took against its nominal time (with --cell), and since when it '
+        'is slower or faster',
+    )
+    instead.add_argument(
+        '--update-durations',
+        action='store_true',
+        help='with --cell: propose new nominal times for the cell file, as a diff for `patch -p0`',
+    )
+
+
+def are_wanted(args: argparse.Namespace) -> bool:
+    """Tell whether durations are the output in place of the account.
+
+    :raises WrongUse: --update-durations needs --cell, and is no table
+    """
+    if args.update_durations and args.cell is None:
+        raise WrongUse('--update-durations proposes changes of a cell file; name it: --cell CELL')
+    if (args.durations or args.update_durations) and args.csv:
+        raise WrongUse('durations are printed as text, or with --json; leave --csv out')
+    if args.update_durations and args.json:
+        raise WrongUse('--update-durations prints a diff; --durations --json has the numbers')
+    return bool(args.durations or args.update_durations)
+
+
+def durations_text(
+    reading: Reading, period: Period, args: argparse.Namespace, cell: Cell | None
+) -> str:
+    """Return what the options ask for.
+
+    :raises NotEditable: the cell file is written so that it cannot be changed piece by piece
+    """
+    found = durations(reading, period, cell)
+    if args.update_durations:
+        assert cell is not None
+        told = _diff(found, args, cell, bootstrap.installed_types())
+    elif args.json:
+        told = iter([json.dumps(plain(found), ensure_ascii=False)])
+    else:
+        told = lines(found)
+    return ''.join(f'{line}\n' for line in told)
+
+
+def _diff(
+    found: Durations, args: argparse.Namespace, cell: Cell, types: ActionTypes
+) -> Iterator[str]:
+    new = proposals(found, cell)
+    if not new:
+        yield f'# the durations of {args.cell} are what was measured; there is nothing to change'
+        return
+    for one in found.tasks:
+        if one.kind.name in new.get(one.kind.component, {}):
+            yield f'# {sentence(one, found)}'
+    name, text = str(args.cell), read_text(args.cell)
+    after = with_durations(text, name, new)
+    _check(parse_cell(after, name, types), new, name)
+    yield from difflib.unified_diff(text.splitlines(), after.splitlines(), name, name, lineterm='')
+
+
+def _check(cell: Cell, new: Mapping[str, Mapping[str, float]], name: str) -> None:
+    """Make sure that the proposal says what it is meant to say.
+
+    :raises NotEditable: it does not
+    """
+    for component, wanted in new.items():
+        for task, seconds in wanted.items():
+            if cell.components[component].duration_s(task) != seconds:
+                raise NotEditable(
+                    f'the layout of {name} does not allow the time of {component} {task} to be '
+                    f'changed alone; set it to {seconds:g} by hand'
+                )

@@ -30,8 +30,7 @@ from bt_orchestrator.model.requests import (
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.given_arguments import arguments_of
-from bt_orchestrator.script.given_results import given_results, results_text
+from bt_orchestrator.script.given_values import arguments_of, given_results, results_text
 from bt_orchestrator.script.report import did_you_mean, listing
 
 Arguments = Mapping[str, Any]

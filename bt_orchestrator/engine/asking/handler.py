@@ -6,11 +6,11 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 from functools import partial
+from itertools import chain, count
 from typing import Any, Protocol
 
 from bt_orchestrator.base.errors import CommandRefused, NotRead, Refused
 from bt_orchestrator.engine.asking.commands import asked_by_name, prepared
-from bt_orchestrator.engine.asking.comparing import made_anew
 from bt_orchestrator.engine.asking.orders import (
     Told,
     answer_to_refused,
@@ -21,14 +21,17 @@ from bt_orchestrator.engine.asking.orders import (
     wanted_orders,
     with_each,
 )
-from bt_orchestrator.engine.asking.rest import rest_of
+from bt_orchestrator.engine.runtime.job_queue import allowed
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.by import By
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
+from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.needs import needed_by
+from bt_orchestrator.model.jobs.order import Job, MadeAnew, order_id_fault
+from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.requests import (
     ADD,
     REQUEUE,
@@ -38,10 +41,12 @@ from bt_orchestrator.model.requests import (
     about_of,
     of_name,
 )
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.given_arguments import arguments_of
+from bt_orchestrator.script.given_values import arguments_of
 from bt_orchestrator.script.orders.asked import change_of
-from bt_orchestrator.script.orders.desk import AskedOrder, Reading, Wanted
+from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Reading, Wanted
 
 _Step = Callable[[Asked], Awaitable[Answer]]
 
@@ -204,3 +209,58 @@ class RequestHandler:
         await self._refuse(asked, read.in_short)
         each = OrderAnswer(message=read.count, findings=Told().of(read))
         return Answer(accepted=False, message=read.count, orders=(each,))
+
+
+# The differences between a script that was generated again and the one of the job.
+
+
+def made_anew(job: JobState, now: Script, state: CellState) -> MadeAnew:
+    """Return which components make the difference, and the pace."""
+    cell, before = state.cell, job.anew
+    needed = needed_by(job.job.script, cell)
+    lacked = before.without if before is not None else ()
+    without = tuple(one for one in state.out_of_service if one in needed or one in lacked)
+    back = () if without else tuple(sorted(needed_by(now, cell) - needed))
+    # What the job lacks already was not in its last pace.
+    known_s = before.before_s if before is not None and before.without else 0.0
+    return MadeAnew(
+        without, back, _per_item_s(now, cell), known_s or _per_item_s(job.job.script, cell)
+    )
+
+
+def _per_item_s(script: Script, cell: Cell) -> float:
+    """Return seconds from one item to the next; 0: not known."""
+    found = pace(script, cell)
+    return 0.0 if found is None else found.per_item_s
+
+
+# The order for what a job on the line has not begun (semantics 7.6).
+
+REST = '-rest'
+"""Behind the id of a job in that of its rest."""
+
+
+def rest_of(state: CellState, job: str, order: str) -> ChangedJob:
+    """Return the order for the rest of a job, in its present state.
+
+    :param order: id of the rest; empty: one that is free
+    :raises NotRead: the job has no rest that can be made, or the id cannot be one
+    """
+    try:
+        live = allowed(state, job_control.REQUEUE, job)
+    except CommandRefused as why:
+        raise NotRead(str(why)) from None
+    name = order or _free_id(state, live)
+    fault = order_id_fault(name)
+    if fault is not None:
+        raise NotRead(f'{name!r} cannot be the id of the rest: {fault}; give another one')
+    wish, had = AskedOrder(recipe=live.job.recipe), live.job
+    return ChangedJob(name, live.digest, live.cycles_left, had.params, wish, had.terms, had.recipe)
+
+
+def _free_id(state: CellState, job: JobState) -> str:
+    """Return an id that no order had; that of the rest of a rest counts on."""
+    base, _, _ = job.job.id.rpartition(REST) if job.rest_of else ('', '', '')
+    first = f'{base or job.job.id}{REST}'
+    names = chain([first], (f'{first}-{number}' for number in count(2)))
+    return next(name for name in names if name not in state.order_ids)

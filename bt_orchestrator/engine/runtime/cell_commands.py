@@ -15,10 +15,9 @@ from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.limits import PAUSES
 from bt_orchestrator.model.packml import VERBS, Cause, refusal
-from bt_orchestrator.model.pauses import PAUSED, release_command
 from bt_orchestrator.model.requests import About, Asked, requests_about
 from bt_orchestrator.model.state import CellState, Hold
-from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.stop_reason import PAUSED, StopReason, release_command
 
 RESUME = VERBS[Cause.UNHOLD]
 """The ways in which a pause ends."""

@@ -6,8 +6,7 @@ from itertools import chain
 
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.engine.runtime import cell_commands, job_queue, operators, releases, service
-from bt_orchestrator.engine.runtime.command_record import decided
-from bt_orchestrator.engine.runtime.deciding import DECIDERS, not_allowed
+from bt_orchestrator.engine.runtime.deciding import DECIDERS, decided, not_allowed
 from bt_orchestrator.engine.runtime.ledger import Ledger
 from bt_orchestrator.engine.runtime.lifecycle import transition
 from bt_orchestrator.model import effects
@@ -16,7 +15,7 @@ from bt_orchestrator.model.commands import Command, FoundTwin, RefusedRequest, S
 from bt_orchestrator.model.failures import ABORT, SHUTDOWN
 from bt_orchestrator.model.limits import TWINS
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
-from bt_orchestrator.model.pauses import TWIN
+from bt_orchestrator.model.stop_reason import TWIN
 
 DECIDING = (cell_commands, job_queue, operators, releases, service)
 """The modules with the deciders of all requests."""

@@ -1,16 +1,19 @@
-"""Commits of events to the disk, one settle at a time (semantics 9.1)."""
+"""Commits of events to the disk, one settle at a time, and work without them (semantics 9.1)."""
 
 from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from bt_orchestrator.base.errors import JournalFailed
 from bt_orchestrator.base.replies import Reply
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.commands import Answer, Command, cancels_all
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.ports import Clock, EventStore, Timer, Writer, Writing
+from bt_orchestrator.model.requests import Asked
+from bt_orchestrator.ports import ActionGateway, Clock, EventStore, Goal, Timer, Writer, Writing
 
 log = logging.getLogger(__name__)
 
@@ -178,3 +181,76 @@ def _give(reply: Reply[None]) -> None:
 
 def _counted(events: Sequence[Event]) -> str:
     return f'{len(events)} events' if len(events) != 1 else 'event'
+
+
+# The work that goes on when the journal cannot be written: cancelling goals, off the record.
+
+
+class Breakdown:
+    """The engine's remaining functions without a journal (semantics 9.1).
+
+    It sends and records nothing. `abort` and the end of the node cancel every goal whose end is
+    not known; every other command is refused.
+    """
+
+    def __init__(
+        self, failure: str, goals: Mapping[str, tuple[e.TaskKey, Goal]], gateway: ActionGateway
+    ) -> None:
+        """Take over the goals of an engine.
+
+        :param failure: why the journal cannot be written
+        :param goals: by their UUID
+        """
+        self._failure = failure
+        self._goals = dict(goals)
+        self._gateway = gateway
+        self._asked: set[str] = set()
+        self.look()
+
+    @property
+    def message(self) -> str:
+        """The error, what happens to the goals, and what to do."""
+        return (
+            f'{self._failure}; nothing is sent any more, {self._of_goals()}. Make room or mend '
+            'the file, and start the orchestrator again: it takes over from the journal'
+        )
+
+    @property
+    def in_flight(self) -> list[str]:
+        """The goals that have not ended, in words."""
+        return [f'{key} (goal {uuid})' for uuid, (key, _) in self._open().items()]
+
+    def answer(self, command: Command) -> Answer:
+        """Cancel every goal, or refuse."""
+        if not cancels_all(command):
+            return Answer(accepted=False, message=self.message)
+        done = self._cancel_all()
+        what = f'Abort by {command.by}' if isinstance(command, Asked) else 'Shutdown'
+        log.error('%s, off the record: %s', what, done)
+        return Answer(
+            accepted=True,
+            message=f'{done}; this is not on record: {self._failure}. Make room or mend the file, '
+            'start the orchestrator again and say abort once more: it does not know of this one',
+        )
+
+    def look(self) -> None:
+        """Note which goals have ended; nothing else drains the gateway any more."""
+        self._gateway.drain()
+        self._goals = self._open()
+
+    def _cancel_all(self) -> str:
+        found = self._open()
+        for _, goal in found.values():
+            goal.cancel()
+        self._asked.update(found)
+        number = len(found)
+        return f'{number} goal{"s are" if number != 1 else " is"} being cancelled'
+
+    def _open(self) -> dict[str, tuple[e.TaskKey, Goal]]:
+        return {uuid: flight for uuid, flight in self._goals.items() if flight[1].end is None}
+
+    def _of_goals(self) -> str:
+        if not self._asked:
+            return 'what runs goes on to its end unless abort cancels it'
+        left = len(self._asked & self._open().keys())
+        return f'{len(self._asked)} asked to cancel without a record, {left} of them not ended'

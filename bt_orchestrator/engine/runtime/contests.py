@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from datetime import datetime, timezone
 
-from bt_orchestrator.engine.runtime.looks import in_utc, to_be_named
+from bt_orchestrator.engine.runtime.cell_commands import RESUME
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.contest import Contest
-from bt_orchestrator.model.goal import SeenContest
-from bt_orchestrator.model.pauses import UNKNOWN_GOAL
+from bt_orchestrator.model.goal import Contest, SeenContest
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.stop_reason import UNKNOWN_GOAL
 from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import Servers
 
@@ -55,3 +55,21 @@ def _message(state: CellState, news: SeenContest, goal: str) -> str:
     action = state.cell.components[news.component].action
     server = f'{action} at {news.node}' if news.node else action
     return sentence('unknown_goal', server=server, goal=goal, time=in_utc(news.before[goal]))
+
+
+# Holds that ask an operator to check the line (semantics 7.3).
+
+
+def to_be_named(state: CellState, reason: str, message: str) -> e.HoldRaised:
+    """Return a hold of the whole cell that is released only by its name.
+
+    :param reason: one of `model.stop_reason.NAMED`
+    :param message: what the operator has to check
+    """
+    return e.HoldRaised(hold=state.next_hold, reason=reason, message=message, answers=(RESUME,))
+
+
+def in_utc(seconds: float) -> str:
+    """Write a time of the wall clock."""
+    moment = datetime.fromtimestamp(seconds, timezone.utc)
+    return f'{moment:%Y-%m-%d %H:%M:%S} UTC'

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.commands import Command
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.commands import Command, OnRecord, RefusedRequest
 from bt_orchestrator.model.requests import Request, refusal
 from bt_orchestrator.model.state import CellState
 
@@ -42,3 +44,39 @@ def not_allowed(command: Command) -> str | None:
     if request is None or by is None:
         return None
     return refusal(request, by, getattr(command, 'arguments', ()))
+
+
+# The record of every command, carried out or refused: who, from where and why.
+
+
+def decided(word: str, by: By | None, **about: Any) -> Iterator[e.Event]:
+    """Yield the record of a command that is carried out; it precedes the command's events.
+
+    :param about: the field that names its subject
+    """
+    if by is not None:
+        yield e.OperatorDecided(answer=word, **_said(by), **about)
+
+
+def refused(command: OnRecord, why: CommandRefused) -> Iterator[e.OperatorRefused]:
+    """Yield the record of a refused command, one for each order that it names."""
+    if command.by is None:
+        return
+    word = command.verb if isinstance(command, RefusedRequest) else command.request.word
+    names = getattr(command, 'names', ())
+    about = [{'job': name} if name else {} for name in names] or [dict(command.about)]
+    messages = (names and why.each) or [str(why)] * len(about)
+    for subject, message in zip(about, messages, strict=True):
+        yield e.OperatorRefused(command=word, **_said(command.by), **subject, message=message)
+
+
+def _said(by: By) -> dict[str, Any]:
+    """Return the recorded fields of the sender."""
+    return {
+        'who': by.who,
+        'origin': by.origin,
+        'reason': by.reason,
+        'role': by.role.value,
+        'known': by.known.value,
+        'claims': by.claims,
+    }

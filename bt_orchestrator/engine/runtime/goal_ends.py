@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bt_orchestrator.engine.runtime.feedback import feedback_text
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.action_type import TASK_RESULT
-from bt_orchestrator.model.controller_words import controller_words
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.failures import ABORT
-from bt_orchestrator.model.goal import GoalEnd, GoalStatus, Reason
-from bt_orchestrator.model.judging.serials import serial_in, too_long, why_duplicate
-from bt_orchestrator.model.judging.verdict import why_refused
+from bt_orchestrator.model.goal import GoalEnd, GoalStatus, Reason, controller_words
+from bt_orchestrator.model.judging.results import serial_in, too_long, why_duplicate, why_refused
 from bt_orchestrator.model.limits import (
     LAST_FEEDBACK_BYTES,
     MESSAGE,
     RESULT_BYTES,
     cut,
+    rough_size,
+    shortened,
     without_longest,
 )
 from bt_orchestrator.model.state import CellState, TaskState
@@ -135,3 +135,19 @@ def _reason(task: TaskState, end: GoalEnd) -> Reason:
     if end.status in (GoalStatus.CANCELED, GoalStatus.ABORTED):
         return _OF_CANCEL.get(task.cancel_cause or '', _REASONS[end.status])
     return _REASONS[end.status]
+
+
+# The last feedback of a goal as text.
+
+
+def feedback_text(feedback: Mapping[str, Any] | None, most: int) -> str:
+    """Return feedback as one JSON object of about `most` bytes; empty: there is none.
+
+    Of a longer one, long fields are shortened, with a mark.
+    """
+    if feedback is None:
+        return ''
+    if rough_size(feedback) > most:
+        share = most // max(1, len(feedback))
+        feedback = {name: shortened(value, share) for name, value in feedback.items()}
+    return json_of(feedback)

@@ -1,17 +1,25 @@
-"""The status of a job: its place, its counts, its initialization."""
+"""The status of a job: place, counts, tasks in flight, and why its end cannot be expected."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from itertools import takewhile
 
-from bt_orchestrator.engine.runtime.ends_unknown import Unknown
-from bt_orchestrator.engine.runtime.tasks_in_flight import TasksInFlight
-from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.engine.runtime.engine import Engine, Goals
+from bt_orchestrator.engine.runtime.goal_ends import feedback_text
+from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
+from bt_orchestrator.engine.runtime.stands import obstacles
+from bt_orchestrator.model.events import INDEX_KEY, TaskKey
+from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.jobs.isa95 import job_word
 from bt_orchestrator.model.jobs.needs import awaited_by
-from bt_orchestrator.model.passed import passed_task
-from bt_orchestrator.model.state import CellState, JobState, PassedTask, Phase
-from bt_orchestrator.model.status import JobStatus
+from bt_orchestrator.model.limits import FEEDBACK_BYTES
+from bt_orchestrator.model.state import CellState, JobState, PassedTask, Phase, TaskState
+from bt_orchestrator.model.status import JobStatus, TaskStatus
+from bt_orchestrator.model.task_spans import passed_task
+from bt_orchestrator.model.wait import StandCause, Stands
 
 
 def job_status(
@@ -90,3 +98,121 @@ def _prepared(state: CellState, job: JobState) -> tuple[PassedTask, ...]:
         (task.id, state.tasks.get(TaskKey(job.job.id, None, None, task.id))) for task in tasks
     ]
     return tuple(passed_task(id_, one) for id_, one in ended if one and one.phase is Phase.DONE)
+
+
+# Why the end of a job cannot be expected: somebody has to do something first.
+
+_KNOWN = (StandCause.RETRY_DELAY, StandCause.JOB_START)
+"""Causes of a standstill whose end is known."""
+
+
+class Unknown:
+    """Says for each job of one status why its end is unknown."""
+
+    def __init__(self, state: CellState, stands: Stands | None) -> None:
+        """Look at what keeps all jobs.
+
+        :param stands: why the cell stands; None: something moves
+        """
+        self._state = state
+        self._of_all = _of_all(state, stands)
+
+    def why(self, job: JobState) -> str:
+        """Say why the end of a job is unknown; empty: nothing speaks against it."""
+        if job.ended_at is not None:
+            return ''
+        return self._of_all or self._of_job(job) or self._of_those_before(job)
+
+    def _of_job(self, job: JobState) -> str:
+        name = job.job.id
+        if job.started:
+            lacks = ' and '.join(awaited_by(self._state, job))
+            if job.paused and job.cycles_left:
+                return f'{name} is paused'
+            return f'{name} needs {lacks}, which is out of service' if lacks else ''
+        return '; '.join(
+            f'{name} {words}' for cause, words in obstacles(job) if cause not in _KNOWN
+        )
+
+    def _of_those_before(self, job: JobState) -> str:
+        """Say what keeps a job on the line before this one."""
+        before = takewhile(lambda one: one is not job, self._state.jobs.line.values())
+        return next(filter(None, map(self._of_job, before)), '')
+
+
+def _of_all(state: CellState, stands: Stands | None) -> str:
+    if stands is not None and stands.cause is StandCause.JOURNAL:
+        return stands.reason
+    if stands is not None and state.has_work and stands.cause not in _KNOWN:
+        return stands.reason
+    if state.holds:
+        return hold_wait_words(state.holds.values())
+    if state.stopped_by is not None:
+        return f'{state.stopped_by}'
+    return ''
+
+
+# The tasks with a goal in flight, as a status shows them.
+
+
+class TasksInFlight:
+    """All of them at one moment, by place."""
+
+    def __init__(self, engine: Engine, durations: ObservedDurations) -> None:
+        self._engine = engine
+        self._durations = durations
+
+    def of_belt(self) -> tuple[TaskStatus, ...]:
+        """Return the belt's own move."""
+        return self._of([INDEX_KEY])
+
+    def of_section(self, number: int) -> tuple[TaskStatus, ...]:
+        """Return the tasks of a section."""
+        return self._of(self._by_section.get(number, ()))
+
+    def of_initialization(self, job: JobState) -> tuple[TaskStatus, ...]:
+        """Return the initialization tasks of a job."""
+        tasks = job.job.script.initialization if job.started else ()
+        return self._of(TaskKey(job.job.id, None, None, task.id) for task in tasks)
+
+    @cached_property
+    def _by_section(self) -> Mapping[int | None, Sequence[TaskKey]]:
+        found: dict[int | None, list[TaskKey]] = defaultdict(list)
+        for key in self._engine.state.running:
+            found[key.section].append(key)
+        return found
+
+    def _of(self, keys: Iterable[TaskKey]) -> tuple[TaskStatus, ...]:
+        running = self._engine.state.running
+        return tuple(self._status(key, running[key]) for key in keys if key in running)
+
+    def _status(self, key: TaskKey, progress: TaskState) -> TaskStatus:
+        state = self._engine.state
+        task, conveyor = state.task(key), state.cell.conveyor
+        name = task.name if task else conveyor.task
+        component = task.component if task else conveyor.component.name
+        return TaskStatus(
+            id=key.task,
+            name=name,
+            component=component,
+            action=task.action if task else conveyor.component.action,
+            attempt=progress.attempt,
+            goal=progress.goal or '',
+            started=progress.started,
+            expected_s=self._expected_s(component, name),
+            feedback=feedback_of(self._engine.flights, progress.goal),
+            round=state.round(key),
+        )
+
+    def _expected_s(self, component: str, name: str) -> float | None:
+        observed_s = self._durations.usual_s(component, name)
+        if observed_s is not None:
+            return observed_s
+        known = self._engine.state.cell.components.get(component)
+        return None if known is None else known.duration_s(name)
+
+
+def feedback_of(flights: Goals, goal: str | None) -> str:
+    """Return the last feedback of a goal as a JSON object, shortened if it is long."""
+    flight = flights.goal(goal) if goal else None
+    return feedback_text(flight.feedback, FEEDBACK_BYTES) if flight else ''

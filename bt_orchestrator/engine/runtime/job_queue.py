@@ -9,8 +9,7 @@ from operator import add
 
 from bt_orchestrator.base.errors import CommandRefused, counted
 from bt_orchestrator.engine.runtime import listed_jobs, orders
-from bt_orchestrator.engine.runtime.command_record import decided
-from bt_orchestrator.engine.runtime.deciding import Decided, decides
+from bt_orchestrator.engine.runtime.deciding import Decided, decided, decides
 from bt_orchestrator.engine.runtime.lifecycle import transition
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
@@ -38,7 +37,7 @@ from bt_orchestrator.model.requests import (
 )
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.state.proposed import refused_order
-from bt_orchestrator.model.wish import AFTER, NEVER, STOP_AFTER, way_to_work
+from bt_orchestrator.model.stop_reason import AFTER, NEVER, STOP_AFTER, way_to_work
 
 Events = Iterator[e.Event]
 

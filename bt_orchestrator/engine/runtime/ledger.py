@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from bt_orchestrator.engine.runtime.delays import Delays
-from bt_orchestrator.engine.runtime.wall_clock import STEP_S, WallClock
 from bt_orchestrator.model.events import ClockStepped, Event, TaskKey
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.state import CellState
@@ -106,7 +105,7 @@ class Ledger:
         state, wall = self.state, self._wall
         before = state.clock
         step_s = step_between(before, self._clock.now(), self._clock.uptime())
-        if before is None or abs(step_s) < STEP_S:
+        if before is None or abs(step_s) < CLOCK_STEP_S:
             return
         step_s = min(step_s, wall.now - state.time)  # uptimes are rounded
         up_s = before.up.seconds + state.time - before.wall
@@ -161,3 +160,39 @@ class Ledger:
     def _expire(self, time: float) -> None:
         del self._armed[time]
         self._on_time()
+
+
+# Detecting that the wall clock was set (semantics 2.4).
+
+CLOCK_STEP_S = 1.0
+"""A smaller step counts as slewing; NTP corrections of a slow or fast clock are far smaller."""
+
+
+class WallClock:
+    """Compares how far the wall clock and the steady clock have moved since the last look.
+
+    So a slewed clock is followed. A step of less than CLOCK_STEP_S counts as slewing.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._now, self._steady = clock.now, clock.steady
+        self.now = 0.0
+        """As it was at the last look."""
+        self.steady = 0.0
+        """The steady clock at the last look."""
+        self._ahead_s = self._look()
+
+    def step_s(self) -> float:
+        """Return by how many seconds it was set since the last look; 0.0: it was not set."""
+        ahead_s = self._look()
+        if -CLOCK_STEP_S < ahead_s - self._ahead_s < CLOCK_STEP_S:
+            self._ahead_s = ahead_s
+            return 0.0
+        # Read again: the process may have been suspended between the two readings.
+        ahead_s = self._look()
+        step_s, self._ahead_s = ahead_s - self._ahead_s, ahead_s
+        return step_s if abs(step_s) >= CLOCK_STEP_S else 0.0
+
+    def _look(self) -> float:
+        self.now, self.steady = self._now(), self._steady()
+        return self.now - self.steady

@@ -10,6 +10,7 @@ from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.engine.runtime.deciding import Decided, decides
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.failures import (
     ABORT_JOB,
@@ -25,13 +26,12 @@ from bt_orchestrator.model.failures import (
 )
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.jobs.setups import changes_for
-from bt_orchestrator.model.judging.serials import serial_in, too_long
+from bt_orchestrator.model.judging.results import serial_in, too_long
 from bt_orchestrator.model.limits import listed
-from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.requests import ACKNOWLEDGE, ANSWERS, COMMENT, REMOVE_ITEM, Asked
-from bt_orchestrator.model.requests.reader import offer_words
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.requests.offers import offer_words
 from bt_orchestrator.model.state import CellState, Hold, Phase
+from bt_orchestrator.model.stop_reason import release_command
 
 
 @decides(*ANSWERS.values())

@@ -18,16 +18,15 @@ from collections.abc import Callable, Iterator, Sequence
 from bt_orchestrator.base.errors import JournalFailed, OrchestratorError
 from bt_orchestrator.base.replies import begin
 from bt_orchestrator.engine.runtime import job_queue, lifecycle
-from bt_orchestrator.engine.runtime.breakdown import Breakdown
-from bt_orchestrator.engine.runtime.commits import PATIENCE_S, Commits
+from bt_orchestrator.engine.runtime.commits import PATIENCE_S, Breakdown, Commits
 from bt_orchestrator.engine.runtime.contests import restarted
 from bt_orchestrator.engine.runtime.deciding import not_allowed
 from bt_orchestrator.engine.runtime.flights import CARRIED_OUT, Flights
 from bt_orchestrator.engine.runtime.inbox import Inbox
 from bt_orchestrator.engine.runtime.ledger import Ledger, Notice
+from bt_orchestrator.engine.runtime.lifecycle import Starvation
+from bt_orchestrator.engine.runtime.orders import Starts
 from bt_orchestrator.engine.runtime.recovery import Found, restore, take_over
-from bt_orchestrator.engine.runtime.starts import Starts
-from bt_orchestrator.engine.runtime.starvation import Starvation
 from bt_orchestrator.engine.runtime.writers import WritesAtOnce
 from bt_orchestrator.engine.tree.blackboard import BlackboardProjection
 from bt_orchestrator.engine.tree.compile import CellTree

@@ -4,33 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from bt_orchestrator.engine.runtime.ends_unknown import Unknown
 from bt_orchestrator.engine.runtime.engine import Engine
-from bt_orchestrator.engine.runtime.job_overview import job_status
+from bt_orchestrator.engine.runtime.job_overview import (
+    TasksInFlight,
+    Unknown,
+    feedback_of,
+    job_status,
+)
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
-from bt_orchestrator.engine.runtime.section_overview import section_status
 from bt_orchestrator.engine.runtime.stands import Standstill
-from bt_orchestrator.engine.runtime.tasks_in_flight import TasksInFlight, feedback_of
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Cell, Component
-from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.setups import known
 from bt_orchestrator.model.limits import ENDED_SHOWN, QUEUE_SHOWN
 from bt_orchestrator.model.requests import Request, of_cell
-from bt_orchestrator.model.roles import Role
-from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.state import CellState, Finished, ItemState, JobState, SectionState
 from bt_orchestrator.model.status import (
     BeltStatus,
     CellDescription,
     CellStatus,
     ComponentDescription,
     ComponentStatus,
+    FinishedCycle,
     FlagStatus,
+    ItemStatus,
     JobStatus,
+    SectionStatus,
 )
-from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.stop_reason import StopReason, way_to_work
+from bt_orchestrator.model.task_spans import passed_tasks
 from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait, Wait
 from bt_orchestrator.model.waits.waiting import by_part, together
-from bt_orchestrator.model.wish import way_to_work
 from bt_orchestrator.model.words import Words, facts_of
 
 _NO_ENDS: Mapping[str, float] = {}
@@ -202,3 +207,37 @@ def description_of(cell: Cell) -> CellDescription:
             for one in cell.components.values()
         ),
     )
+
+
+# The status of a section: its slot, its current cycle, and what it finished in this beat.
+
+
+def section_status(
+    state: CellState, section: SectionState, in_flight: TasksInFlight, waits: tuple[Wait, ...]
+) -> SectionStatus:
+    """Return the status of a section.
+
+    :param waits: why it waits
+    """
+    slot, cycle = state.slot(section.number), section.cycle
+    finished = section.finished if state.belt_carries else None
+    passed, failed = passed_tasks(state, section.number, cycle) if cycle else ((), ())
+    return SectionStatus(
+        number=section.number,
+        slot=None if slot is None else _item(slot),
+        job=cycle.job if cycle else '',
+        item=_item(state.items[cycle.item]) if cycle else None,
+        running=in_flight.of_section(section.number),
+        passed=passed,
+        failed=failed,
+        waits=waits,
+        finished=_finished(finished) if finished else None,
+    )
+
+
+def _item(item: ItemState) -> ItemStatus:
+    return ItemStatus(item.id, item.present, item.rejected, tuple(item.nonconforming))
+
+
+def _finished(finished: Finished) -> FinishedCycle:
+    return FinishedCycle(finished.job, finished.item, finished.passed, finished.failed)

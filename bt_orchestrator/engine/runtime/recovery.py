@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from bt_orchestrator import model
 from bt_orchestrator.base.errors import DamagedRecord, JournalMismatch, JournalUnusable
-from bt_orchestrator.engine.runtime.looks import in_utc, to_be_named
+from bt_orchestrator.engine.runtime.contests import in_utc, to_be_named
 from bt_orchestrator.engine.runtime.service import without_component
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
@@ -21,8 +21,8 @@ from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.keeping.snapshot import state_from_plain
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.pauses import MISSING, RESTARTED, RESTORED
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.stop_reason import MISSING, RESTARTED, RESTORED
 from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import EventStore, Snapshot
 

@@ -6,7 +6,7 @@ from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.engine.runtime.deciding import Decided, decides
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.jobs.releases import is_released
+from bt_orchestrator.model.jobs.needs import is_released
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.requests import RELEASE_SCRIPT, Asked
 from bt_orchestrator.model.state import CellState

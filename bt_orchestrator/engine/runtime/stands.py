@@ -12,11 +12,9 @@ from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.stands import StandCause, Stands
 from bt_orchestrator.model.state import CellState, Hold, JobState
-from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.model.wait import GRAVE, PartWait, WaitKind
-from bt_orchestrator.model.wish import way_to_work
+from bt_orchestrator.model.stop_reason import StopReason, way_to_work
+from bt_orchestrator.model.wait import GRAVE, PartWait, StandCause, Stands, WaitKind
 
 TOLD_AFTER_S = 1.0
 """How long nothing moves before a standstill is reported: between two goals nothing moves for a

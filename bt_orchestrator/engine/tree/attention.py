@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+from bt_orchestrator.engine.tree.belt import Turns
 from bt_orchestrator.engine.tree.sharing import BELT, Concern, Part, Parts, Sharing
-from bt_orchestrator.engine.tree.turns import Turns
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.events.tasks import TASK_EVENTS
 from bt_orchestrator.model.state import CellState

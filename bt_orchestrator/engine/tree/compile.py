@@ -19,7 +19,7 @@ from py_trees.common import Status
 from py_trees.composites import Composite
 
 from bt_orchestrator.engine.tree.attention import Attention, Notice
-from bt_orchestrator.engine.tree.belt import TurnsComplete
+from bt_orchestrator.engine.tree.belt import Turns, TurnsComplete
 from bt_orchestrator.engine.tree.guards import (
     ConveyorGuard,
     FlagGuard,
@@ -28,7 +28,6 @@ from bt_orchestrator.engine.tree.guards import (
     ZoneGuard,
 )
 from bt_orchestrator.engine.tree.leaf import ActionLeaf
-from bt_orchestrator.engine.tree.pages import Page, detach, is_long, paged
 from bt_orchestrator.engine.tree.policies import (
     Conditional,
     OnFailureDecorator,
@@ -37,11 +36,19 @@ from bt_orchestrator.engine.tree.policies import (
     Verdict,
 )
 from bt_orchestrator.engine.tree.root import CellRoot
-from bt_orchestrator.engine.tree.section import CompleteCycle, CycleOf, ReleaseConveyor, Section
+from bt_orchestrator.engine.tree.section import (
+    CompleteCycle,
+    CycleOf,
+    Page,
+    ReleaseConveyor,
+    Section,
+    detach,
+    is_long,
+    paged,
+)
 from bt_orchestrator.engine.tree.sharing import BELT, INITIALIZATION
 from bt_orchestrator.engine.tree.subject import Recorder, Subject
 from bt_orchestrator.engine.tree.ticking import AtOnce, InOrder, Ticked
-from bt_orchestrator.engine.tree.turns import Turns
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.script import SectionList, Step, Task, index_task
 from bt_orchestrator.model.state import JobState

@@ -12,9 +12,8 @@ from __future__ import annotations
 from py_trees.common import Status
 
 from bt_orchestrator.engine.tree.blackboard import name_keys
-from bt_orchestrator.engine.tree.subject import Recorder, Subject, is_done
+from bt_orchestrator.engine.tree.subject import Recorder, Subject, Waiter, is_done
 from bt_orchestrator.engine.tree.ticking import Ticked, Wrapper, invalidate
-from bt_orchestrator.engine.tree.waiter import Waiter
 from bt_orchestrator.model.cell import StateTopic
 from bt_orchestrator.model.jobs.initialization import Preparation
 from bt_orchestrator.model.script import Dependency, Step

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from py_trees.common import Status
 
-from bt_orchestrator.engine.tree.subject import Subject
+from bt_orchestrator.engine.tree.subject import Subject, Waiter
 from bt_orchestrator.engine.tree.ticking import Ticked
-from bt_orchestrator.engine.tree.waiter import Waiter
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.failures import RETRY, worded

@@ -5,14 +5,13 @@ from __future__ import annotations
 from py_trees.common import Status
 
 from bt_orchestrator.base.errors import MissingResult
-from bt_orchestrator.engine.tree.subject import Subject
+from bt_orchestrator.engine.tree.subject import Subject, Waiter
 from bt_orchestrator.engine.tree.ticking import Ticked, Wrapper
-from bt_orchestrator.engine.tree.waiter import Waiter
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model import failures
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.judging.verdict import found_words
+from bt_orchestrator.model.judging.results import found_words
 from bt_orchestrator.model.script import Repeat
 from bt_orchestrator.model.waits.starting import stopped_task
 

@@ -8,15 +8,11 @@ from typing import Protocol
 from bt_orchestrator.base.errors import MissingResult
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.condition import Condition, holds
-from bt_orchestrator.model.judging.verdict import with_bounds
+from bt_orchestrator.model.judging.results import with_bounds
 from bt_orchestrator.model.reference import Scope, look_up
 from bt_orchestrator.model.script import Task
-from bt_orchestrator.model.state import (
-    CellState,
-    Cycle,
-    Phase,
-    TaskState,
-)
+from bt_orchestrator.model.state import CellState, Cycle, Phase, TaskState
+from bt_orchestrator.model.wait import Wait
 
 
 class Recorder(Protocol):
@@ -121,3 +117,19 @@ class Subject:
 def is_done(subject: Subject) -> bool:
     """Tell whether the cycle has passed the task."""
     return subject.state.phase(subject.key) is Phase.DONE
+
+
+# Base of waiting behaviours: the wait as data, and as their feedback.
+
+
+class Waiter:
+    """A behaviour that may have to wait; a mixin for py_trees behaviours."""
+
+    wait: Wait | None = None
+    """The cause of its wait in its last tick; None: no wait."""
+    feedback_message: str
+
+    def note(self, wait: Wait | None) -> None:
+        """Store what it waits for, and set the feedback."""
+        self.wait = wait
+        self.feedback_message = '' if wait is None else wait.reason

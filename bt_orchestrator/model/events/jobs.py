@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from bt_orchestrator.model.events.base import Event
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
 from bt_orchestrator.model.script import Script
 
 

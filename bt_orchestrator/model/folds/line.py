@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.counting import NONCONFORMING, kind_of
-from bt_orchestrator.model.passed import passed_tasks
 from bt_orchestrator.model.state import CellState, Cycle, Finished, ItemState
+from bt_orchestrator.model.task_spans import passed_tasks
 
 # --- cycles, flags, the belt ----------------------------------------------------------------
 

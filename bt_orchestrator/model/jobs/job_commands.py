@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, MadeAnew
 from bt_orchestrator.model.requests import ADD, REQUEUE, UPDATE, Request
 
 

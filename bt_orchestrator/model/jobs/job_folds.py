@@ -10,7 +10,7 @@ from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.limits import ENDED_KEPT, RELEASED_KEPT
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, FlagState, JobState, Phase
-from bt_orchestrator.model.wish import STOP_AFTER, Wish
+from bt_orchestrator.model.stop_reason import STOP_AFTER, Wish
 
 
 def script_loaded(event: e.ScriptLoaded, state: CellState) -> None:

@@ -1,14 +1,15 @@
-"""Components that are out of service, and the jobs that need them (semantics 7.5)."""
+"""The needs of jobs: components in service (semantics 7.5), releases of scripts (6.10)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.cell import Cell, Release
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.line import is_done_with
-from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.script import MadeFrom, Script
 from bt_orchestrator.model.state import CellState, JobState, Phase
 
 
@@ -87,3 +88,39 @@ def _still_needed(state: CellState, job: JobState) -> Iterator[str]:
     for number, listed in script.sections.items():
         if not is_done_with(state, state.sections[number], job):
             yield from (task.component for task in listed.tasks)
+
+
+# Releases of generated scripts, and the jobs that wait for one (semantics 6.10).
+
+
+def awaits_release(state: CellState, script: Script) -> bool:
+    """Tell whether a new job of a script has to wait until somebody has released it."""
+    if script.made_from is None or state.cell.release is Release.AUTOMATIC:
+        return False
+    return not is_released(state, digest(script))
+
+
+def is_released(state: CellState, script: str) -> bool:
+    """Tell whether a script is released for this cell.
+
+    :param script: its digest
+    """
+    return digest(state.cell) in state.released.get(script, ())
+
+
+def released_before(state: CellState, made_from: MadeFrom, script: str) -> Script | None:
+    """Return the released script that is taken in place of a new one (semantics 6.11), if any.
+
+    :param script: digest of the new one
+    """
+    if state.cell.release is Release.AUTOMATIC or is_released(state, script):
+        return None
+    kept = reversed(state.released_scripts.items())
+    return next(
+        (
+            one
+            for name, one in kept
+            if is_released(state, name) and made_from.says_the_same(one.made_from)
+        ),
+        None,
+    )

@@ -31,7 +31,7 @@ from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.state.live_jobs import LiveJobs
-from bt_orchestrator.model.wish import STOP_AFTER
+from bt_orchestrator.model.stop_reason import STOP_AFTER
 
 SCALARS = (str, int, float, bool)
 

@@ -1,4 +1,4 @@
-"""The order relations of a line: one graph for all items, of one script or of several.
+"""The operations of a line and their order relations: one graph, of one script or of several.
 
 docs/deadlock_proof.md says why these relations decide.
 """
@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from itertools import product
+from typing import NamedTuple
 
-from bt_orchestrator.model.proof.operations import Operation, Operations, Relation
+from bt_orchestrator.model.script import Dependency, Script, SectionList, Step, Task
 
 
 class Precedence:
@@ -75,3 +77,125 @@ def _of_flags(scripts: Sequence[Operations]) -> Iterator[Relation]:
         if wants.initial or one is other:
             down = one.of_task[wants.downstream]
             yield Relation(other.of_task[adding], down, wants.initial, (adding,), wants)
+
+
+# The operations of one script; each one represents that operation for every item.
+#
+# Only what another section can wait for is an operation: tasks with flags, and their relations to
+# the belt. Everything else in a list takes time, and always ends: it stands in a relation.
+
+
+class Operation(NamedTuple):
+    """Something that a section does once for every item; its moment is when it begins."""
+
+    number: int
+    """Unique; ascending along the belt, and along each list."""
+    section: int
+    task: str = ''
+    """A task with a flag; empty: the begin of a cycle, or a point between two steps."""
+    follows_move: bool = False
+    """It comes after the move that brings its item has begun (semantics 3.3, 3.7)."""
+    at_rest: bool = False
+    """It also comes after the end of that move."""
+
+
+class Relation(NamedTuple):
+    """One operation must come before another."""
+
+    before: Operation
+    after: Operation
+    items: int
+    """Item offset of the second: 0 is the same item, 1 the next one."""
+    tasks: tuple[str, ...] = ()
+    """The operations between the two, one after the other; the task of the first is among them."""
+    dependency: Dependency | None = None
+    """The lateral dependency that requires it; None: a section's list does."""
+
+
+class _Way(NamedTuple):
+    """How far a list, or a track of it, has come."""
+
+    last: Operation
+    tasks: list[str]
+    """Those that run since then; only the owner of the way appends to it."""
+
+
+class Operations:
+    """The operations of a script for one item, and their order."""
+
+    def __init__(self, script: Script, first_number: int = 0) -> None:
+        self.source, self.sink = script.source, script.sink
+        self.all: list[Operation] = []
+        self.begins: dict[int, Operation] = {}
+        """By section: the begin of its cycle."""
+        self.turns: dict[int, Operation] = {}
+        """By section: the operation that completes its turn (semantics 3.5, 3.8)."""
+        self.ends: dict[int, Operation] = {}
+        """By section: the end of its cycle."""
+        self.of_task: dict[str, Operation] = {}
+        self.order: list[Relation] = []
+        """The order required by the lists, for one item."""
+        self.flags = {one.flag: one for one in script.dependencies}
+        self._first_number = first_number
+        self._flagged = {*script.upstream_of, *script.downstream_of}
+        for section in sorted(script.sections):
+            self._add_list(script.sections[section])
+
+    def changed(self, dependency: Dependency) -> Operations:
+        """Return a copy with other counts of one flag."""
+        found = copy(self)
+        found.flags = {**self.flags, dependency.flag: dependency}
+        return found
+
+    def _add_list(self, tasks: SectionList) -> None:
+        section = tasks.section
+        # A source begins ahead of the move, and waits for it where it first needs the belt.
+        begin = self._add(section, follows_move=section != self.source)
+        self.begins[section] = self.turns[section] = begin
+        way, rests = _Way(begin, []), False
+        for count, step in enumerate(tasks.steps, 1):
+            if step.requires_conveyor and not rests:
+                rests = True
+                way = self._join(section, [way], at_rest=True)
+            way = self._add_step(section, step, way)
+            if count == tasks.turn_steps:
+                way = self._point(section, way)
+                self.turns[section] = way.last
+        self.ends[section] = self._point(section, way).last
+
+    def _add_step(self, section: int, step: Step, way: _Way) -> _Way:
+        if len(step.tracks) == 1:
+            return self._add_track(section, step.tracks[0], way)
+        begin = self._point(section, way).last
+        ends = [self._add_track(section, track, _Way(begin, [])) for track in step.tracks]
+        return self._join(section, ends)
+
+    def _add_track(self, section: int, track: Sequence[Task], way: _Way) -> _Way:
+        for task in track:
+            if task.id in self._flagged:
+                operation = self._add(section, task.id)
+                self.of_task[task.id] = operation
+                self._lead([way], operation)
+                way = _Way(operation, [])
+            way.tasks.append(task.id)
+        return way
+
+    def _point(self, section: int, way: _Way) -> _Way:
+        """Return the way from a moment at which nothing of it runs."""
+        return self._join(section, [way]) if way.tasks else way
+
+    def _join(self, section: int, ways: Sequence[_Way], *, at_rest: bool = False) -> _Way:
+        """Add the point at which several ways have ended."""
+        joined = self._add(section, follows_move=at_rest, at_rest=at_rest)
+        self._lead(ways, joined)
+        return _Way(joined, [])
+
+    def _lead(self, ways: Sequence[_Way], to: Operation) -> None:
+        self.order += [Relation(way.last, to, 0, tuple(way.tasks)) for way in ways]
+
+    def _add(
+        self, section: int, task: str = '', *, follows_move: bool = False, at_rest: bool = False
+    ) -> Operation:
+        number = self._first_number + len(self.all)
+        self.all.append(Operation(number, section, task, follows_move, at_rest))
+        return self.all[-1]

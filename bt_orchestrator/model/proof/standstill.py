@@ -13,8 +13,7 @@ from contextlib import suppress
 from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple
 
-from bt_orchestrator.model.proof.operations import Operation
-from bt_orchestrator.model.proof.precedence import Precedence
+from bt_orchestrator.model.proof.precedence import Operation, Precedence
 
 
 class Standstill(NamedTuple):

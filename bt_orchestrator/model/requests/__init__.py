@@ -4,8 +4,7 @@ Verbs, services, help, documentation and permissions come from it. The states in
 possible are not repeated here: `packml`, `job_control` and `failures` decide that.
 """
 
-from bt_orchestrator.model.requests.asking import Asked, BadArguments, about_of, ask
-from bt_orchestrator.model.requests.permission import refusal
+from bt_orchestrator.model.requests.asking import Asked, BadArguments, about_of, ask, refusal
 from bt_orchestrator.model.requests.possible import (
     Addressed,
     answering,

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.job_control import Method
 from bt_orchestrator.model.packml import VERBS, Cause
-from bt_orchestrator.model.roles import Role
 
 _CAUSES: Mapping[str, Cause] = {word: cause for cause, word in VERBS.items()}
 _METHODS: Mapping[str, Method] = {

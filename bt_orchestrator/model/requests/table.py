@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from bt_orchestrator.model import failures
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.job_control import Method
 from bt_orchestrator.model.packml import VERBS, Cause
 from bt_orchestrator.model.requests.request import NAMED, About, Kind, Parameter, Request, Why
-from bt_orchestrator.model.roles import Role
-from bt_orchestrator.model.wish import AFTER, NEVER, STOP_AFTER
+from bt_orchestrator.model.stop_reason import AFTER, NEVER, STOP_AFTER
 
 _ENGINEERS = frozenset({Role.ENGINEER})
 _OPERATORS = frozenset({Role.OPERATE, Role.ENGINEER})

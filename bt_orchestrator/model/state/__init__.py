@@ -1,7 +1,6 @@
 """The state of the cell: plain data, changed by `model.fold` alone and read by everyone."""
 
-from bt_orchestrator.model.state.cell import DERIVED, CellState
-from bt_orchestrator.model.state.hold import Hold
+from bt_orchestrator.model.state.cell import DERIVED, CellState, Hold
 from bt_orchestrator.model.state.jobs import ItemState, JobState, Progress
 from bt_orchestrator.model.state.line import (
     Cycle,

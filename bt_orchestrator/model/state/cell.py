@@ -1,4 +1,4 @@
-"""The state of a cell."""
+"""The state of a cell, and its holds."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
+from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.initialization import Preparation
 from bt_orchestrator.model.judging.used_ids import UsedIds
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
-from bt_orchestrator.model.state.hold import Hold
 from bt_orchestrator.model.state.jobs import ItemState, JobState
 from bt_orchestrator.model.state.line import (
     FlagState,
@@ -24,9 +23,9 @@ from bt_orchestrator.model.state.line import (
 )
 from bt_orchestrator.model.state.live_jobs import LiveJobs
 from bt_orchestrator.model.state.tasks import Phase, TaskState
-from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.stop_reason import NAMED, StopReason, Wish
 from bt_orchestrator.model.uptime import ClockReading
-from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.words import Words
 
 DERIVED: Mapping[str, bool] = {'derived': True}
 """Marks a field of the state that follows from the others, or from the cell file."""
@@ -216,3 +215,63 @@ class CellState:
             item={} if item is None else {'id': item.id, 'number': item.number},
             results={} if item is None else item.results,
         )
+
+
+# A question that waits for an operator.
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Something that waits for an operator (semantics 7.1)."""
+
+    id: str
+    job: str | None
+    section: int | None
+    item: str | None
+    task: str | None
+    reason: str
+    message: str
+    answers: tuple[str, ...]
+    """The possible answers now; they change with the item and its job."""
+    since: float
+    owner: str = ''
+    """The person who paused the cell; empty: not one person."""
+    name: str = ''
+    """Task constant; this and the following are empty, or 0, where no task is held."""
+    component: str = ''
+    action: str = ''
+    attempt: int = 0
+    """Number of the attempt that failed, from 1; 0: none was made."""
+    attempts: int = 0
+    """Attempts that the script allows."""
+    round: int = 0
+    """The number of the further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    message_words: tuple[Words, ...] = ()
+    """Sentences of the node in the message, as facts; empty: they are known in words only."""
+    controller_said: str = ''
+    """Text of the controller's own result, cut."""
+    last_feedback: str = ''
+    """Last feedback of the failed attempt, as one JSON object."""
+    topic_says: str = ''
+    """In doubt after a restart: what the action's status topic says of the goal."""
+    answers_together: tuple[str, ...] = ()
+    """Those that one list may give to several holds (`model.alike`)."""
+    answers_why: str = ''
+    """Why other answers are not offered; empty: nothing is left out."""
+
+    @property
+    def is_pause(self) -> bool:
+        """Tell whether it is about no task and no item, but about the whole cell."""
+        return self.task is None and self.item is None
+
+    @property
+    def must_be_named(self) -> bool:
+        """Tell whether only naming it releases it (semantics 7.3)."""
+        return self.is_pause and self.reason in NAMED
+
+    @property
+    def key(self) -> TaskKey | None:
+        """The task that is held, if it is a task."""
+        if self.task is None:
+            return None
+        return TaskKey(self.job, self.section, self.item, self.task)

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bt_orchestrator.model.jobs.counting import good_of
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, MadeAnew
 
 
 @dataclass

@@ -9,10 +9,8 @@ from collections.abc import Callable, Coroutine, Sequence
 from typing import Any
 
 from bt_orchestrator.ports import CellLink
-from bt_orchestrator.ports.doors.asking_door import AskingDoor
-from bt_orchestrator.ports.doors.doors import Doors
-from bt_orchestrator.ports.doors.facts import Fact
-from bt_orchestrator.ports.doors.following_door import FollowingDoor
+from bt_orchestrator.ports.doors.doors import AskingDoor, Doors
+from bt_orchestrator.ports.doors.following_door import Fact, FollowingDoor
 from bt_orchestrator.ports.doors.open_door import OpenDoor
 from bt_orchestrator.ports.doors.tickets import Tickets
 

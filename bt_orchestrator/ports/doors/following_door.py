@@ -1,4 +1,4 @@
-"""The door that follows the cell, in a thread of its own.
+"""The door that follows the cell, in a thread of its own, and the news that it hands over.
 
 What happens is handed to the loop in batches, and the loop never waits for the node.
 """
@@ -9,14 +9,15 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 from bt_orchestrator.base.errors import NodeUnreachable
+from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import CellLink
-from bt_orchestrator.ports.doors.ending import FAREWELL_S, Ending
-from bt_orchestrator.ports.doors.facts import Began, Fact, Happened, Lost
-from bt_orchestrator.ports.doors.open_door import OpenDoor
+from bt_orchestrator.ports.doors.open_door import FAREWELL_S, Ending, OpenDoor
 
 STEP_S = 0.1
 """Longest time between two looks at whether to end."""
@@ -192,3 +193,38 @@ class FollowingDoor:
 
 def _nothing(*_: object) -> None:
     """Placeholder until somebody listens."""
+
+
+# The news of a cell, in order.
+
+
+@dataclass(frozen=True)
+class Began:
+    """A history, and the event after which its events follow."""
+
+    history: str
+    last: int
+
+
+class Happened:
+    """An event, with its record as JSON once somebody reads it."""
+
+    def __init__(self, event: Event) -> None:
+        self.first = self.last = event.seq
+        self.event = event
+
+    @cached_property
+    def text(self) -> str:
+        """The record."""
+        return to_text(self.event)
+
+
+class Lost:
+    """Events that are lost for good: removed from the journal, or damaged."""
+
+    def __init__(self, first: int, last: int) -> None:
+        self.first = first
+        self.last = last
+
+
+Fact = Began | Happened | Lost | CellStatus

@@ -10,11 +10,10 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from bt_orchestrator.base.errors import NodeUnreachable, OrchestratorError
-from bt_orchestrator.model.by import named
+from bt_orchestrator.model.by import named, ticket_in
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event, OperatorDecided, OperatorRefused
 from bt_orchestrator.model.requests import Asked, Why
-from bt_orchestrator.model.ticket import ticket_in
 from bt_orchestrator.ports import EventPage
 
 LOOK_BACK = 2_000

@@ -13,20 +13,22 @@ from rclpy.node import Node
 
 from bt_orchestrator.model.action_type import TASK, ActionType
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.model.contest import Contest
-from bt_orchestrator.model.goal import WITHDRAWN, GoalEnd, GoalRequest, GoalStatus, SeenContest
+from bt_orchestrator.model.goal import (
+    WITHDRAWN,
+    Contest,
+    GoalEnd,
+    GoalRequest,
+    GoalStatus,
+    SeenContest,
+)
 from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports.news import News
-from bt_orchestrator.ros.actions.fresh_participant import KEPT_FRESH_S
-from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.fresh_participant import KEPT_FRESH_S, RenewableClient
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.goal_follower import GoalFollower
-from bt_orchestrator.ros.actions.open_goals import OpenGoals
-from bt_orchestrator.ros.actions.renewable_client import RenewableClient
-from bt_orchestrator.ros.actions.rivals import RIVALS_FRESH_S, Rivals
-from bt_orchestrator.ros.actions.seen_server import SeenServer
+from bt_orchestrator.ros.actions.open_goals import OpenGoals, RosGoal
+from bt_orchestrator.ros.actions.rivals import RIVALS_FRESH_S, Rivals, Strangers
 from bt_orchestrator.ros.actions.server_watch import ServerWatch
-from bt_orchestrator.ros.actions.strangers import Strangers
 from bt_orchestrator.ros.executor.callbacks import report
 from bt_orchestrator.ros.types.messages import fill, to_plain
 
@@ -233,3 +235,25 @@ class ActionLink:
         if task not in self._type.constants:
             raise ValueError(f'{self._type.name} has no task {task}')
         return self._type.constants[task]
+
+
+# The instance of the server.
+
+
+class SeenServer:
+    """The id of the server's status publisher, as it was seen last."""
+
+    def __init__(self, clients: RenewableClient) -> None:
+        self._clients = clients
+        self._id: str | None = None
+
+    @property
+    def id(self) -> str | None:
+        """The id; None: no server was there, or more than one."""
+        if self._id is None:
+            self.look()
+        return self._id
+
+    def look(self) -> None:
+        """Look again; to be called once a second, as each look takes a while."""
+        self._id = self._clients.current.status.publisher_id()

@@ -13,10 +13,10 @@ from bt_orchestrator.ports import ActionTypes, Told
 from bt_orchestrator.ports.news import News
 from bt_orchestrator.ros.actions.action_link import ActionLink
 from bt_orchestrator.ros.actions.fresh_participant import FreshParticipants
-from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.open_goals import RosGoal
 from bt_orchestrator.ros.actions.state_watch import StateWatch
+from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.executor.callbacks import guarded
-from bt_orchestrator.ros.executor.timers import steady_timer
 from bt_orchestrator.ros.types.interface_classes import action_class
 
 _POLL_PERIOD_S = 0.1

@@ -15,11 +15,9 @@ from rclpy.qos import QoSProfile
 from rclpy.type_support import check_for_type_support
 from unique_identifier_msgs.msg import UUID
 
-from bt_orchestrator.ros.actions.last_message import LastMessage
 from bt_orchestrator.ros.actions.questions import Answered, Question, Questions
-from bt_orchestrator.ros.actions.server_status import ServerStatus
-from bt_orchestrator.ros.executor.handles import count_services
-from bt_orchestrator.ros.executor.parted import PartedWaitable
+from bt_orchestrator.ros.actions.server_status import LastMessage, ServerStatus
+from bt_orchestrator.ros.executor.handles import PartedWaitable, count_services
 
 
 class GoalClient(PartedWaitable):

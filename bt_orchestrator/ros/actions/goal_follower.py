@@ -12,10 +12,9 @@ from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from bt_orchestrator.model.goal import REQUEST_CHECKS, RESULT_CHECK_S, GoalStatus
 from bt_orchestrator.model.words import sentence
-from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.fresh_participant import RenewableClient
 from bt_orchestrator.ros.actions.goal_client import GoalClient
-from bt_orchestrator.ros.actions.open_goals import GIVEN_UP, OpenGoals
-from bt_orchestrator.ros.actions.renewable_client import RenewableClient
+from bt_orchestrator.ros.actions.open_goals import GIVEN_UP, OpenGoals, RosGoal
 from bt_orchestrator.ros.actions.rivals import Rivals
 from bt_orchestrator.ros.executor.callbacks import report
 from bt_orchestrator.ros.types.messages import to_plain

@@ -7,8 +7,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from bt_orchestrator.ros.executor.handles import service_client
-from bt_orchestrator.ros.executor.parted import Call
+from bt_orchestrator.ros.executor.handles import Call, service_client
 
 Answered = Callable[[Any], None]
 """Gets the response."""

@@ -7,12 +7,11 @@ from typing import Any
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from rclpy.node import Node
-from rclpy.qos import qos_profile_action_status_default
+from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from unique_identifier_msgs.msg import UUID
 
-from bt_orchestrator.ros.actions.last_message import LastMessage
-from bt_orchestrator.ros.executor.handles import publisher_ids
+from bt_orchestrator.ros.executor.handles import publisher_ids, subscription
 
 _ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
 
@@ -99,3 +98,36 @@ class ServerStatus:
             self._listed = {goal: one.status for goal, one in infos}
             self._stamps = {goal: one.goal_info.stamp for goal, one in infos}
         return self._listed
+
+
+# A topic whose last message only is read, and only on demand.
+
+
+class LastMessage:
+    """A subscription outside the wait set: its last message stays until it is read."""
+
+    def __init__(self, node: Node, message_class: Any, topic: str, qos: QoSProfile) -> None:
+        """Subscribe; the topic's name is remapped as any other.
+
+        :param qos: of depth 1
+        """
+        self._class = message_class
+        self._handle = subscription(node, message_class, topic, qos)
+        self._last: Any = None
+
+    @property
+    def publishers(self) -> int:
+        """How many are connected; costs next to nothing."""
+        with self._handle:
+            return int(self._handle.get_publisher_count())
+
+    def read(self) -> Any:
+        """Return the last message, the same one again until another came; None: none came."""
+        with self._handle:
+            while (taken := self._handle.take_message(self._class, False)) is not None:
+                self._last = taken[0]
+        return self._last
+
+    def destroy(self) -> None:
+        """End the subscription."""
+        self._handle.destroy_when_not_in_use()

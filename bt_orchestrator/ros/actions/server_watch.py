@@ -8,11 +8,10 @@ from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from bt_orchestrator.model.goal import RESULT_CHECK_S, SILENCE_S, GoalStatus
 from bt_orchestrator.model.words import sentence
-from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.fresh_participant import RenewableClient
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.goal_follower import GoalFollower
-from bt_orchestrator.ros.actions.open_goals import OpenGoals
-from bt_orchestrator.ros.actions.renewable_client import RenewableClient
+from bt_orchestrator.ros.actions.open_goals import OpenGoals, RosGoal
 from bt_orchestrator.ros.actions.rivals import Rivals
 
 

@@ -1,4 +1,4 @@
-"""One timer of a node for any number of deadlines."""
+"""One timer of a node for any number of deadlines, in real time, whoever sets the clock."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ import time
 from collections.abc import Callable
 from functools import partial
 
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.node import Node
+from rclpy.timer import Timer
 
 from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, Deadlines
 from bt_orchestrator.ros.executor.callbacks import guarded
-from bt_orchestrator.ros.executor.timers import MakeTimer, steady_timer
 
 _FAR_S = 3600.0
 """First period of the timer, which is never waited for."""
@@ -75,3 +77,18 @@ class Alarms:
         self._armed_ns = due_ns
         self._timer.timer_period_ns = max(due_ns - self._now_ns(), 0)
         self._timer.reset()
+
+
+# Timers that ring in real time, whoever sets the clock.
+
+MakeTimer = Callable[[float, Callable[[], None]], Timer]
+"""Makes a timer from its period in seconds and its callback."""
+
+
+def steady_timer(node: Node, period_s: float, callback: Callable[[], None]) -> Timer:
+    """Make a timer of a node on the steady clock.
+
+    A timer on the clock of a node goes by the wall clock: set an hour back, it is silent for that
+    hour. With `use_sim_time` it stands while nobody publishes the time.
+    """
+    return node.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))

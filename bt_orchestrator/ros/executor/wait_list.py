@@ -13,7 +13,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.waitable import NumberOfEntities
 
-from bt_orchestrator.ros.executor.parted import Part, PartedWaitable
+from bt_orchestrator.ros.executor.handles import Part, PartedWaitable
 
 WAITABLE = 'waitable'
 """Several entities that are asked together, such as an action server."""

@@ -9,10 +9,9 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
-from bt_orchestrator.ros.inspection import blackboard_view
-from bt_orchestrator.ros.inspection.attachment import Attachment, to_end_for_another
+from bt_orchestrator.ros.inspection import snapshot_source
 from bt_orchestrator.ros.inspection.snapshot_source import SnapshotSource
-from bt_orchestrator.ros.inspection.topic_names import TopicNames
+from bt_orchestrator.ros.inspection.streams import Attachment, TopicNames, to_end_for_another
 
 TEXT = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 
@@ -107,14 +106,14 @@ class BlackboardStreams:
         stream.publisher.publish(String(data=text))
 
     def _values(self, view: View) -> list[tuple[str, str]]:
-        names: Sequence[str] = view.variables or blackboard_view.variables()
+        names: Sequence[str] = view.variables or snapshot_source.blackboard_variables()
         if view.only_visited:
             visited = self._source.visited_keys
-            names = [name for name in names if blackboard_view.key_of(name) in visited]
-        return blackboard_view.values(names)
+            names = [name for name in names if snapshot_source.key_of(name) in visited]
+        return snapshot_source.blackboard_values(names)
 
 
-def _line(item: blackboard_view.Activity) -> tuple[str, str]:
+def _line(item: snapshot_source.Activity) -> tuple[str, str]:
     values = [value for value in (item.previous_value, item.current_value) if value != 'None']
     return item.key, f'{item.activity_type:<12} {item.client_name}  {" -> ".join(values)}'.rstrip()
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from py_trees_ros_interfaces import srv
@@ -11,16 +13,14 @@ from rclpy.node import Node
 
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.ports.spare_log import SpareLog
+from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.executor.callbacks import guarded, report
-from bt_orchestrator.ros.executor.timers import steady_timer
-from bt_orchestrator.ros.inspection import blackboard_view
+from bt_orchestrator.ros.inspection import snapshot_source
 from bt_orchestrator.ros.inspection.blackboard_streams import BlackboardStreams, View
-from bt_orchestrator.ros.inspection.blackboard_view import ActivityLog
-from bt_orchestrator.ros.inspection.pace import Pace
 from bt_orchestrator.ros.inspection.parameters import DefaultStream, declare_default_stream
-from bt_orchestrator.ros.inspection.snapshot_source import SnapshotSource
+from bt_orchestrator.ros.inspection.snapshot_source import ActivityLog, SnapshotSource
 from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, StreamParameters
-from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
+from bt_orchestrator.ros.inspection.streams import StreamRefused
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.services.patient_service import create_patient_service
 
@@ -93,7 +93,7 @@ class InspectionServer:
     # --- blackboard ---------------------------------------------------------------------------
 
     def _get_variables(self, _request: Any, response: Any) -> None:
-        response.variables = blackboard_view.variables()
+        response.variables = snapshot_source.blackboard_variables()
 
     def _open_text(self, request: Any, response: Any) -> None:
         view = View(
@@ -134,3 +134,44 @@ def _parameters(request: Any) -> StreamParameters:
     return StreamParameters(
         wanted.snapshot_period, wanted.blackboard_data, wanted.blackboard_activity
     )
+
+
+# How much of the thread's time publishing for watchers may take.
+
+SHARE = 0.05
+"""Largest part of the thread's time that publishing may take: a large tree is shown less often."""
+
+AFTER_ERROR_S = 1.0
+"""When to try again after a turn that failed."""
+
+
+class Pace:
+    """Says after each turn when the next one may begin.
+
+    What a turn has taken is counted in time of the processor. By the clock it may have taken a
+    hundred times as long, where other programs had their turn meanwhile; after a pause of twenty
+    times that, watchers would have missed whole jobs.
+    """
+
+    def __init__(self, used_s: Callable[[], float] = time.thread_time) -> None:
+        """Allow a turn.
+
+        :param used_s: returns the seconds that the processor has worked for this thread
+        """
+        self._used_s = used_s
+        self._resume_at = -math.inf
+
+    def may_begin(self, now: float) -> bool:
+        """Tell whether a turn may begin.
+
+        :param now: seconds, of a clock that does not jump
+        """
+        return now >= self._resume_at
+
+    @contextmanager
+    def turn(self, now: float) -> Iterator[None]:
+        """Count what is done within as a turn that began now."""
+        self._resume_at = now + AFTER_ERROR_S
+        used_s = self._used_s()
+        yield
+        self._resume_at = now + (self._used_s() - used_s) / SHARE

@@ -8,11 +8,14 @@ from typing import Any, NamedTuple
 from py_trees_ros_interfaces.msg import BehaviourTree
 from rclpy.node import Node
 
-from bt_orchestrator.ros.inspection.attachment import Attachment, to_end_for_another
 from bt_orchestrator.ros.inspection.parameters import DefaultStream
 from bt_orchestrator.ros.inspection.snapshot_source import SnapshotSource
-from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
-from bt_orchestrator.ros.inspection.topic_names import TopicNames
+from bt_orchestrator.ros.inspection.streams import (
+    Attachment,
+    StreamRefused,
+    TopicNames,
+    to_end_for_another,
+)
 from bt_orchestrator.ros.qos import LATCHED
 
 DEFAULT_TOPIC = '~/snapshots'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from py_trees_ros_interfaces.msg import BehaviourTree, SnapshotStreamParameters
@@ -13,8 +13,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
-from bt_orchestrator.model.branch import Branch
-from bt_orchestrator.ros.link.snapshot_tree import tree_of
+from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.ros.qos import LATCHED, create_client
 
 ASK_AGAIN_S = 3.0
@@ -139,3 +138,30 @@ def variables(text: str) -> dict[str, str]:
         if colon:
             found[key.strip()] = value
     return found
+
+
+# Snapshots of the inspection server as trees.
+
+DECORATOR = 6
+"""The type of a decorator in a snapshot (py_trees_ros_interfaces/msg/Behaviour.DECORATOR)."""
+
+
+def tree_of(behaviours: Sequence[Any]) -> Branch | None:
+    """Return the tree of a snapshot (py_trees_ros_interfaces/msg/Behaviour[])."""
+    by_id = {bytes(behaviour.own_id.uuid): behaviour for behaviour in behaviours}
+    parents = (bytes(behaviour.parent_id.uuid) for behaviour in behaviours)
+    for behaviour, parent in zip(behaviours, parents, strict=True):
+        if parent not in by_id:
+            return _branch(behaviour, by_id)
+    return None
+
+
+def _branch(behaviour: Any, by_id: Mapping[bytes, Any]) -> Branch:
+    children = (by_id[bytes(child.uuid)] for child in behaviour.child_ids)
+    return Branch(
+        name=behaviour.name,
+        status=Outcome(behaviour.status),
+        words=behaviour.message,
+        is_decorator=behaviour.type == DECORATOR,
+        children=tuple(_branch(child, by_id) for child in children),
+    )

@@ -20,8 +20,7 @@ from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.status import CellDescription, CellStatus, ListedJob
 from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.ports.following import Follower
-from bt_orchestrator.ros.link.client import NodeClient
-from bt_orchestrator.ros.link.event_fetches import EventFetches
+from bt_orchestrator.ros.link.client import EventFetches, NodeClient
 from bt_orchestrator.ros.link.requests import answer_of, call_of
 from bt_orchestrator.ros.types.status_messages import job_status, listed_job
 

@@ -14,7 +14,7 @@ from bt_orchestrator.model.keeping.snapshot import nearest, state_to_text
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Foresight
-from bt_orchestrator.ros.pulse import Pulse
+from bt_orchestrator.ros.executor.heart import Pulse
 from bt_orchestrator.view.report.pace import Paces, expected_ends_s
 
 RENEW_S = 5.0

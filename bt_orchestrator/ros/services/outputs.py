@@ -25,12 +25,11 @@ from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status_words import component_trouble
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.ros.executor.heart import Heart
-from bt_orchestrator.ros.executor.timers import steady_timer
-from bt_orchestrator.ros.pulse import Pulse
+from bt_orchestrator.ros.executor.alarms import steady_timer
+from bt_orchestrator.ros.executor.heart import Heart, Pulse
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
-from bt_orchestrator.ros.services.event_message import event_message
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
+from bt_orchestrator.ros.services.reading_services import event_message
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.ros.types.status_messages import StatusWriter, description_message
 

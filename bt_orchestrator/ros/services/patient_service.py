@@ -1,4 +1,4 @@
-"""Services that say their answer later, and again to a client that could not hear it yet.
+"""Services that answer every request, later if need be, and again to who could not hear it.
 
 A service is two DDS topics, discovered one by one. The request of a fresh client can come before
 the way back to it is known; the middleware then drops the answer, and rclpy warns. The client
@@ -25,18 +25,15 @@ import warnings
 from collections import deque
 from collections.abc import Callable, MutableMapping
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 from weakref import WeakKeyDictionary
 
-from bt_orchestrator.base.replies import Reply
-from bt_orchestrator.model.allowance import Allowance
-from bt_orchestrator.model.limits import UNHEARD_S
+from rclpy.node import Node
+
+from bt_orchestrator.base.replies import Reply, Steps, begin
+from bt_orchestrator.model.limits import MESSAGE, UNHEARD_S, UNHEARD_TOGETHER_S, Allowance, cut
 from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.qos import SERVICES
-from bt_orchestrator.ros.services.turns import Later, Turns
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
 
 AGAIN_AFTER_S = (0.1, 0.3, 1.0, 3.0)
 """Discovery takes up to 3 s, and mostly some milliseconds."""
@@ -217,3 +214,75 @@ def _later_on(node: Node) -> Later:
         made[0].call_after(seconds, callback)
 
     return later
+
+
+# The pace of answers without a reader, for all services of a node together.
+
+LONG_S = 0.05
+"""A try that took longer has kept the thread from others; the next one lets them go first."""
+
+PAUSE = 0.5
+"""Pause after a long try, as a share of the time that it took: whatever else is ready has its
+turn."""
+
+Later = Callable[[float, Callable[[], None]], object]
+
+
+class Turns:
+    """Pauses after each long try that was not heard; then one service after the other goes on.
+
+    Such a try may block the tick thread for 0.1 s, and many of them may be due at a time.
+    """
+
+    def __init__(self, later: Later) -> None:
+        """Begin without a pause.
+
+        :param later: calls back once, after so many seconds
+        """
+        self.later = later
+        self._waiting: deque[Callable[[], None]] = deque()
+        self._allowance = Allowance(UNHEARD_TOGETHER_S)
+        self.pauses = False
+        """Whether nothing is to be sent now."""
+
+    def left(self, now: float) -> float:
+        """Return how many seconds may be spent now; below 0: overdrawn."""
+        return self._allowance.left(now)
+
+    def use(self, seconds: float, now: float) -> None:
+        """Note an answer that was not heard, and pause if it took long."""
+        self._allowance.use(seconds, now)
+        if seconds > LONG_S and not self.pauses:
+            self.pauses = True
+            self.later(PAUSE * seconds, self._go_on)
+
+    def wait(self, go_on: Callable[[], None]) -> None:
+        """Call back after the pause, after those that came before."""
+        self._waiting.append(go_on)
+
+    def _go_on(self) -> None:
+        self.pauses = False
+        while self._waiting and not self.pauses:
+            self._waiting.popleft()()
+
+
+# Services that answer every request, whatever is wrong with it.
+
+
+def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], Steps[None]]) -> None:
+    """Offer a private service of a node, which answers when it has been handled.
+
+    :param handle: fills the response; an exception becomes a refusal, and stops nothing
+    """
+    said = SpareLog(node.get_logger())
+
+    async def answer(request: Any, response: Any) -> Any:
+        try:
+            await handle(request, response)
+        except Exception as error:  # noqa: BLE001 - a bad request never stops the node
+            said.error(f'{name} failed: {error!r}')
+            response.accepted = False
+            response.message = cut(f'internal error, see the log of the node: {error!r}', MESSAGE)
+        return response
+
+    create_patient_service(node, kind, f'~/{name}', lambda *asked: begin(answer(*asked)))

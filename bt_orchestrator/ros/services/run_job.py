@@ -27,19 +27,17 @@ from bt_orchestrator.engine.asking.orders import (
 )
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.engine.runtime.overview import Overview
-from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer, RefusedRequest
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
+from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS, Allowance
 from bt_orchestrator.model.requests import ADD, Asked, ask
 from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.goal_server import GoalServer, ServedGoal
-from bt_orchestrator.ros.services.order_requests import written_order
-from bt_orchestrator.ros.services.senders import Senders
+from bt_orchestrator.ros.services.services import Senders, written_order
 from bt_orchestrator.ros.types.order_messages import asked_order
 from bt_orchestrator.ros.types.status_messages import failure_message, item_message, job_message
 from bt_orchestrator.script.orders.desk import Orders, Reading

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, overload
 
 from bt_orchestrator_interfaces import srv
 from rclpy.node import Node
 
+from bt_orchestrator.base.diagnosis.ros_environment import is_local
+from bt_orchestrator.base.errors import NotRead
 from bt_orchestrator.engine.asking.handler import RequestHandler
+from bt_orchestrator.engine.asking.orders import size_of
+from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.limits import NAME, REQUEST_BYTES, cut
 from bt_orchestrator.model.requests import of_name
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ros.services.order_requests import AskedOrders
-from bt_orchestrator.ros.services.senders import Senders
-from bt_orchestrator.ros.services.serving import serve
+from bt_orchestrator.model.texts import readable
+from bt_orchestrator.ros.node_parameters import AUTO, NodeParameters
+from bt_orchestrator.ros.services.patient_service import serve
 from bt_orchestrator.ros.types.order_messages import asked_change, asked_order
 from bt_orchestrator.ros.types.status_messages import order_answer_message
+from bt_orchestrator.script.orders.desk import AskedOrder, WrittenOrder
 
 _Read = Callable[[Any], tuple[str, Any]]
 """Returns the name of the request in a message, and its arguments."""
@@ -105,3 +111,95 @@ class Services:
             told |= {'job': of_order.job, 'findings': of_order.findings}
         for name in told.keys() & set(response.get_fields_and_field_types()):
             setattr(response, name, told[name])
+
+
+# Messages with work orders as what is to be read.
+
+
+class AskedOrders(Sequence[AskedOrder]):
+    """Orders of a request, each made when it is asked for: too many are refused unread."""
+
+    def __init__(self, messages: Sequence[Any]) -> None:
+        """Show them.
+
+        :param messages: bt_orchestrator_interfaces/msg/WorkOrder
+        """
+        self._messages = messages
+
+    def __len__(self) -> int:
+        return len(self._messages)
+
+    @overload
+    def __getitem__(self, at: int) -> AskedOrder: ...
+    @overload
+    def __getitem__(self, at: slice) -> Sequence[AskedOrder]: ...
+    def __getitem__(self, at: int | slice) -> AskedOrder | Sequence[AskedOrder]:
+        if isinstance(at, slice):
+            return AskedOrders(self._messages[at])
+        return asked_order(self._messages[at])
+
+
+def written_order(text: str) -> WrittenOrder:
+    """Return an order that came as the text of a file.
+
+    :raises NotRead: it is too large
+    """
+    if size_of(text) > REQUEST_BYTES:
+        raise NotRead(
+            f'the text has {size_of(text)} bytes, and a request may have {REQUEST_BYTES}; nothing '
+            'was queued; is this a work order?'
+        )
+    return WrittenOrder(text)
+
+
+# Sender and role of a request over ROS; ROS does not authenticate senders (docs/security.md).
+
+_ROLES = {role.value: role for role in Role}
+_DOORS = {known.value: known for known in Known if known.is_door}
+
+
+class Senders:
+    """Determines the role of each sender."""
+
+    def __init__(
+        self, parameters: NodeParameters, environment: Mapping[str, str], middleware: str
+    ) -> None:
+        """Set which roles are trusted, for as long as the node runs.
+
+        :param environment: variables that say how far ROS reaches
+        :param middleware: name of the RMW implementation
+        """
+        self.is_local = is_local(environment, middleware)
+        self.unauthenticated = _unauthenticated(parameters, is_local=self.is_local)
+        self.trusts_doors = parameters.trust_local_doors and self.is_local
+
+    def by(self, request: Any, otherwise: str = 'service') -> By:
+        """Return the sender, the origin, the reason and the role.
+
+        :param otherwise: where from, if the request does not say it
+        """
+        origin = request.origin or otherwise
+        said = (request.who, origin, request.reason)
+        door = _DOORS.get(request.known)
+        if self.trusts_doors and door is not None:
+            # A role that this node does not know may do nothing.
+            return By(*said, _ROLES.get(request.role, Role.VIEW), door)
+        return By(*said, self.unauthenticated, Known.ROS, _claims(request))
+
+    def of_cancel(self, goal_by: By) -> By:
+        """Return the sender of a cancel request, which may be any client."""
+        who, origin = goal_by.who, goal_by.origin
+        return By(who, origin, 'the goal was cancelled', self.unauthenticated, Known.ROS)
+
+
+def _unauthenticated(parameters: NodeParameters, *, is_local: bool) -> Role:
+    if parameters.unauthenticated_role == AUTO:
+        return Role.ENGINEER if is_local else Role.VIEW
+    return Role(parameters.unauthenticated_role)
+
+
+def _claims(request: Any) -> str:
+    if not request.role:
+        return ''
+    how = f' ({request.known})' if request.known else ''
+    return cut(readable(f'{request.role}{how}'), NAME)

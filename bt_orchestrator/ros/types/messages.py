@@ -8,8 +8,8 @@ from functools import cache
 from typing import Any
 
 from bt_orchestrator.model.action_type import FieldType, MessageType
+from bt_orchestrator.ros.types.action_types import message_type
 from bt_orchestrator.ros.types.interface_classes import action_class, message_class
-from bt_orchestrator.ros.types.slot_types import message_type
 from bt_orchestrator.script.field_types import list_fits, misfit, needed_list
 
 

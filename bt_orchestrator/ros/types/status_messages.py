@@ -15,9 +15,7 @@ from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.counting import good_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_record import FailureRecord, ItemRecord
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import RecipeChoice
-from bt_orchestrator.model.stands import Stands
+from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
 from bt_orchestrator.model.state import Hold, PassedTask
 from bt_orchestrator.model.status import (
     BeltStatus,
@@ -33,8 +31,8 @@ from bt_orchestrator.model.status import (
     SectionStatus,
     TaskStatus,
 )
-from bt_orchestrator.model.wait import Wait
-from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.stop_reason import Wish
+from bt_orchestrator.model.wait import Stands, Wait
 from bt_orchestrator.model.words import Words
 from bt_orchestrator.ros.types.mapping import Codec, Mapped, flat, mapped, supplement
 

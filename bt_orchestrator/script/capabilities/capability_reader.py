@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from typing import Any
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from bt_orchestrator.model.action_type import TASK, TASK_RESULT, ActionType, FieldType
-from bt_orchestrator.model.capability import Capability, Preparation
+from bt_orchestrator.model.cell import Capability, Preparation
 from bt_orchestrator.model.reference import Reference
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.script.capabilities.capability_keys import CAPABILITY
 from bt_orchestrator.script.capabilities.setups import read_setup
 from bt_orchestrator.script.checks.balance import check_unjudged
+from bt_orchestrator.script.checks.circles import circles
 from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.drafts import Position, ScriptDraft, TaskDraft
 from bt_orchestrator.script.fields import Fields, broken_limit, fields_of
-from bt_orchestrator.script.identity_reader import read_serial
 from bt_orchestrator.script.names import check_id, check_name
 from bt_orchestrator.script.references import Path, ReferenceFault, fixed_reference
-from bt_orchestrator.script.report import did_you_mean, listing
+from bt_orchestrator.script.report import Report, did_you_mean, listing
 from bt_orchestrator.script.task_names import read_task_name
-from bt_orchestrator.script.task_options import written_options
-from bt_orchestrator.script.task_reader import check_works_on_belt, read_id
-from bt_orchestrator.script.task_values import goal_arguments
+from bt_orchestrator.script.task_reader import check_works_on_belt, read_id, written_options
+from bt_orchestrator.script.task_values import goal_arguments, read_serial
 from bt_orchestrator.script.yaml_nodes import Entry, MapNode, Scalar, found, quoted
 
 NO_FIELD = 'none'
@@ -235,3 +234,52 @@ class _CellReferences(ReferenceReader):
 def _entries(fields: Fields, key: str) -> tuple[Entry, ...]:
     node = fields.mapping(key)
     return node.entries if isinstance(node, MapNode) else ()
+
+
+# Preparations of a cell against each other: their ids, and which comes first.
+
+
+class Prepared(NamedTuple):
+    """A component that is prepared."""
+
+    component: str
+    preparation: Preparation
+    fields: Fields
+
+
+def check_preparations(
+    prepared: Sequence[Prepared], components: Collection[str], report: Report
+) -> None:
+    """Report ids given twice, waits for nothing, and preparations that wait for each other."""
+    ids: dict[str, Prepared] = {}
+    for one in prepared:
+        first = ids.setdefault(one.preparation.id, one)
+        if first is not one and one.preparation.id:
+            what = f'the id `{one.preparation.id}` is given twice'
+            line = first.fields.place('id').line
+            hint = f'rename one; the first is in line {line}'
+            report.add(one.fields.place('id'), what, hint)
+        _check_after(one, prepared, components, report)
+    waits = [(name, one.component) for one in prepared for name in one.preparation.after]
+    for circle in circles(waits):
+        last = next(one for one in prepared if one.component == circle[-1])
+        what = f'preparations wait for each other: {", ".join(circle)}'
+        report.add(last.fields.place('after'), what, 'remove one of the waits')
+
+
+def _check_after(
+    one: Prepared, prepared: Sequence[Prepared], components: Collection[str], report: Report
+) -> None:
+    known = [other.component for other in prepared]
+    for name in one.fields.names('after'):
+        if name.text in known:
+            continue
+        if name.text in components:
+            what = f'`{name.text}` has no preparation to wait for'
+            hint = f'give it `prepare`, or remove {quoted(name.text)} here'
+        else:
+            what = f'there is no component {quoted(name.text)}'
+            hint = did_you_mean(
+                name.text, components, f'those that are prepared are {listing(known)}'
+            )
+        report.add(name.place, what, hint)

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType
-from bt_orchestrator.model.controller_words import words_field
 from bt_orchestrator.model.fault import Fault, FaultKind
+from bt_orchestrator.model.goal import words_field
 from bt_orchestrator.script.report import did_you_mean, listing
 
 _OF_STATE = (FaultKind.NOT_READY, FaultKind.SILENT)

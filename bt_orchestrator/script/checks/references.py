@@ -6,7 +6,13 @@ from bt_orchestrator.model.action_type import FieldType
 from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.model.script import RunsFor
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
-from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
+from bt_orchestrator.script.field_types import (
+    PARAMETER_TYPES,
+    in_words,
+    is_assignable,
+    is_printable,
+    misfit,
+)
 from bt_orchestrator.script.references import (
     Path,
     ReferenceFault,
@@ -15,7 +21,6 @@ from bt_orchestrator.script.references import (
     split,
 )
 from bt_orchestrator.script.report import Place, Report, did_you_mean, listing
-from bt_orchestrator.script.type_matching import in_words, is_assignable, is_printable
 from bt_orchestrator.script.yaml_nodes import Scalar, found_value, quoted
 
 TEXT = FieldType('str', 'string')

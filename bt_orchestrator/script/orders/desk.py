@@ -24,7 +24,6 @@ from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes, MadeScript
 from bt_orchestrator.script.lookup import find_below, find_script
 from bt_orchestrator.script.orders.admission import admitted
-from bt_orchestrator.script.orders.choice import NOT_MADE_HERE, wrong_choice
 from bt_orchestrator.script.orders.order_file import (
     OrderPlaces,
     bind_order,
@@ -32,7 +31,13 @@ from bt_orchestrator.script.orders.order_file import (
     params_from_text,
     parse_draft,
 )
-from bt_orchestrator.script.orders.terms import NOTHING_SAID, AskedTerms, Wrong
+from bt_orchestrator.script.orders.terms import (
+    NOT_MADE_HERE,
+    NOTHING_SAID,
+    AskedTerms,
+    Wrong,
+    wrong_choice,
+)
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.source_text import read_text
 

@@ -6,19 +6,18 @@ from dataclasses import dataclass
 from typing import Any
 
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from bt_orchestrator.model.action_type import TASK, ActionType
-from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.cell import Component, StateTopic
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S, GoalEnd, GoalRequest
 from bt_orchestrator.ports import Clock
 from bt_orchestrator.sim.carrier import Verdict
 from bt_orchestrator.sim.controller import Controller
 from bt_orchestrator.sim.controllers.goal_log import GoalLog
-from bt_orchestrator.sim.controllers.interfaces import Interfaces
-from bt_orchestrator.sim.controllers.pace import Pace, PacedClock
-from bt_orchestrator.sim.controllers.state_publisher import StatePublisher
-from bt_orchestrator.sim.controllers.task_names import TaskNames
-from bt_orchestrator.sim.controllers.task_server import TaskServer
+from bt_orchestrator.sim.controllers.options import Pace, PacedClock
+from bt_orchestrator.sim.controllers.task_server import Interfaces, TaskServer
+from bt_orchestrator.sim.results import not_ready_value, ready_value
 
 SIMULATED_RESULT_TIMEOUT_S = 60.0
 """Seconds for which a simulated server remembers an ended goal where the cell file says nothing:
@@ -156,3 +155,76 @@ class ComponentServer:
     def cancel(self, goal_id: str) -> bool:
         """Let the controller decide."""
         return self.controller.cancel(goal_id)
+
+
+# From the value of a goal's `task` field back to the name of its constant.
+
+
+class TaskNames:
+    """The tasks of one component, as its action server sees them.
+
+    A type without a `task` field carries no name over the wire: its label is known here only if
+    the cell file mentions exactly one for this component (in `durations` or `results`).
+    """
+
+    def __init__(self, component: Component, action_type: ActionType) -> None:
+        mentioned = {*component.durations_s, *component.results}
+        self._label = mentioned.pop() if len(mentioned) == 1 else ''
+        self._has_task_field = action_type.has_task_field
+        self._constants = dict(action_type.constants)
+        # Several constants may share a value; the cell file tells which of them are tasks.
+        preferred = sorted(self._constants, key=lambda name: name not in component.durations_s)
+        self._by_value = {self._constants[name]: name for name in reversed(preferred)}
+
+    def name(self, value: Any) -> str | None:
+        """Return the name for a goal's task value; None if no constant has this value.
+
+        :param value: of the goal's `task` field; ignored where the type has none
+        """
+        if not self._has_task_field:
+            return self._label
+        return self._by_value.get(value) if self._constants else str(value)
+
+
+# The state topic of one simulated controller (semantics 2.5).
+
+LATCHED = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""Late subscribers get the last value."""
+
+
+class StatePublisher:
+    """Publishes whether the controller is ready, from the first known value on."""
+
+    def __init__(self, node: Node, state: StateTopic, interfaces: Interfaces) -> None:
+        self._node = node
+        self._state = state
+        self._interfaces = interfaces
+        self._class = interfaces.message_class(state.type)
+        self._publisher = node.create_publisher(self._class, state.topic, LATCHED)
+        self._last: Any = None
+
+    def announce(self, ready: bool) -> None:
+        """Publish a new value."""
+        value = ready_value(self._state) if ready else not_ready_value(self._state)
+        self._last = self._class()
+        self._interfaces.fill(self._last, nested(self._state.field, value))
+        self.repeat()
+
+    def repeat(self) -> None:
+        """Publish the last value again, for subscribers that did not ask for a latched topic."""
+        if self._last is not None:
+            self._publisher.publish(self._last)
+
+    def destroy(self) -> None:
+        """Leave the topic."""
+        self._node.destroy_publisher(self._publisher)
+
+
+def nested(path: str, value: Any) -> dict[str, Any]:
+    """Return the mapping that sets a field path such as `status.mode`."""
+    name, _, inner = path.partition('.')
+    return {name: nested(inner, value) if inner else value}

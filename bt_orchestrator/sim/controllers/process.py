@@ -12,10 +12,9 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from bt_orchestrator.base.errors import OrchestratorError
-from bt_orchestrator.base.leaving import leaving
-from bt_orchestrator.base.stop_signals import StopSignals
-from bt_orchestrator.sim.controllers.guard import report
+from bt_orchestrator.base.stop_signals import StopSignals, leaving
 from bt_orchestrator.sim.controllers.node import ControllerNode, Setup
+from bt_orchestrator.sim.controllers.task_server import report
 
 _LAST_WORDS_S = 2.0
 """Longest time for telling clients that their goals were aborted."""

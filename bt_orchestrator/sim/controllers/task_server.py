@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import traceback
 import uuid
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol, cast
 
 from rclpy.action.server import (
@@ -17,8 +18,6 @@ from rclpy.node import Node
 
 from bt_orchestrator.model.goal import GoalStatus
 from bt_orchestrator.sim.carrier import Verdict
-from bt_orchestrator.sim.controllers.guard import report
-from bt_orchestrator.sim.controllers.interfaces import Interfaces
 
 _ANSWERS = {Verdict.ACCEPT: GoalResponse.ACCEPT, Verdict.REJECT: GoalResponse.REJECT}
 
@@ -167,3 +166,43 @@ _ENDS = {
     GoalStatus.ABORTED: _end_aborted,
     GoalStatus.CANCELED: _end_canceled,
 }
+
+
+# The ROS 2 message classes that are needed here; the entry point hands them in.
+
+
+class Interfaces(Protocol):
+    """The installed message and action classes, and how they are filled."""
+
+    def action_class(self, name: str) -> Any:
+        """Return the class of an action type such as pkg/action/Name."""
+
+    def message_class(self, name: str) -> Any:
+        """Return the class of a message type such as pkg/msg/Name."""
+
+    def fill(self, message: Any, fields: Mapping[str, Any]) -> None:
+        """Set fields from plain values; those of nested messages are mappings."""
+
+
+# A callback's exception is reported, and never ends the process.
+
+
+class Logger(Protocol):
+    """The part of a ROS 2 logger that is needed here."""
+
+    def error(self, message: str) -> object:
+        """Report an error."""
+
+
+def guarded(callback: Callable[[], object], logger: Logger) -> None:
+    """Call back; rclpy would let an exception end the executor's loop."""
+    try:
+        callback()
+    except Exception:  # noqa: BLE001 - whatever it is, the others go on
+        report(logger)
+
+
+def report(logger: Logger) -> None:
+    """Report the exception that is being handled."""
+    text = f'error in a callback, ignored:\n{traceback.format_exc()}'
+    logger.error(text)

@@ -11,9 +11,9 @@ from bt_orchestrator.base.errors import JournalFailed
 from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.judging.sealed_ids import SealedIds
+from bt_orchestrator.model.judging.used_ids import SealedIds
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.shared import books, rows, snapshots, summaries, used_ids
+from bt_orchestrator.store.shared import books, rows, snapshots
 from bt_orchestrator.store.shared.database import Check, Database, check_of_event
 from bt_orchestrator.store.shared.history import History, kept_from
 from bt_orchestrator.store.shared.mark import Mark, shortfall
@@ -136,13 +136,13 @@ class KeptJournal(ABC):
         """
         with self._writing() as database:
             snapshots.keep_snapshot(database, snapshot)
-            summaries.keep(database, ended)
+            rows.keep_summaries(database, ended)
         self._mark.sync()
 
     def used_ids(self, digest: str) -> str | None:
         """Return a part of the ids that were ever used; None: it is lost."""
-        sound = used_ids.sound_copies(self._reading, digest)
-        if len(sound) == len(used_ids.COPIES):
+        sound = snapshots.sound_copies(self._reading, digest)
+        if len(sound) == len(snapshots.COPIES):
             self._sound_ids.add(digest)
         return sound[0] if sound else None
 
@@ -156,7 +156,7 @@ class KeptJournal(ABC):
         :raises JournalFailed: it is not stored
         """
         with self._writing() as database:
-            used_ids.keep(database, part)
+            snapshots.keep_ids(database, part)
         self._sound_ids.add(part.digest)
 
     # --- retention --------------------------------------------------------------------------

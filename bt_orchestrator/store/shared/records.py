@@ -18,7 +18,7 @@ from bt_orchestrator.model.records import (
     Wanted,
 )
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.shared import books, looking, rows, snapshots, summaries
+from bt_orchestrator.store.shared import books, rows, snapshots
 from bt_orchestrator.store.shared.database import Database
 from bt_orchestrator.store.shared.history import History, history_of, kept_from
 from bt_orchestrator.store.shared.mark import Reached
@@ -29,7 +29,7 @@ class KeptRecords(ABC):
 
     _name: str
     """The journal, as a user calls it."""
-    _terms: looking.Terms
+    _terms: rows.Terms
 
     @abstractmethod
     def _one_moment(self) -> AbstractContextManager[Database]:
@@ -54,7 +54,7 @@ class KeptRecords(ABC):
         with self._one_moment() as database:
             return Extent(self._history(database)[0].id, *self._ends(database))
 
-    def page(self, wanted: Wanted, most: int = looking.MOST) -> RecordPage:
+    def page(self, wanted: Wanted, most: int = rows.MOST) -> RecordPage:
         """Return the next wanted records.
 
         :raises JournalUnusable: it cannot be read
@@ -64,7 +64,7 @@ class KeptRecords(ABC):
             first, last = self._ends(database)
             low = max(wanted.after_seq + 1, first)
             high = last if wanted.before_seq is None else min(wanted.before_seq - 1, last)
-            look = looking.Look(wanted, low, high, most)
+            look = rows.Look(wanted, low, high, most)
             look.through(database, self._terms, history.checked_from)
         damage = [*unknown, *map(self._left_out, look.damaged)]
         if high >= last if wanted.newest_first else look.is_last:
@@ -74,7 +74,7 @@ class KeptRecords(ABC):
     def summaries(
         self,
         after: JobPlace | None = None,
-        most: int = looking.MOST,
+        most: int = rows.MOST,
         *,
         newest_first: bool = False,
     ) -> Summaries:
@@ -83,8 +83,8 @@ class KeptRecords(ABC):
         :raises JournalUnusable: it cannot be read
         """
         with self._one_moment() as database:
-            found = summaries.page(
-                database, after, max(1, min(most, looking.MOST)), newest_first=newest_first
+            found = rows.summary_page(
+                database, after, max(1, min(most, rows.MOST)), newest_first=newest_first
             )
         where = f'in the journal {self._name}'
         damage = [one._replace(what=f'{one.what} {where}') for one in found.damage]
@@ -102,7 +102,7 @@ class KeptRecords(ABC):
         self,
         begin_us: int,
         end_us: int,
-        most: int = looking.MOST,
+        most: int = rows.MOST,
         *,
         newest_first: bool = False,
     ) -> SlotPage:
@@ -110,7 +110,7 @@ class KeptRecords(ABC):
 
         :raises JournalUnusable: it cannot be read
         """
-        most = max(1, min(most, looking.MOST))
+        most = max(1, min(most, rows.MOST))
         with self._one_moment() as database:
             found = books.slots(database, begin_us, end_us, most, newest_first=newest_first)
         where = f'in the journal {self._name}'

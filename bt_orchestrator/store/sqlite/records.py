@@ -11,9 +11,9 @@ from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.model.records import Damage
 from bt_orchestrator.store.shared.database import Database
 from bt_orchestrator.store.shared.history import History
-from bt_orchestrator.store.shared.looking import Terms
 from bt_orchestrator.store.shared.mark import Reached, mark_of, read_mark
 from bt_orchestrator.store.shared.records import UNKNOWN, KeptRecords
+from bt_orchestrator.store.shared.rows import Terms
 from bt_orchestrator.store.sqlite.database import has_log, unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.opening import cut_off, is_cut_off
 from bt_orchestrator.store.sqlite.schema import CHECKED, look_like_today, schema_of

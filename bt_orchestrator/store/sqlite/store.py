@@ -28,8 +28,12 @@ from bt_orchestrator.store.sqlite.database import (
     unchanging,
     unusable_otherwise,
 )
-from bt_orchestrator.store.sqlite.files_in_use import FilesInUse
-from bt_orchestrator.store.sqlite.keeping import aside_of, keep_aside, readable_by_others
+from bt_orchestrator.store.sqlite.keeping import (
+    FilesInUse,
+    aside_of,
+    keep_aside,
+    readable_by_others,
+)
 from bt_orchestrator.store.sqlite.opening import cut_off, is_cut_off
 from bt_orchestrator.store.sqlite.schema import begin_to_write, end_to_write
 

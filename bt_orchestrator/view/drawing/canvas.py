@@ -1,10 +1,9 @@
-"""Lines on a drawing, in points from the upper left corner, to the right and downwards."""
+"""Places and lines on a drawing, in points from the upper left corner."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from bt_orchestrator.view.drawing.box import Point
 from bt_orchestrator.view.drawing.label import Label
 from bt_orchestrator.view.drawing.style import INK
 
@@ -43,3 +42,42 @@ def towards(start: Point, end: Point, length: float) -> Point:
     whole = (x * x + y * y) ** 0.5
     share = min(length / whole, 0.5) if whole else 0.0
     return round(start[0] + x * share, 1), round(start[1] + y * share, 1)
+
+
+# Places on a page, in points from its upper left corner.
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Box:
+    """A place on the page."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+
+    @property
+    def right(self) -> float:
+        """Its right edge."""
+        return self.left + self.width
+
+    @property
+    def bottom(self) -> float:
+        """Its lower edge."""
+        return self.top + self.height
+
+    @property
+    def middle(self) -> float:
+        """Half its width."""
+        return self.left + self.width / 2
+
+    @property
+    def centre(self) -> float:
+        """Half its height."""
+        return self.top + self.height / 2
+
+    def moved(self, right: float, down: float) -> Box:
+        """Return the same box elsewhere."""
+        return replace(self, left=self.left + right, top=self.top + down)

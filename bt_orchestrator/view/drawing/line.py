@@ -11,8 +11,7 @@ from collections.abc import Iterable, Sequence
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.script import Dependency, Script
-from bt_orchestrator.view.drawing.box import Box
-from bt_orchestrator.view.drawing.canvas import LineLabel, Stroke
+from bt_orchestrator.view.drawing.canvas import Box, LineLabel, Stroke
 from bt_orchestrator.view.drawing.card import ROUND_FILL, Sheet, details, rounds_words
 from bt_orchestrator.view.drawing.label import LINE_HEIGHT, Entry, Label, Text, one_entry, wrapped
 from bt_orchestrator.view.drawing.legend import legend, title

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from bt_orchestrator.model.script import Repeat, SectionList, Step, Task
-from bt_orchestrator.view.drawing.box import Box, Point
+from bt_orchestrator.view.drawing.canvas import Box, Point
 from bt_orchestrator.view.drawing.card import CARD_WIDTH, Sheet, belt_words, card, last_round
 from bt_orchestrator.view.drawing.label import Label
 from bt_orchestrator.view.drawing.mark import SLOT_HEIGHT

@@ -6,7 +6,7 @@ import re
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from bt_orchestrator.view.drawing.box import Box
+from bt_orchestrator.view.drawing.canvas import Box
 from bt_orchestrator.view.drawing.style import FONT, INK, PAPER
 
 CHARACTER = 0.62

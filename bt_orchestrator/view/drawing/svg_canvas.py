@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from bt_orchestrator.view.drawing.box import Box, Point
 from bt_orchestrator.view.drawing.canvas import (
     CORNER,
     HEADING,
     PADDING,
+    Box,
     LineLabel,
+    Point,
     Stroke,
     towards,
 )

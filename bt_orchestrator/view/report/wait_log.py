@@ -1,4 +1,4 @@
-"""The log of all waits in a virtual run, with exact times.
+"""The log of all waits in a virtual run, with exact times; equal reasons can be summed up.
 
 Virtual time does not advance inside a settle, and nothing changes between two settles. So one look
 after each settle finds every wait, with its exact beginning and end.
@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait
-from bt_orchestrator.view.report.causes import Cause, cause_of
+from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait, Wait, WaitKind
 
 _Row = tuple[str, str]
 """Whether it is a part of the cell or a component, and its name."""
@@ -111,3 +110,66 @@ def _rows(wait: PartWait) -> Iterable[_Row]:
     yield _PART, wait.part
     for component in wait.wait.components:
         yield _COMPONENT, component
+
+
+# Reasons of waits without item ids: equal waits can be summed up.
+
+
+class Cause(NamedTuple):
+    """The cause of a wait."""
+
+    kind: WaitKind
+    text: str
+
+
+def cause_words(causes: Sequence[Cause]) -> str:
+    """Name what is waited for, all of it at once."""
+    return ' and '.join(cause.text for cause in causes)
+
+
+def kind_words(causes: Sequence[Cause]) -> str:
+    """Return the kinds of waits, joined by +, each once."""
+    return '+'.join(dict.fromkeys(cause.kind.value for cause in causes))
+
+
+_TEXTS = {
+    WaitKind.BELT: 'the belt, which moves',
+    WaitKind.ITEM: 'an item',
+    WaitKind.FLAG: 'flag {name}',
+    WaitKind.ZONE: 'zone {name}',
+    WaitKind.COMPONENT: '{name}, busy elsewhere',
+    WaitKind.READINESS: '{name} to be ready',
+    WaitKind.OUT_OF_SERVICE: '{name}, out of service',
+    WaitKind.INITIALIZATION: 'initialization {name}',
+    WaitKind.HOLD: 'an answer to a hold',
+    WaitKind.PAUSE: 'the cell to be resumed',
+    WaitKind.RETRY_DELAY: 'the delay before a retry',
+    WaitKind.CELL_STATE: 'the cell, which is {name}',
+}
+
+
+def cause_of(wait: Wait, belt: Sequence[Wait]) -> Cause:
+    """Return the cause of a wait.
+
+    :param belt: what the belt waits for now; nothing while it moves
+    """
+    if wait.kind is WaitKind.TURN:
+        return Cause(wait.kind, f'the {_turns(wait.sections)}')
+    if wait.kind is WaitKind.JOB:
+        return Cause(wait.kind, _job(wait))
+    if wait.kind is WaitKind.BELT and belt:
+        return Cause(wait.kind, f'the belt: {cause_of(belt[0], ()).text.removeprefix("the ")}')
+    return Cause(wait.kind, _TEXTS[wait.kind].format(name=wait.name))
+
+
+def _turns(sections: Sequence[int]) -> str:
+    *others, last = map(str, sections)
+    if not others:
+        return f'turn of section {last}'
+    return f'turns of sections {", ".join(others)} and {last}'
+
+
+def _job(wait: Wait) -> str:
+    if not wait.sections:
+        return 'a job'
+    return f'section {wait.sections[0]} to finish {wait.name}'

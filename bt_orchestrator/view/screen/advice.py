@@ -6,21 +6,21 @@ import shlex
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.isa95 import OVER
-from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, Request, of_hold, requests_about
 from bt_orchestrator.model.requests.alike import alike
-from bt_orchestrator.model.requests.reader import (
+from bt_orchestrator.model.requests.offers import (
     allowed,
     answers_of_others,
     may_make,
     who_may,
+    worthwhile_for_cell,
 )
-from bt_orchestrator.model.requests.worthwhile import worthwhile_for_cell
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.model.texts import one_line
 
 PROGRAM = 'bt-orchestrator'
 

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from textwrap import wrap
 
-from rich.console import Group
+from rich.console import Console, ConsoleOptions, Group, RenderResult
 from rich.text import Text
 
 from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.view.screen import words
+from bt_orchestrator.view.screen import blocks, words
 from bt_orchestrator.view.screen.advice import Shell
-from bt_orchestrator.view.screen.picture import Picture
-from bt_orchestrator.view.screen.terminal.second_screen import SecondScreen
+from bt_orchestrator.view.screen.blocks import Block
+from bt_orchestrator.view.screen.fit import heights
+from bt_orchestrator.view.screen.glyphs import ASCII, UNICODE, Glyphs
+from bt_orchestrator.view.screen.second_screen import SecondScreen
 from bt_orchestrator.view.screen.view import CellView, cell_view
 from bt_orchestrator.view.screen.viewer import Hearing
 
@@ -85,3 +89,111 @@ class LiveView:
             self._blackboard,
             self._notes,
         )
+
+
+# The whole picture of a cell, for a terminal of any size.
+
+DISPLAYED = ('holds', 'next', 'troubles', 'jobs', 'body', 'blackboard', 'flags')
+"""From top to bottom."""
+
+IMPORTANCE = ('holds', 'next', 'body', 'jobs', 'troubles', 'blackboard', 'flags')
+"""The order in which parts get room."""
+
+ROOMY = 20
+"""From so many lines on there are titles."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """The knowledge at one moment. Draws itself in exactly the room that rich gives it."""
+
+    view: CellView
+    node: str
+    age_s: float = 0.0
+    """Since the status came: tasks have gone on meanwhile."""
+    silent_s: float | None = None
+    """Seconds since the node was last heard; None: all is well."""
+    tree: Branch | None = None
+    blackboard: Mapping[str, str] | None = None
+    notes: Sequence[str] = ()
+    """Lines below all else, which are always there."""
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        glyphs = ASCII if options.ascii_only else UNICODE
+        room = options.height or console.height
+        for line in self.lines(options.max_width, room, glyphs):
+            if options.ascii_only:
+                line.plain = line.plain.replace(UNICODE.ellipsis, ASCII.ellipsis)
+            line.end = '\n'
+            yield line
+
+    def lines(self, width: int, room: int, glyphs: Glyphs = UNICODE) -> list[Text]:
+        """Return the picture, no more lines than there is room for."""
+        head = blocks.head(self.view, self.node, width, glyphs)
+        for notice in self._notices():
+            wrapped = wrap(notice, max(width, 20), max_lines=3)
+            head += [Text(part, style='reverse bold') for part in wrapped]
+        feet = [
+            Text(part)
+            for note in self.notes
+            for part in wrap(note, max(width, 20), break_on_hyphens=False)
+        ]
+        parts = self._blocks(width, glyphs)
+        lines = [*head, *_stacked(parts, width, room - len(head) - len(feet), glyphs)]
+        lines = [*lines[: room - len(feet)], *feet][:room]
+        for line in lines:
+            line.truncate(width, overflow='ellipsis')
+        return lines
+
+    def _notices(self) -> Iterator[str]:
+        if self.silent_s is not None:
+            yield words.silence(self.node, self.silent_s)
+        if self.view.failure:
+            yield self.view.failure
+        if self.view.stopped:
+            yield self.view.stopped
+        if self.view.stands:
+            yield self.view.stands
+
+    def _blocks(self, width: int, glyphs: Glyphs) -> dict[str, Block]:
+        view = self.view
+        found = {'body': self._body(width, glyphs)}
+        if view.holds:
+            found['holds'] = blocks.holds(view.holds, width, glyphs)
+        if view.next_lines:
+            found['next'] = blocks.next_lines(view.next_lines, width)
+        if view.troubles:
+            found['troubles'] = blocks.troubles(view, width, glyphs)
+        if view.jobs:
+            found['jobs'] = blocks.jobs(view.jobs, width, glyphs, view.unlisted_jobs)
+        if self.blackboard:
+            found['blackboard'] = blocks.blackboard(self.blackboard, width)
+        if view.flags:
+            found['flags'] = blocks.flags(view, width)
+        return found
+
+    def _body(self, width: int, glyphs: Glyphs) -> Block:
+        """Return the sections; or the tree, which has a branch for each of them."""
+        if self.tree is not None:
+            return blocks.tree(self.tree, width, glyphs)
+        return blocks.sections(self.view, self.age_s, width, glyphs)
+
+
+def _stacked(parts: Mapping[str, Block], width: int, room: int, glyphs: Glyphs) -> Iterator[Text]:
+    """Yield the lines of all parts; on a terminal of some height, each below its title."""
+    titled = {name for name, part in parts.items() if part.title and room >= ROOMY}
+    names = [name for name in IMPORTANCE if name in parts]
+    wanted = [parts[name].wanted for name in names]
+    least = [parts[name].least for name in names]
+    given = dict(zip(names, heights(wanted, least, max(room - len(titled), 0)), strict=True))
+    for name in DISPLAYED:
+        if name in titled:
+            yield _title(parts[name].title, width, glyphs)
+        if given.get(name):
+            yield from parts[name].draw(given[name])
+
+
+def _title(title: str, width: int, glyphs: Glyphs) -> Text:
+    ruled = Text(f'{title} {glyphs.rule * (width - len(title) - 1)}', style=blocks.QUIET)
+    ruled.truncate(width)
+    return ruled

@@ -11,7 +11,7 @@ from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.codec import from_plain, to_plain
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.frozen import changed
-from bt_orchestrator.model.requests.reader import allowed, roles_of
+from bt_orchestrator.model.requests.offers import allowed, roles_of
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.view.screen.viewer import Hearing
 

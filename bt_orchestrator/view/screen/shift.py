@@ -10,14 +10,13 @@ from rich.console import Console, ConsoleOptions, RenderResult
 from rich.text import Text
 
 from bt_orchestrator.view.report.account.figures import Bar, Figures
-from bt_orchestrator.view.report.account.live import Live
-from bt_orchestrator.view.report.account.live_words import cause_words, over_words
+from bt_orchestrator.view.report.account.live import Live, cause_words, over_words
 from bt_orchestrator.view.report.account.losses import WORDS, Step
 from bt_orchestrator.view.report.account.words import duration, percent, rate
 from bt_orchestrator.view.screen.blocks import BAD, CARE, NARROW, QUIET
 from bt_orchestrator.view.screen.columns import LinePart, line
 from bt_orchestrator.view.screen.glyphs import ASCII, UNICODE, Glyphs
-from bt_orchestrator.view.screen.terminal.second_screen import SecondScreen
+from bt_orchestrator.view.screen.second_screen import SecondScreen
 
 _TITLE, _TIME, _PART = 18, 9, 8
 """Widths of the columns of a loss."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from bt_orchestrator.model.branch import Branch, Outcome
-from bt_orchestrator.model.one_line import one_line
+from bt_orchestrator.model.texts import one_line
 from bt_orchestrator.view.screen.fit import stay
 
 WEIGHTS = {Outcome.RUNNING: 1, Outcome.FAILURE: 1, Outcome.SUCCESS: 2, Outcome.INVALID: 3}

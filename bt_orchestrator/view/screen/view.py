@@ -8,9 +8,9 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from bt_orchestrator.model.jobs.isa95 import OVER
-from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
 from bt_orchestrator.model.status_words import job_count_words, script_words
+from bt_orchestrator.model.texts import one_line
 from bt_orchestrator.view.screen import words
 from bt_orchestrator.view.screen.advice import Shell, alike_lines, next_lines
 

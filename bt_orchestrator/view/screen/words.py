@@ -12,8 +12,6 @@ from datetime import datetime
 from bt_orchestrator.model.hold_words import again_words, hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.needs import on_the_line_words
-from bt_orchestrator.model.one_line import one_line
-from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     CellStatus,
@@ -30,7 +28,8 @@ from bt_orchestrator.model.status_words import (
     script_words,
     wait_words,
 )
-from bt_orchestrator.model.wait import Wait
+from bt_orchestrator.model.texts import one_line
+from bt_orchestrator.model.wait import StandCause, Wait
 from bt_orchestrator.view.screen.advice import WHY, Shell, alike_lines, hold_advice, next_lines
 
 

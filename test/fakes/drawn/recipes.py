@@ -11,8 +11,7 @@ from typing import Any
 
 from fakes.line import Line
 
-from bt_orchestrator.model.capability import Capability, Preparation
-from bt_orchestrator.model.cell import Cell, Component, OnFailure
+from bt_orchestrator.model.cell import Capability, Cell, Component, OnFailure, Preparation
 from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.recipe import Operation, Overrides, Recipe, Rework
 from bt_orchestrator.model.reference import Reference, Template

@@ -18,8 +18,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import Asked, ask
-from bt_orchestrator.sim.virtual_link import VirtualLink
-from bt_orchestrator.sim.virtual_node import VirtualNode
+from bt_orchestrator.sim.virtual_link import VirtualLink, VirtualNode
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.view.screen import words
 from bt_orchestrator.view.screen.advice import Shell

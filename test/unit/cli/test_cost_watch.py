@@ -10,8 +10,8 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, TREES
 
-from bt_orchestrator.cli.cost_watch import CostWatch, TooCostly
 from bt_orchestrator.cli.main import main
+from bt_orchestrator.cli.simulating.cost_watch import CostWatch, TooCostly
 from bt_orchestrator.model.events import BeltIndexed
 
 

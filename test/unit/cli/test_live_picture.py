@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from fakes import statuses
 
-from bt_orchestrator.cli.live_picture import CannotRead, Course, saved_status
+from bt_orchestrator.cli.render import CannotRead, Course, saved_status
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import JobWord

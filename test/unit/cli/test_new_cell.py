@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from fakes.action_types import FakeActionTypes
 
-from bt_orchestrator.cli import check, new_cell, render, simulate
+from bt_orchestrator.cli import check, new_cell, render
 from bt_orchestrator.cli.new_cell import NothingWritten
+from bt_orchestrator.cli.simulating import verb
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.extensions.recipes.generating import verb as generate
 
@@ -44,7 +45,7 @@ def test_the_files_work_as_they_are(
     assert check.check(options(check, 'first_product', *cell), TYPES) == 0
     drawing = options(render, 'first_product', *cell, '-o', 'drawing.svg')
     assert render.render(drawing, TYPES) == 0
-    assert simulate.simulate(options(simulate, 'order.yaml', *cell), TYPES) == 0
+    assert verb.simulate(options(verb, 'order.yaml', *cell), TYPES) == 0
     assert 'first_product      3       3 ' in capsys.readouterr().out
 
 
@@ -58,7 +59,7 @@ def test_the_files_with_a_recipe_work_as_they_are(
     words = options(generate, 'recipes/first_product.yaml', *cell, '--check', file)
     assert generate.generate(words, TYPES) == 0
     assert check.check(options(check, 'first_product', *cell, '--strict'), TYPES) == 0
-    assert simulate.simulate(options(simulate, 'order.yaml', *cell), TYPES) == 0
+    assert verb.simulate(options(verb, 'order.yaml', *cell), TYPES) == 0
     assert 'first_product      3       3 ' in capsys.readouterr().out
     recipe = Path('recipes/first_product.yaml').read_text()
     schema = Path('recipes') / recipe.partition('\n')[0].partition('$schema=')[2]

@@ -12,8 +12,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, STUCK, TREES
 
 from bt_orchestrator.base.errors import Refused
-from bt_orchestrator.cli.live_picture import CannotRead
-from bt_orchestrator.cli.render import CannotWrite, add_arguments, render, run
+from bt_orchestrator.cli.render import CannotRead, CannotWrite, add_arguments, render, run
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.packml import PackmlState

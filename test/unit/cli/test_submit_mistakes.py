@@ -19,8 +19,7 @@ from bt_orchestrator.cli.main import main
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.sim.virtual_link import VirtualLink
-from bt_orchestrator.sim.virtual_node import VirtualNode
+from bt_orchestrator.sim.virtual_link import VirtualLink, VirtualNode
 from bt_orchestrator.store.memory import MemoryStore
 
 SCRIPT = """

@@ -12,7 +12,7 @@ import pytest
 from pseudo_terminal import PseudoTerminal
 
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.script.users.file import UsersFile
 
 PASSWORD = 'correct horse'

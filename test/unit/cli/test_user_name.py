@@ -6,7 +6,7 @@ import getpass
 
 import pytest
 
-from bt_orchestrator.cli.user_name import user_name
+from bt_orchestrator.cli.node_options import user_name
 
 
 @pytest.mark.parametrize('error', [KeyError, OSError, ImportError])

@@ -23,8 +23,7 @@ from bt_orchestrator.model.codec import (
     to_text,
 )
 from bt_orchestrator.model.condition import Condition
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
 from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.script.cell_file import parse_cell
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from bt_orchestrator.model.action_type import FieldType, MessageType
-from bt_orchestrator.model.controller_words import controller_words, words_field
+from bt_orchestrator.model.goal import controller_words, words_field
 
 STRING = FieldType('str', 'string')
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from fakes.operator import engineer
 
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.packml import PackmlState
@@ -20,7 +21,6 @@ from bt_orchestrator.model.requests import (
     of_hold,
     of_job,
 )
-from bt_orchestrator.model.roles import Role
 
 ANN = engineer('Ann', 'test', 'because')
 

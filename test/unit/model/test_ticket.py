@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.model.ticket import is_ticket, origin_with, ticket_in, without_ticket
+from bt_orchestrator.model.by import is_ticket, origin_with, ticket_in, without_ticket
 
 TICKET = '0123456789abcdef'
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus, StateReading
 from bt_orchestrator.ports.news import News
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
+from bt_orchestrator.sim.virtual_client import VirtualGoal
 
 
 def goal() -> VirtualGoal:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 _PROGRAM = """
 import gc, json
-from bt_orchestrator.ros import garbage
+from bt_orchestrator.ros import memory
 
 class Knot:
     def __init__(self):
@@ -46,7 +46,7 @@ def seen(first: str) -> Seen:
 def test_what_stays_costs_no_looks_and_garbage_goes() -> None:
     by_itself = seen('pass')
     assert by_itself.looks > 10  # or else there is nothing to be done
-    rarely = seen('garbage.collect_rarely()')
+    rarely = seen('memory.collect_rarely()')
     assert rarely.out_of_looks > 5_000
     assert rarely.looks <= 1
     assert rarely.left <= 2 * 20_000

@@ -10,7 +10,7 @@ import pytest
 _KEPT_MB = """
 import os
 from pathlib import Path
-from bt_orchestrator.ros import large_blocks
+from bt_orchestrator.ros import memory
 
 def used_mb():
     return int(Path('/proc/self/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE') / 1e6
@@ -39,4 +39,4 @@ def kept_mb(first: str) -> float:
 @pytest.mark.skipif(sys.platform != 'linux', reason='malloc of other systems is another one')
 def test_large_blocks_between_small_ones_are_given_back() -> None:
     assert kept_mb('pass') > 80.0  # or else there is nothing to be done
-    assert kept_mb('large_blocks.give_back()') < 20.0
+    assert kept_mb('memory.give_back()') < 20.0

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from bt_orchestrator.ros import receive_buffers
+from bt_orchestrator.ros import memory
 
 
 @pytest.fixture
@@ -20,10 +20,10 @@ def listening() -> Iterator[socket.socket]:
 
 def test_a_burst_that_the_default_would_lose_is_received(listening: socket.socket) -> None:
     largest = int(Path('/proc/sys/net/core/rmem_max').read_text())
-    receive_buffers.widen()
+    memory.widen_buffers()
     given = listening.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
-    assert given >= min(receive_buffers.WANTED, largest)
-    sent = min(receive_buffers.WANTED, largest) // 4 // 1000
+    assert given >= min(memory.WANTED_BYTES, largest)
+    sent = min(memory.WANTED_BYTES, largest) // 4 // 1000
     for number in range(sent):
         listening.sendto(number.to_bytes(4, 'big') * 250, listening.getsockname())
     listening.settimeout(5.0)
@@ -34,6 +34,6 @@ def test_a_burst_that_the_default_would_lose_is_received(listening: socket.socke
 
 def test_a_wider_buffer_stays(listening: socket.socket, monkeypatch: pytest.MonkeyPatch) -> None:
     before = listening.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
-    monkeypatch.setattr(receive_buffers, 'WANTED', before // 2)
-    receive_buffers.widen()
+    monkeypatch.setattr(memory, 'WANTED_BYTES', before // 2)
+    memory.widen_buffers()
     assert listening.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) == before

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bt_orchestrator.ros.uptime import MachineUptime
+from bt_orchestrator.ros.clock import MachineUptime
 
 BOOT = '3f6d1c1e-9a3f-4a53-9d2b-6ad1a4d1e0c5'
 NO_OFFSETS = 'monotonic           0         0\nboottime            0         0\n'

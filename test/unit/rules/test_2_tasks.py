@@ -7,8 +7,7 @@ from fakes.commands import Abort, Stop
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.model.contest import Contest
-from bt_orchestrator.model.goal import GoalEnd, GoalStatus
+from bt_orchestrator.model.goal import Contest, GoalEnd, GoalStatus
 
 WORK_AT = 3.0
 """When section 2 of the shortest line begins with its first item."""

@@ -12,14 +12,13 @@ from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.engine.asking.commands import prepared
-from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.cell import Release
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
 from bt_orchestrator.model.jobs.job_commands import UpdateJob
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.requests import ask
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.store.memory import MemoryStore

@@ -13,11 +13,10 @@ from fakes.script_texts import LINE, script
 
 from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.base.replies import begin
-from bt_orchestrator.engine.asking.anew import QueueAnew
+from bt_orchestrator.engine.asking.recipes import QueueAnew
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.job_commands import AddJobs
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, MadeAnew
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.ports import MadeScript

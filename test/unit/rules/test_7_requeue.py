@@ -18,8 +18,7 @@ from bt_orchestrator.base.errors import Finding, NotRead, Refused
 from bt_orchestrator.base.replies import Reply, begin
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.job_commands import RequeueJob
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import Job, Terms, WorkOrder
+from bt_orchestrator.model.jobs.order import Job, MadeAnew, Terms, WorkOrder
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.ports import MadeScript

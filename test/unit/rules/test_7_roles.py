@@ -24,12 +24,11 @@ from fakes.commands import (
 from fakes.line import THREE, Line
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.commands import Command
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.requests import REQUESTS, About, Why
-from bt_orchestrator.model.roles import Role
 
 LINE = Line()
 SCRIPT = LINE.script(THREE)

@@ -9,7 +9,7 @@ from fakes.virtual_run import VirtualRun
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bt_orchestrator.engine.runtime.starvation import SUSPEND_AFTER_S
+from bt_orchestrator.engine.runtime.lifecycle import SUSPEND_AFTER_S
 from bt_orchestrator.model.jobs.isa95 import job_word
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
 

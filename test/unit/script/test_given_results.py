@@ -6,7 +6,7 @@ import pytest
 
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
-from bt_orchestrator.script.given_results import given_results, results_of, results_text
+from bt_orchestrator.script.given_values import given_results, results_of, results_text
 
 POINT = MessageType('geometry_msgs/msg/Point', {'x': FieldType('float', 'double')})
 ACTION = ActionType(

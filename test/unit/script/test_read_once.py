@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from bt_orchestrator.base.errors import Refused
-from bt_orchestrator.script.read_once import ReadOnce
+from bt_orchestrator.script.source_text import ReadOnce
 
 
 class Reader:

@@ -9,8 +9,7 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.script_texts import mistakes, script
 
-from bt_orchestrator.script.cell_file import parse_cell
-from bt_orchestrator.script.file_kind import file_kind
+from bt_orchestrator.script.cell_file import file_kind, parse_cell
 from bt_orchestrator.script.orders.order_file import parse_order
 
 STRANGERS = {

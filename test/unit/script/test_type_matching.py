@@ -16,8 +16,12 @@ from fakes.action_types import (
 )
 
 from bt_orchestrator.model.action_type import FieldType
-from bt_orchestrator.script.field_types import PARAMETER_TYPES
-from bt_orchestrator.script.type_matching import in_words, is_assignable, is_printable
+from bt_orchestrator.script.field_types import (
+    PARAMETER_TYPES,
+    in_words,
+    is_assignable,
+    is_printable,
+)
 
 POINT_FIELD = FieldType('message', POINT.name, message=POINT)
 

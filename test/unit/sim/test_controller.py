@@ -16,7 +16,7 @@ from bt_orchestrator.ports import Clock
 from bt_orchestrator.sim.carrier import Answer, Verdict
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.controller import Controller
-from bt_orchestrator.sim.controllers.pace import PacedClock
+from bt_orchestrator.sim.controllers.options import PacedClock
 
 ACTION_TYPE = ActionType(
     'p/action/T',

@@ -8,7 +8,7 @@ from fakes.script_texts import CELL
 
 from bt_orchestrator.model.fault import Fault, FaultKind
 from bt_orchestrator.script.cell_file import parse_cell
-from bt_orchestrator.sim.fault_options import WrongFaults, with_faults
+from bt_orchestrator.sim.faults import WrongFaults, with_faults
 
 TYPES = FakeActionTypes()
 BARE = parse_cell(CELL, 'cell.yaml', TYPES)

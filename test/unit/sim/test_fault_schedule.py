@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from bt_orchestrator.model.fault import FaultKind, parse_fault
-from bt_orchestrator.sim.fault_schedule import FaultSchedule
+from bt_orchestrator.sim.faults import FaultSchedule
 
 
 def struck(spec: str, tasks: str) -> list[int]:

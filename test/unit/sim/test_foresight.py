@@ -17,8 +17,8 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
-from bt_orchestrator.sim import foresight, run_on
-from bt_orchestrator.sim.foresight import expected_ends
+from bt_orchestrator.sim import run_on
+from bt_orchestrator.sim.run_on import expected_ends
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 
@@ -126,6 +126,6 @@ def test_a_cell_that_somebody_stopped_has_no_forecast() -> None:
 
 
 def test_a_run_that_takes_too_long_leaves_jobs_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(foresight, 'LONGEST_S', 0.0)
+    monkeypatch.setattr(run_on, 'LONGEST_S', 0.0)
     with running(4, until_s=3.0) as (simulation, _):
         assert expected(simulation) == {}

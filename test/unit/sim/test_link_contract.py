@@ -13,8 +13,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.script.cell_file import read_cell
-from bt_orchestrator.sim.virtual_link import VirtualLink
-from bt_orchestrator.sim.virtual_node import VirtualNode
+from bt_orchestrator.sim.virtual_link import VirtualLink, VirtualNode
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

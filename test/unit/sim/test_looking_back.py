@@ -22,9 +22,8 @@ from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 from bt_orchestrator.view.drawing.gantt import GanttFold
 from bt_orchestrator.view.report.account.planned import US
 from bt_orchestrator.view.report.reading import Reading
-from bt_orchestrator.view.report.retrospect.plain import retrospect_plain
 from bt_orchestrator.view.report.retrospect.retrospect import Retrospect
-from bt_orchestrator.view.report.retrospect.text import retrospect_text
+from bt_orchestrator.view.report.retrospect.text import retrospect_plain, retrospect_text
 
 TYPES = FakeActionTypes()
 LINE = Line(3, seconds={'a2': 5.0})

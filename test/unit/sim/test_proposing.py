@@ -19,7 +19,7 @@ from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.ports import Consequence, Moment, Proposal
 from bt_orchestrator.sim import proposing
-from bt_orchestrator.sim.queue_orders import FEW, GUESSES, KEPT, QueueOrders, Waiting
+from bt_orchestrator.sim.proposing import FEW, GUESSES, KEPT, QueueOrders, Waiting
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.sim.what_if import EngineWhatIf
 from bt_orchestrator.store.memory import MemoryStore

@@ -6,8 +6,8 @@ import pytest
 
 from bt_orchestrator.model.fault import Fault, FaultKind
 from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.fault_schedule import FaultSchedule
-from bt_orchestrator.sim.readiness import Readiness
+from bt_orchestrator.sim.controller import Readiness
+from bt_orchestrator.sim.faults import FaultSchedule
 
 
 class Bench:

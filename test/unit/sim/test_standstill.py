@@ -14,9 +14,8 @@ from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
-from bt_orchestrator.sim.fault_options import with_faults
-from bt_orchestrator.sim.simulation import Outcome, Simulation
-from bt_orchestrator.sim.standstill import standstill
+from bt_orchestrator.sim.faults import with_faults
+from bt_orchestrator.sim.simulation import Outcome, Simulation, standstill
 from bt_orchestrator.store.memory import MemoryStore
 
 TYPES = FakeActionTypes()

@@ -9,7 +9,7 @@ from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import METHODS, Method
 from bt_orchestrator.model.requests import About, Request, requests_about
-from bt_orchestrator.view.report.isa95.return_status import ReturnStatus
+from bt_orchestrator.view.report.isa95.codes import ReturnStatus
 
 STORING = (job_control.STORE, job_control.STORE_AND_START)
 """The methods that bring an order; Update brings one of a job that is there."""

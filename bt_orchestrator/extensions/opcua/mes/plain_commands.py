@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from bt_orchestrator.base.errors import OrchestratorError
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder, order_id_fault
 from bt_orchestrator.model.requests import (
     About,
@@ -14,8 +15,7 @@ from bt_orchestrator.model.requests import (
     of_word,
     requests_about,
 )
-from bt_orchestrator.model.requests.reader import offer_words
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.requests.offers import offer_words
 from bt_orchestrator.model.state import Hold
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from bt_orchestrator.model import pauses
+from bt_orchestrator.model import stop_reason
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus
@@ -47,7 +47,7 @@ CONTEST = StopId(
 )
 
 _OF_HOLDS = (
-    StopId(101, pauses.PAUSED, 200, 'a person paused the cell'),
+    StopId(101, stop_reason.PAUSED, 200, 'a person paused the cell'),
     StopId(201, Reason.SERVER_UNAVAILABLE.value, 600, 'no action server came in time'),
     StopId(202, Reason.GOAL_REJECTED.value, 600, 'the server refused the goal'),
     StopId(203, Reason.ABORTED.value, 600, 'the server aborted the goal'),
@@ -62,11 +62,13 @@ _OF_HOLDS = (
     StopId(214, Reason.SETUP_MISSING.value, 600, 'the component has another setup'),
     StopId(211, 'slot_occupied', 600, 'an item stands where another one would be placed'),
     StopId(212, 'overrun', 600, 'the belt would carry an item out of the last section'),
-    StopId(221, pauses.RESTARTED, 500, 'a node took over unfinished work'),
-    StopId(222, pauses.RESTORED, 800, 'the journal was restored from a backup'),
-    StopId(223, pauses.MISSING, 800, 'written events are lost from the journal'),
-    StopId(224, pauses.TWIN, 800, 'another node answers under the name of this one'),
-    StopId(225, pauses.UNKNOWN_GOAL, 800, 'a server runs a goal that the journal does not know'),
+    StopId(221, stop_reason.RESTARTED, 500, 'a node took over unfinished work'),
+    StopId(222, stop_reason.RESTORED, 800, 'the journal was restored from a backup'),
+    StopId(223, stop_reason.MISSING, 800, 'written events are lost from the journal'),
+    StopId(224, stop_reason.TWIN, 800, 'another node answers under the name of this one'),
+    StopId(
+        225, stop_reason.UNKNOWN_GOAL, 800, 'a server runs a goal that the journal does not know'
+    ),
 )
 
 STOP_IDS: tuple[StopId, ...] = tuple(

@@ -7,8 +7,7 @@ from pathlib import Path
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.ports.doors.listening import LOOPBACK, is_loopback
-from bt_orchestrator.script.users.file import UsersUnusable
-from bt_orchestrator.script.users.known import KnownUsers
+from bt_orchestrator.script.users.file import KnownUsers, UsersUnusable
 
 
 class AccessRefused(OrchestratorError):

@@ -5,21 +5,25 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.opcua.server.calls import Calls
-from bt_orchestrator.extensions.opcua.server.orderable import Orderable
-from bt_orchestrator.extensions.opcua.server.part import Part
+from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.extensions.opcua.server.values import Values
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import Records
 from bt_orchestrator.ports.doors.cell_client import CellClient
-from bt_orchestrator.ports.doors.facts import Began, Fact, Happened
+from bt_orchestrator.ports.doors.following_door import Began, Fact, Happened
 from bt_orchestrator.ports.doors.known import Known, told_by
 from bt_orchestrator.ports.doors.open_door import OpenDoor
+from bt_orchestrator.script.declared import Declared, OrderFiles
+from bt_orchestrator.script.orders.by_recipe import DeclaredRecipe
 
 log = logging.getLogger(__name__)
 
@@ -187,3 +191,78 @@ def _guarded(tell: Callable[..., object], fact: object) -> None:
         tell(fact)
     except Exception:
         log.exception('defect: a part of the server could not take %s', type(fact).__name__)
+
+
+# The choices of an order, as far as there are files here: scripts and recipes.
+
+LOOK_AGAIN_S = 30.0
+"""Between two looks at the folders."""
+
+SOON_S = 1.0
+"""The same where somebody names what is not known yet."""
+
+
+class Orderable:
+    """All calls come from the server's loop; the folders are read in another thread."""
+
+    def __init__(self, trees: Sequence[Path], recipes: Sequence[Path]) -> None:
+        """Prepare; nothing is read.
+
+        :param trees: folders of scripts
+        :param recipes: folders of recipes
+        """
+        self._files = OrderFiles(trees, recipes)
+        self.scripts: Mapping[str, Declared] = {}
+        self.recipes: Mapping[str, DeclaredRecipe] = {}
+        self.looked_at: float | None = None
+        """By the monotonic clock; None: not yet."""
+
+    @property
+    def is_due(self) -> bool:
+        """Tell whether it is time to look again."""
+        return self._is_old(LOOK_AGAIN_S)
+
+    async def look(self) -> None:
+        """Read the folders."""
+        self.looked_at = time.monotonic()
+        self.scripts, self.recipes = await asyncio.to_thread(self._read)
+
+    async def recipe_names(self, wanted: str) -> Set[str]:
+        """Return the names of recipes that no script has: of both, an order names the script.
+
+        :param wanted: a name; if it is new, the folders are read again
+        """
+        is_new = wanted not in self.scripts and wanted not in self.recipes
+        if is_new and self._is_old(SOON_S):
+            await self.look()
+        return self.recipes.keys() - self.scripts.keys()
+
+    def _is_old(self, seconds: float) -> bool:
+        return self.looked_at is None or time.monotonic() >= self.looked_at + seconds
+
+    def _read(self) -> tuple[Mapping[str, Declared], Mapping[str, DeclaredRecipe]]:
+        scripts = {one.name: one for one in self._files.scripts()}
+        return scripts, {one.name: one for one in self._files.recipes()}
+
+
+# The work of each part of the server: the flat one, job control, PackML, holds.
+
+
+class Part(Protocol):
+    """A part of the address space. All calls come from the server's loop.
+
+    It lives as long as what exists in the cell stays the same; for another cell file it is made
+    anew, and clients connect again.
+    """
+
+    async def build(self, space: Space) -> None:
+        """Make the nodes and methods; no client is there yet, and the status is known."""
+
+    def show(self, status: CellStatus) -> None:
+        """Show a new status (`Values.put`); first right after `build`."""
+
+    def hear(self, event: Event) -> None:
+        """Take note of an event: each one since `build`, once and in order."""
+
+    def begin(self, history: str) -> None:
+        """Forget what was: the cell has another journal. Its status is shown next."""

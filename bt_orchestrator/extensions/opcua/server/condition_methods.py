@@ -13,9 +13,13 @@ from typing import Protocol
 
 from asyncua import ua
 
-from bt_orchestrator.extensions.opcua.server.arguments import Argument, with_status, wrong
-from bt_orchestrator.extensions.opcua.server.callers import CALLER
-from bt_orchestrator.extensions.opcua.server.calls import Calls
+from bt_orchestrator.extensions.opcua.server.calls import (
+    CALLER,
+    Argument,
+    Calls,
+    with_status,
+    wrong,
+)
 from bt_orchestrator.extensions.opcua.server.conditions import Place, Remark, Standing
 from bt_orchestrator.extensions.opcua.server.notices import SERVER, Told, id_of
 from bt_orchestrator.extensions.opcua.server.space import Space

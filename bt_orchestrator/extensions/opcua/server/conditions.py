@@ -15,7 +15,7 @@ from asyncua import ua
 from bt_orchestrator.extensions.opcua.mes.alarms import Alarm, event_id
 from bt_orchestrator.extensions.opcua.server.notices import Told
 from bt_orchestrator.model.requests import ACKNOWLEDGE
-from bt_orchestrator.model.requests.reader import role_words
+from bt_orchestrator.model.requests.offers import role_words
 
 TEXT, YES_NO, NODE = ua.VariantType.LocalizedText, ua.VariantType.Boolean, ua.VariantType.NodeId
 TIME, WORD = ua.VariantType.DateTime, ua.VariantType.String

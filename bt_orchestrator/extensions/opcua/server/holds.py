@@ -16,8 +16,8 @@ from bt_orchestrator.extensions.opcua.mes.alarms import (
     event_id,
     hold_key,
 )
-from bt_orchestrator.extensions.opcua.server.arguments import Argument
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
+from bt_orchestrator.extensions.opcua.server.calls import Argument
 from bt_orchestrator.extensions.opcua.server.condition_methods import ConditionMethods
 from bt_orchestrator.extensions.opcua.server.conditions import Place, Remark, Standing, told
 from bt_orchestrator.extensions.opcua.server.notices import Told

@@ -17,13 +17,11 @@ from bt_orchestrator.extensions.opcua.mes.packml import (
     command_fault,
     transitions_between,
 )
-from bt_orchestrator.extensions.opcua.server.arguments import Argument
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
-from bt_orchestrator.extensions.opcua.server.calls import reason_of
+from bt_orchestrator.extensions.opcua.server.calls import Argument, reason_of
 from bt_orchestrator.extensions.opcua.server.nodesets import PACK_ML
 from bt_orchestrator.extensions.opcua.server.notices import Told, id_of
-from bt_orchestrator.extensions.opcua.server.packml_meanings import METHODS, meanings
-from bt_orchestrator.extensions.opcua.server.packml_values import Shown
+from bt_orchestrator.extensions.opcua.server.packml_values import METHOD_MEANINGS, Shown, meanings
 from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.model.events import CellStateChanged, Event
 from bt_orchestrator.model.packml import Cause, PackmlState
@@ -52,7 +50,7 @@ _OPTIONALS = (
     *(f'{machine.value}/CurrentState/Number' for machine in Machine),
     *(f'{machine.value}/LastTransition' for machine in Machine),
     *(f'{machine.value}/LastTransition/TransitionTime' for machine in Machine),
-    *(f'{machine.value}/{name}' for machine, names in METHODS.items() for name in names),
+    *(f'{machine.value}/{name}' for machine, names in METHOD_MEANINGS.items() for name in names),
 )
 
 
@@ -75,7 +73,7 @@ class PackML:
         }
         self._shown = Shown(space, self._names)
         await self._shown.build()
-        for machine, names in METHODS.items():
+        for machine, names in METHOD_MEANINGS.items():
             for name in names:
                 call = partial(self._command, COMMANDS[name], name)
                 await space.link(space.node(f'{TOP}/{machine.value}/{name}'), call)

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import datetime
+import fcntl
+import ipaddress
 import os
 import re
+import socket
 import stat
+import struct
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from cryptography import x509
+from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.hazmat.primitives.serialization import (
     Encoding,
@@ -20,10 +26,11 @@ from cryptography.hazmat.primitives.serialization import (
     load_der_private_key,
     load_pem_private_key,
 )
+from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.base.ordinary_file import open_ordinary, read_ordinary, read_up_to
-from bt_orchestrator.extensions.opcua.server.own_certificate import host_name, self_signed
+from bt_orchestrator.ports.doors.listening import address_in, is_everywhere
 from bt_orchestrator.script.users.folders import own_folder
 
 KEY_BITS = 3072
@@ -198,3 +205,112 @@ def _write(path: Path, content: bytes) -> None:
         file.flush()
         os.fsync(descriptor)
     Path(name).replace(path)
+
+
+# Names and addresses of this computer, for the certificate of the server.
+
+_SIOCGIFADDR = 0x8915
+_IF_INET6 = Path('/proc/net/if_inet6')
+
+Address = ipaddress.IPv4Address | ipaddress.IPv6Address
+
+
+def host_names() -> list[str]:
+    """Return the names by which clients may call this computer."""
+    found = (socket.gethostname(), socket.getfqdn(), 'localhost')
+    return list(dict.fromkeys(name for name in found if name and name.isascii()))
+
+
+def host_addresses() -> list[Address]:
+    """Return the addresses of every network interface."""
+    return list(dict.fromkeys((*_of_version_4(), *_of_version_6())))
+
+
+def _of_version_4() -> Iterator[Address]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        for _, interface in socket.if_nameindex():
+            with suppress(OSError):  # it has no such address
+                request = struct.pack('256s', interface.encode()[:15])
+                found = fcntl.ioctl(probe.fileno(), _SIOCGIFADDR, request)
+                yield ipaddress.IPv4Address(found[20:24])
+
+
+def _of_version_6() -> Iterator[Address]:
+    with suppress(OSError):  # IPv6 is switched off
+        for line in _IF_INET6.read_text().splitlines():
+            yield ipaddress.IPv6Address(bytes.fromhex(line.split()[0]))
+
+
+# The certificate that the server makes for itself, as OPC 10000-6 6.2.2 wants it.
+
+LIFETIME = datetime.timedelta(days=3652)
+"""Ten years: a line is not stopped for a certificate."""
+
+_USAGE = x509.KeyUsage(
+    digital_signature=True,
+    content_commitment=True,
+    key_encipherment=True,
+    data_encipherment=True,
+    key_agreement=False,
+    key_cert_sign=True,
+    crl_sign=False,
+    encipher_only=False,
+    decipher_only=False,
+)
+
+_PURPOSES = (ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH)
+
+
+def self_signed(key: rsa.RSAPrivateKey, uri: str, host: str) -> x509.Certificate:
+    """Return a certificate that is signed with its own key.
+
+    :param uri: application URI
+    :param host: at which the server listens
+    """
+    name = x509.Name(
+        [
+            x509.NameAttribute(NameOID.COMMON_NAME, f'bt_orchestrator@{host_name()}'[:64]),
+            x509.NameAttribute(NameOID.ORGANIZATION_NAME, 'bt_orchestrator'),
+        ]
+    )
+    now = datetime.datetime.now(datetime.timezone.utc)
+    identifier = x509.SubjectKeyIdentifier.from_public_key(key.public_key())
+    return (
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(now - datetime.timedelta(days=1))  # clocks of clients differ
+        .not_valid_after(now + LIFETIME)
+        .add_extension(x509.SubjectAlternativeName(_other_names(uri, host)), critical=False)
+        .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+        .add_extension(_USAGE, critical=True)
+        .add_extension(x509.ExtendedKeyUsage(_PURPOSES), critical=False)
+        .add_extension(identifier, critical=False)
+        .add_extension(
+            x509.AuthorityKeyIdentifier.from_issuer_subject_key_identifier(identifier),
+            critical=False,
+        )
+        .sign(key, hashes.SHA256())
+    )
+
+
+def _other_names(uri: str, host: str) -> list[x509.GeneralName]:
+    """Return the URI, and every name and address that a client may call the server by."""
+    names, addresses = host_names(), host_addresses()
+    address = address_in(host)
+    if address is None:
+        names.append(host)
+    elif not is_everywhere(host):
+        addresses.append(address)
+    return [
+        x509.UniformResourceIdentifier(uri),
+        *map(x509.DNSName, dict.fromkeys(names)),
+        *map(x509.IPAddress, dict.fromkeys(addresses)),
+    ]
+
+
+def host_name() -> str:
+    """Return the name of this computer, as a URI can have it."""
+    return re.sub(r'[^A-Za-z0-9.-]', '-', socket.gethostname()) or 'localhost'

@@ -6,21 +6,22 @@ import asyncio
 import logging
 import threading
 from collections.abc import Awaitable, Callable, Sequence
+from datetime import datetime, timezone
+from importlib.metadata import version
 
-from asyncua import Server
+from asyncua import Server, ua
 
 from bt_orchestrator.extensions.opcua.server import nodesets
 from bt_orchestrator.extensions.opcua.server.access import Access
-from bt_orchestrator.extensions.opcua.server.bridge import Bridge
+from bt_orchestrator.extensions.opcua.server.bridge import Bridge, Part
 from bt_orchestrator.extensions.opcua.server.holds import Holds
 from bt_orchestrator.extensions.opcua.server.job_control.part import JobControl
-from bt_orchestrator.extensions.opcua.server.memory import building, give_back
+from bt_orchestrator.extensions.opcua.server.library import building, give_back
 from bt_orchestrator.extensions.opcua.server.overrides.security import Security
+from bt_orchestrator.extensions.opcua.server.overrides.server import GuardedServer
 from bt_orchestrator.extensions.opcua.server.packml import PackML
-from bt_orchestrator.extensions.opcua.server.part import Part
 from bt_orchestrator.extensions.opcua.server.simple import Simple
 from bt_orchestrator.extensions.opcua.server.space import Space
-from bt_orchestrator.extensions.opcua.server.stack import make_stack
 from bt_orchestrator.ports.doors.listening import bound, cannot_listen, url_host
 from bt_orchestrator.ports.doors.server_thread import ServerThread
 
@@ -132,3 +133,23 @@ class OpcUaServer(ServerThread):
             end.cancel()
             task.cancel()
         return not self._ends.is_set()
+
+
+# The stack of OPC UA with the settings of this server.
+
+PRODUCT = 'urn:bt_orchestrator'
+
+
+async def make_stack(node: str, security: Security, url: str) -> GuardedServer:
+    """Return a server without a cell, which does not listen yet."""
+    server = GuardedServer(security)
+    server.product_uri = PRODUCT
+    server.manufacturer_name = 'bt_orchestrator'
+    server.set_server_name(f'bt_orchestrator {node}')
+    server.application_type = ua.ApplicationType.Server
+    await server.init()
+    found = version('bt_orchestrator')
+    now = datetime.now(timezone.utc)
+    await server.set_build_info(PRODUCT, 'bt_orchestrator', 'bt_orchestrator', found, found, now)
+    server.set_endpoint(url)
+    return server

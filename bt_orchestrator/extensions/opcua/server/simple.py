@@ -14,10 +14,10 @@ from bt_orchestrator.extensions.opcua.server.values import moment
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
-from bt_orchestrator.model.requests.reader import role_words
-from bt_orchestrator.model.stands import StandCause
+from bt_orchestrator.model.requests.offers import role_words
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, JobStatus
+from bt_orchestrator.model.wait import StandCause
 
 TEXT, COUNT, TIME = ua.VariantType.String, ua.VariantType.UInt32, ua.VariantType.DateTime
 FLAG = ua.VariantType.Boolean

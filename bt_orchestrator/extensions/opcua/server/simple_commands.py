@@ -17,11 +17,9 @@ from bt_orchestrator.extensions.opcua.mes.plain_commands import (
     release_of,
     verbs,
 )
-from bt_orchestrator.extensions.opcua.server import callers
-from bt_orchestrator.extensions.opcua.server.arguments import Argument
+from bt_orchestrator.extensions.opcua.server import calls
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
-from bt_orchestrator.extensions.opcua.server.callers import CALLER
-from bt_orchestrator.extensions.opcua.server.calls import reason_of
+from bt_orchestrator.extensions.opcua.server.calls import CALLER, Argument, reason_of
 from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.model.requests import (
     About,
@@ -32,7 +30,7 @@ from bt_orchestrator.model.requests import (
     requests_about,
 )
 from bt_orchestrator.ports.doors.tickets import Outcome
-from bt_orchestrator.script.given_arguments import arguments_of
+from bt_orchestrator.script.given_values import arguments_of
 
 TEXT, COUNT = ua.VariantType.String, ua.VariantType.UInt32
 
@@ -119,7 +117,7 @@ class SimpleCommands:
     async def _request(self, name: str, arguments: str, reason: str) -> list[ua.Variant]:
         reason = reason_of(reason, 'Request')
         try:
-            asked = ask(name, callers.by(reason, ''), **arguments_of(arguments))
+            asked = ask(name, calls.by_caller(reason, ''), **arguments_of(arguments))
         except (BadArguments, CommandRefused) as error:
             return _told(Outcome(False, str(error)), findings=True)
         outcome = await self._bridge.calls.ask(asked.request, asked.arguments, reason)

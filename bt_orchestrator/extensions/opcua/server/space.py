@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
 import asyncua
 from asyncua import ua
 
-from bt_orchestrator.extensions.opcua.server.arguments import (
+from bt_orchestrator.extensions.opcua.server.calls import (
     Argument,
     declared_at,
     with_status,

@@ -30,8 +30,7 @@ from bt_orchestrator.extensions.opcua.server.client_certificates import (
     thumbprint,
 )
 from bt_orchestrator.extensions.opcua.server.pki import LARGEST_FILE, Pki, application_uri, parsed
-from bt_orchestrator.model.allowance import Allowance
-from bt_orchestrator.model.limits import Share
+from bt_orchestrator.model.limits import Allowance, Share
 from bt_orchestrator.ports.spare_log import SpareLog
 
 _T = TypeVar('_T')

@@ -8,8 +8,7 @@ from pathlib import Path
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.ports.doors.listening import LOOPBACK, address_in, is_everywhere, is_loopback
-from bt_orchestrator.script.users.file import UsersUnusable
-from bt_orchestrator.script.users.known import KnownUsers
+from bt_orchestrator.script.users.file import KnownUsers, UsersUnusable
 
 IDLE_S = 15 * 60.0
 """Without a command or a sign of life for so long, a session is locked."""

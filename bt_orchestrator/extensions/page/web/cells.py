@@ -9,8 +9,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from bt_orchestrator.base.errors import JournalUnusable
-from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.extensions.page.web.replies import Json, Problem
+from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem
 from bt_orchestrator.ports.plant import PlantCell, PlantCells
 
 

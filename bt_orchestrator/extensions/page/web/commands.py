@@ -14,15 +14,13 @@ from starlette.requests import Request as HttpRequest
 from starlette.responses import Response
 
 from bt_orchestrator.base.errors import Refused
-from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.extensions.page.web.replies import Json, Problem, body_of
+from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem, body_of
+from bt_orchestrator.extensions.page.web.people import Session
 from bt_orchestrator.extensions.page.web.request_paths import PLACES, body_at, request_at
-from bt_orchestrator.extensions.page.web.sessions import Session
-from bt_orchestrator.model.by import By
+from bt_orchestrator.model.by import WANTED_TICKET, By, is_ticket, origin_with
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.limits import NAME, ORDERS, REASON
 from bt_orchestrator.model.requests import Asked, BadArguments, Why, ask, refusal
-from bt_orchestrator.model.ticket import WANTED, is_ticket, origin_with
 from bt_orchestrator.ports.doors.tickets import NotSent, Outcome, Tickets, TicketTaken, Unknown
 from bt_orchestrator.script.orders.plain_order import order_from
 
@@ -90,7 +88,7 @@ class Commands:
         """Tell what became of a command."""
         ticket = http.path_params['ticket']
         if not is_ticket(ticket):
-            raise Problem(422, f'a ticket is {WANTED}')
+            raise Problem(422, f'a ticket is {WANTED_TICKET}')
         search = await self._tickets.find(ticket)
         if search.outcome is not None:
             return Json({'found': True, **_told(ticket, search.outcome)})
@@ -112,7 +110,7 @@ def _ticket(body: dict[str, Any]) -> str:
     """Take the ticket out of a body; who sends none gets one."""
     ticket = body.pop('ticket', None) or secrets.token_hex(8)
     if not isinstance(ticket, str) or not is_ticket(ticket):
-        raise Problem(422, f'ticket is {WANTED}; found {ticket!r:.100}')
+        raise Problem(422, f'ticket is {WANTED_TICKET}; found {ticket!r:.100}')
     return ticket
 
 

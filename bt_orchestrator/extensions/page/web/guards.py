@@ -9,8 +9,8 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from bt_orchestrator.extensions.page.web.access import Access
+from bt_orchestrator.extensions.page.web.endpoint import Problem
 from bt_orchestrator.extensions.page.web.people import Caller, People
-from bt_orchestrator.extensions.page.web.replies import Problem
 
 log = logging.getLogger(__name__)
 

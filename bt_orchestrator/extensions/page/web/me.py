@@ -9,10 +9,8 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import Response
 
-from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.extensions.page.web.people import Caller, People
-from bt_orchestrator.extensions.page.web.replies import Json, Problem, body_of
-from bt_orchestrator.extensions.page.web.sessions import Session
+from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem, body_of
+from bt_orchestrator.extensions.page.web.people import Caller, People, Session
 from bt_orchestrator.model.limits import WHO
 from bt_orchestrator.model.requests import TABLE
 from bt_orchestrator.script.users.file import UsersUnusable

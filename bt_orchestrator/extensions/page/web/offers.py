@@ -10,16 +10,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
 from bt_orchestrator.extensions.page.web.request_paths import ANY
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import About, Request, of_hold, requests_about
-from bt_orchestrator.model.requests.worthwhile import (
+from bt_orchestrator.model.requests.offers import (
     JobNow,
     worthwhile_for_cell,
     worthwhile_for_component,
     worthwhile_for_job,
 )
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, ComponentStatus, ItemStatus, JobStatus
 from bt_orchestrator.model.stop_reason import StopReason

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.page.web.access import Access
@@ -13,20 +13,21 @@ from bt_orchestrator.extensions.page.web.account import ShiftWatch
 from bt_orchestrator.extensions.page.web.archive.archive import Archive
 from bt_orchestrator.extensions.page.web.archive.heard import Heard
 from bt_orchestrator.extensions.page.web.book import Book
-from bt_orchestrator.extensions.page.web.cell_show import CellShow
+from bt_orchestrator.extensions.page.web.parts import parts_of
 from bt_orchestrator.extensions.page.web.people import People
 from bt_orchestrator.extensions.page.web.planning.questions import Questions
 from bt_orchestrator.extensions.page.web.scripts.shelf import Shelf
 from bt_orchestrator.extensions.page.web.seams import Show, Sources
 from bt_orchestrator.extensions.page.web.stream import BEAT_S, Streams
 from bt_orchestrator.extensions.page.web.tree_watch import TreeWatch
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.ports.doors.cell_client import CellClient
-from bt_orchestrator.ports.doors.facts import Began, Fact, Happened
+from bt_orchestrator.ports.doors.following_door import Began, Fact, Happened
 from bt_orchestrator.ports.doors.known import Known, told_by
 from bt_orchestrator.ports.doors.open_door import OpenDoor
-from bt_orchestrator.script.order_files import OrderFiles
+from bt_orchestrator.script.declared import OrderFiles
 
 ASK_AGAIN_S = 30.0
 """A node that did not tell its state is asked again after so long: it may be an older one."""
@@ -198,3 +199,30 @@ class WebPage(CellClient):
             await asyncio.sleep(BEAT_S)
             self._must_describe |= self.doors.is_silent
             self.streams.beat()
+
+
+# The view of the page on its cell: parts of the status, with other knowledge.
+
+
+class CellShow:
+    """Implements `seams.Show`."""
+
+    def __init__(self, known: Known) -> None:
+        self._known = known
+        self.wants_moment = False
+
+    def begin(self, history: str) -> None:  # noqa: ARG002 - the seam's
+        """Forget what was known of the jobs of another journal."""
+        self._known.begin()
+
+    def hear(self, event: Event) -> None:
+        """Take note of an event."""
+        self._known.hear(event)
+
+    def parts(
+        self, status: CellStatus, description: CellDescription | None, node: str
+    ) -> Mapping[str, object]:
+        """Return everything that is shown."""
+        self.wants_moment |= self._known.lacks(job.digest for job in status.jobs)
+        described = description or CellDescription(status.cell, len(status.sections), '')
+        return parts_of(status, described, self._known.scripts, node, self._known.orders)

@@ -17,11 +17,10 @@ from starlette.types import Receive, Scope, Send
 
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.page.web import messages
-from bt_orchestrator.extensions.page.web.book import Book, Cursor
-from bt_orchestrator.extensions.page.web.ring import MOST_IN_ONE
+from bt_orchestrator.extensions.page.web.book import MOST_IN_ONE, Book, Cursor
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.ports.doors.doors import Doors
-from bt_orchestrator.ports.doors.facts import Happened, Lost
+from bt_orchestrator.ports.doors.following_door import Happened, Lost
 
 MOST_READERS = 64
 

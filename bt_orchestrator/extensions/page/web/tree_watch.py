@@ -11,9 +11,8 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import Response
 
-from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.extensions.page.web.parts.waits import waits_said
-from bt_orchestrator.extensions.page.web.replies import Json, Problem, language_of
+from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem, language_of
+from bt_orchestrator.extensions.page.web.parts.tasks import waits_said
 from bt_orchestrator.extensions.page.web.seams import SeenCell
 from bt_orchestrator.extensions.page.web.wording import wordings
 from bt_orchestrator.model.branch import Branch

@@ -9,9 +9,8 @@ from typing import Any
 from bt_orchestrator.base.errors import counted
 from bt_orchestrator.cli.check import summary
 from bt_orchestrator.cli.pacing import Pacing
-from bt_orchestrator.extensions.recipes.generating.comments import reason
 from bt_orchestrator.extensions.recipes.generating.inputs import Inputs
-from bt_orchestrator.extensions.recipes.generating.making import Made
+from bt_orchestrator.extensions.recipes.generating.making import Made, reason_remark
 from bt_orchestrator.extensions.recipes.planning.outcome import Generated, NotFound, NotMade, Price
 from bt_orchestrator.extensions.recipes.planning.outcome import Made as Fact
 
@@ -60,7 +59,7 @@ def explanation(made: Made, prices: Prices) -> Iterator[str]:
 
 def _why(one: Fact, prices: Prices) -> str:
     told = [f'{price.component}: {price.words}' for price in prices.get(one.operation, ())]
-    return '; '.join([one.why.value, *told]) if told else reason(one)
+    return '; '.join([one.why.value, *told]) if told else reason_remark(one)
 
 
 def plain(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence, Set
 from pathlib import Path
 
-from bt_orchestrator.extensions.recipes.reading import declared, shelf
+from bt_orchestrator.extensions.recipes.reading import shelf
 from bt_orchestrator.extensions.recipes.reading.recipe_file import read_recipe
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.ports import ActionTypes, Generating
@@ -19,7 +19,7 @@ __all__ = ['read_recipe', 'orderable', 'names', 'maker', 'generating', 'starter'
 
 def orderable(folders: Sequence[Path]) -> Callable[[], list[DeclaredRecipe]]:
     """Return what reads the recipes that orders can name; a file that stays is read once."""
-    return declared.DeclaredRecipes(folders).read
+    return shelf.DeclaredRecipes(folders).read
 
 
 def names(folders: Sequence[Path]) -> Set[str]:

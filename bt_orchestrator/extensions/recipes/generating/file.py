@@ -12,8 +12,8 @@ from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.extensions.recipes.generating.making import Made, text_digest
 from bt_orchestrator.model.script import MadeFrom
 from bt_orchestrator.script.fields import file_fields
-from bt_orchestrator.script.origin import read_origin
 from bt_orchestrator.script.report import Report
+from bt_orchestrator.script.script_file import read_origin
 from bt_orchestrator.script.script_keys import SCRIPT
 from bt_orchestrator.script.source_text import read_text
 

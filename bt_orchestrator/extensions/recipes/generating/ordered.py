@@ -11,8 +11,11 @@ from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.extensions.recipes.generating.inputs import NO_OVERRIDES, Inputs
 from bt_orchestrator.extensions.recipes.generating.making import Made, NotVouchedFor, make
 from bt_orchestrator.extensions.recipes.planning.outcome import NotMade
-from bt_orchestrator.extensions.recipes.reading.bindings import misfit, unknown_operation
-from bt_orchestrator.extensions.recipes.reading.overrides_file import read_overrides
+from bt_orchestrator.extensions.recipes.reading.overrides_file import (
+    misfit,
+    read_overrides,
+    unknown_operation,
+)
 from bt_orchestrator.extensions.recipes.reading.recipe_file import read_recipe
 from bt_orchestrator.extensions.recipes.reading.shelf import Shelved, find_recipe
 from bt_orchestrator.model.cell import Cell

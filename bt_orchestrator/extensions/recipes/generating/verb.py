@@ -12,7 +12,9 @@ from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.base.extending import RECIPES
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import as_json, warn
+from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.here import add_cell_option
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.extensions.recipes.generating import explanation
 from bt_orchestrator.extensions.recipes.generating.file import fault_of, replace_file, standing
@@ -21,24 +23,18 @@ from bt_orchestrator.extensions.recipes.generating.making import (
     Made,
     judge_of,
     make,
-    plan,
-    prices_of,
-)
-from bt_orchestrator.extensions.recipes.generating.outages import (
     moved,
     outage_lines,
     outages,
     plain_outages,
-)
-from bt_orchestrator.extensions.recipes.generating.release import (
-    add_release_options,
-    check_release_options,
-    release,
+    plan,
+    prices_of,
 )
 from bt_orchestrator.extensions.recipes.planning.outcome import NotMade
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.checks.timeless import of_recipe, timeless
+from bt_orchestrator.script.checks.warnings import of_recipe, timeless
 from bt_orchestrator.script.report import did_you_mean, listing
 from bt_orchestrator.script.script_file import read_script
 
@@ -241,3 +237,37 @@ def _without_each(
     else:
         print('\n'.join(outage_lines(whole, found)))
     return 0
+
+
+# The option `--release`: a running node may use the script that comes of it.
+
+
+def add_release_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the option, and who asks which node."""
+    parser.add_argument(
+        '--release',
+        action='store_true',
+        help='then ask the running node to let its jobs start (engineer); with -o or --check, '
+        'and --reason',
+    )
+    add_who_options(parser, required=False)
+    add_node_options(parser)
+
+
+def check_release_options(args: argparse.Namespace) -> None:
+    """Refuse a release of what stands in no file, or for no reason.
+
+    :raises WrongUse: says what is missing
+    """
+    if not args.release:
+        return
+    if (args.output is None and args.check is None) or args.json:
+        raise WrongUse('--release goes with -o FILE or --check FILE, and without --json')
+    if not args.reason:
+        raise WrongUse('--release needs --reason: why, for the record')
+
+
+def release(args: argparse.Namespace, made: Made, inputs: Inputs) -> int:
+    """Ask the node; returns 1 if it refuses."""
+    script, cell = digest(made.generated.script), digest(inputs.cell)
+    return ask_and_print(args, 'script.release_script', script=script, cell_digest=cell)

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from bt_orchestrator.model.capability import Capability
-from bt_orchestrator.model.cell import Cell, Component, OnFailure
+from bt_orchestrator.model.cell import Capability, Cell, Component, OnFailure
 from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.recipe import Operation, Overrides, Recipe
 from bt_orchestrator.model.reference import Reference, references

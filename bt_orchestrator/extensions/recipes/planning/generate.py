@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 
-from bt_orchestrator.extensions.recipes.planning.line_model import LineModel
+from bt_orchestrator.extensions.recipes.planning.candidates import Candidate
+from bt_orchestrator.extensions.recipes.planning.line_model import LineModel, Solution
 from bt_orchestrator.extensions.recipes.planning.order import quoted
 from bt_orchestrator.extensions.recipes.planning.outcome import (
     LIMITS,
@@ -15,11 +17,13 @@ from bt_orchestrator.extensions.recipes.planning.outcome import (
     Impossible,
     Judge,
     Limits,
+    Made,
     NotFound,
+    Why,
 )
 from bt_orchestrator.extensions.recipes.planning.planner import Planner
 from bt_orchestrator.extensions.recipes.planning.problem import Problem
-from bt_orchestrator.extensions.recipes.planning.reasons import Reasons
+from bt_orchestrator.extensions.recipes.planning.scripts import chosen
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.model.script import Script
@@ -73,3 +77,70 @@ def _not_kept(problem: Problem, nodes: int) -> str:
         f'no device can keep {told}: one keeps it for one operation, for so many sections as it '
         'has room, and not in a repeat'
     )
+
+
+# Why each component does what it does; what is said is proven by the model.
+
+
+class Reasons:
+    """The reasons of one script."""
+
+    def __init__(self, problem: Problem, model: LineModel, nodes: int) -> None:
+        self._problem, self._model, self._nodes = problem, model, nodes
+
+    def made(self, solution: Solution, us: int, script: Script) -> dict[str, Made]:
+        """Return where each task came from, in the order of the script.
+
+        :param us: microseconds that the script takes for each item
+        """
+        plans, bind = self._problem.plans, self._problem.overrides.bind
+        found = chosen(solution.plan, plans)
+        others = {name: self._others(one) for name, one in found.items()}
+        whys = {name: Why.OVERRIDE if name in bind else Why.ONLY for name in found}
+        asked = {name for name in found if others[name] and name not in bind}
+        whys.update(self._whys({name: found[name] for name in asked}, solution, us))
+        facts = {
+            task.id: Made(task.id, '', task.component, 0, Why.ONLY)
+            for task in script.initialization
+        }
+        for task in (task for one in script.sections.values() for task in one.tasks):
+            one = found[task.id]
+            facts[task.id] = Made(
+                operation=task.id,
+                capability=one.capability.name,
+                component=one.component.name,
+                section=one.section,
+                why=whys[task.id],
+                alternatives=others[task.id],
+            )
+        return facts
+
+    def _others(self, one: Candidate) -> tuple[str, ...]:
+        plans, name = self._problem.plans, one.operation.id
+        ways = plans.choices[plans.pieces.number_of[name]]
+        members = (member for choice in ways for member in choice.members)
+        same = [member.component.name for member in members if member.operation.id == name]
+        return tuple(other for other in dict.fromkeys(same) if other != one.component.name)
+
+    def _whys(
+        self, asked: Mapping[str, Candidate], solution: Solution, us: int
+    ) -> Mapping[str, Why]:
+        if not asked:
+            return {}
+        if self._problem.keep is not None:
+            moved = {name for name, one in asked.items() if self._problem.is_moved(one)}
+            return {name: Why.FOUND if name in moved else Why.KEPT for name in asked}
+        fast, is_proven = self._model.elsewhere(asked, self._nodes, us=us)
+        slower = Why.PACE if is_proven else Why.FOUND
+        whys = {name: slower for name in asked if name not in fast}
+        if not fast:
+            return whys
+        asked = {name: one for name, one in asked.items() if name in fast}
+        good, is_proven = self._model.elsewhere(
+            asked, self._nodes, us=us, spread_us=solution.spread_us
+        )
+        worse = Why.SPREAD if is_proven else Why.FOUND
+        equal = Why.EQUAL if self._model.is_exact else Why.FOUND
+        for name in asked:
+            whys[name] = equal if name in good else worse
+        return whys

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from bt_orchestrator.extensions.recipes.planning.candidates import Candidate
 from bt_orchestrator.extensions.recipes.planning.line_rows import LineRows
 from bt_orchestrator.extensions.recipes.planning.outcome import NotFound
-from bt_orchestrator.extensions.recipes.planning.plans import Plan, Plans
+from bt_orchestrator.extensions.recipes.planning.scripts import Plan, Plans
 from bt_orchestrator.extensions.recipes.planning.solver import Answer
 
 _LESS = 5

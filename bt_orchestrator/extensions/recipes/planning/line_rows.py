@@ -12,7 +12,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping
 
 from bt_orchestrator.extensions.recipes.planning.pieces import Choice
-from bt_orchestrator.extensions.recipes.planning.plans import Plans
+from bt_orchestrator.extensions.recipes.planning.scripts import Plans
 from bt_orchestrator.extensions.recipes.planning.solver import Model
 from bt_orchestrator.model.cell import CONVEYOR
 

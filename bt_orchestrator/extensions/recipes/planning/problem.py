@@ -10,9 +10,8 @@ from bt_orchestrator.extensions.recipes.planning.candidates import Candidate, ca
 from bt_orchestrator.extensions.recipes.planning.order import Order, ends
 from bt_orchestrator.extensions.recipes.planning.outcome import Impossible
 from bt_orchestrator.extensions.recipes.planning.pieces import Pieces
-from bt_orchestrator.extensions.recipes.planning.plans import Plan, Plans
 from bt_orchestrator.extensions.recipes.planning.reach import Held, Reach
-from bt_orchestrator.extensions.recipes.planning.scripts import PlanWriter
+from bt_orchestrator.extensions.recipes.planning.scripts import Plan, Plans, PlanWriter
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.model.script import Script

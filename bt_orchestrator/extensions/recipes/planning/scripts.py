@@ -1,17 +1,20 @@
-"""From a plan to a script: tasks, flags, zones and initialization."""
+"""From the plans of a recipe to a script: tasks, flags, zones and initialization."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from bt_orchestrator.extensions.recipes.planning.candidates import Candidate
-from bt_orchestrator.extensions.recipes.planning.plans import Plan, Plans
-from bt_orchestrator.extensions.recipes.planning.section_lists import Entry, Group, Listed
-from bt_orchestrator.extensions.recipes.planning.values import Values
+from bt_orchestrator.extensions.recipes.planning.pieces import Choice, Pieces
+from bt_orchestrator.extensions.recipes.planning.reach import Reach
+from bt_orchestrator.extensions.recipes.planning.section_lists import Entry, Group, Listed, listed
 from bt_orchestrator.model.cell import CONVEYOR, Cell
+from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.jobs.setups import change_by, with_changes
-from bt_orchestrator.model.recipe import Recipe
+from bt_orchestrator.model.recipe import Operation, Recipe
+from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.model.script import (
     Dependency,
     InitializationDependency,
@@ -161,3 +164,134 @@ class PlanWriter:
 def chosen(plan: Plan, plans: Plans) -> dict[str, Candidate]:
     """Return the candidate of each operation, in the order of the recipe."""
     return {one.operation.id: one for choice in plans.of(plan) for one in choice.members}
+
+
+# The values of a task: what a recipe names, in the names of the component that was chosen.
+
+
+class Values:
+    """The values of the tasks of one plan."""
+
+    def __init__(self, chosen: Mapping[str, Candidate]) -> None:
+        """Take the candidate of each operation."""
+        self._chosen = chosen
+
+    def args(self, candidate: Candidate) -> dict[str, Any]:
+        """Return the goal fields of a task."""
+        capability, operation = candidate.capability, candidate.operation
+        found = _copy(capability.args)
+        for name, value in operation.parameters.items():
+            if name in capability.parameters:  # or it is one of the alternative in `do`
+                _put(found, capability.parameters[name], self.renamed(value))
+        for name, field in capability.needs.items():
+            given = self._given(operation, name)
+            if given is not None and field:
+                _put(found, field, Template((given,)))
+        return found
+
+    def options(self, candidate: Candidate) -> dict[str, Any]:
+        """Return the other fields of a task."""
+        options = {name: self.renamed(value) for name, value in candidate.options.items()}
+        given = candidate.operation.options.get('identifies')  # of a capability: a result field
+        if given is not None:
+            own = Reference('results', candidate.operation.id, given)
+            options['identifies'] = self._in_result(own).fields
+        return options
+
+    def _given(self, operation: Operation, name: str) -> Reference | None:
+        """Return what an earlier operation gives; None: the device keeps it."""
+        giver = operation.needs[name]
+        if name not in self._chosen[giver].capability.gives:
+            return None
+        return self._in_result(Reference('results', giver, (name,)))
+
+    def renamed(self, value: Any) -> Any:
+        """Return a value in which references name fields of results."""
+        match value:
+            case Template(parts):
+                return Template(
+                    tuple(one if isinstance(one, str) else self._in_result(one) for one in parts)
+                )
+            case Condition():
+                return replace(
+                    value,
+                    value=self.renamed(value.value),
+                    at_least=self.renamed(value.at_least),
+                    at_most=self.renamed(value.at_most),
+                    all=tuple(self.renamed(one) for one in value.all),
+                    any=tuple(self.renamed(one) for one in value.any),
+                )
+            case Mapping():
+                return {key: self.renamed(member) for key, member in value.items()}
+            case list():
+                return [self.renamed(member) for member in value]
+        return value
+
+    def _in_result(self, reference: Reference) -> Reference:
+        if reference.source != 'results' or not reference.fields:
+            return reference
+        name, *path = reference.fields
+        field = self._chosen[reference.name].capability.gives.get(name, name)
+        return replace(reference, fields=(*field.split('.'), *path))
+
+
+def _copy(args: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        key: _copy(value) if isinstance(value, Mapping) else value for key, value in args.items()
+    }
+
+
+def _put(args: dict[str, Any], field: str, value: Any) -> None:
+    """Set a goal field; dots lead into nested messages."""
+    *path, last = field.split('.')
+    for name in path:
+        args = args.setdefault(name, {})
+    args[last] = value
+
+
+# All plans of a recipe for a cell; a plan is a choice for every piece.
+
+Plan = tuple[int, ...]
+"""By piece: the number of its choice."""
+
+
+class Plans:
+    """All plans of a recipe for a cell."""
+
+    def __init__(
+        self, reach: Reach, move_us: int, *, moved: Callable[[Choice], int] = lambda _: 0
+    ) -> None:
+        """Take the choices that are within reach.
+
+        :param moved: how many operations of a choice are elsewhere than before
+        """
+        self.pieces: Pieces = reach.pieces
+        self.reach = reach
+        self.held = reach.held
+        self.move_us = move_us
+        self.choices = [
+            [one for one in ways if one.section in within]
+            for ways, within in zip(self.pieces.choices, reach.sections, strict=True)
+        ]
+        self.moved = [[moved(one) for one in ways] for ways in self.choices]
+        self.shared = self._find_shared()
+        """The things that components of several sections may use; the closed form is a bound then.
+        """
+
+    def _find_shared(self) -> list[str]:
+        where: dict[str, set[int]] = {CONVEYOR: {0}}
+        for choice in (one for ways in self.choices for one in ways):
+            for name in choice.spaces:
+                where.setdefault(name, set()).add(choice.section)
+        return sorted(name for name, sections in where.items() if len(sections) > 1)
+
+    def of(self, plan: Plan) -> list[Choice]:
+        """Return the choices of a plan, by piece."""
+        return [ways[number] for ways, number in zip(self.choices, plan, strict=True)]
+
+    def lists(self, plan: Plan) -> dict[int, Listed]:
+        """Return the lists of a plan, by section, along the belt."""
+        entries: dict[int, list[Entry]] = {}
+        for piece, choice in enumerate(self.of(plan)):
+            entries.setdefault(choice.section, []).append(Entry(piece, choice))
+        return {section: listed(self.pieces, entries[section]) for section in sorted(entries)}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
-from bt_orchestrator.model.capability import Capability
+from bt_orchestrator.model.cell import Capability
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
 
 

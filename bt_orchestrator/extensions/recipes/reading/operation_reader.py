@@ -20,8 +20,7 @@ from bt_orchestrator.script.drafts import Position, RepeatDraft
 from bt_orchestrator.script.fields import Fields, fields_of
 from bt_orchestrator.script.orders.recipe_keys import OPERATION, REWORK
 from bt_orchestrator.script.report import Place, Report, did_you_mean, listing, nearest
-from bt_orchestrator.script.task_options import written_options
-from bt_orchestrator.script.task_reader import read_id
+from bt_orchestrator.script.task_reader import read_id, written_options
 from bt_orchestrator.script.yaml_nodes import MapNode, Node, Scalar, quoted
 
 _NAMELESS = '?'

@@ -13,11 +13,10 @@ from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.conditions.reader import ConditionReader
-from bt_orchestrator.script.identity_reader import read_serial
+from bt_orchestrator.script.field_types import in_words, is_assignable
 from bt_orchestrator.script.report import Report, did_you_mean, listing
-from bt_orchestrator.script.task_options import written_options
-from bt_orchestrator.script.task_values import check_references
-from bt_orchestrator.script.type_matching import in_words, is_assignable
+from bt_orchestrator.script.task_reader import written_options
+from bt_orchestrator.script.task_values import check_references, read_serial
 from bt_orchestrator.script.yaml_nodes import Entry, Scalar, found, quoted
 
 

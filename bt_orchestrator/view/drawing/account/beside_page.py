@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from bt_orchestrator.view.drawing.account.page import DEFINITIONS
-from bt_orchestrator.view.drawing.account.style import STYLE
+from bt_orchestrator.view.drawing.account.page import DEFINITIONS, STYLE
 from bt_orchestrator.view.drawing.account.tables import Column, TableCell, add_row, add_table
 from bt_orchestrator.view.drawing.documents.html import Html, document, program
 from bt_orchestrator.view.drawing.svg import Svg

@@ -8,9 +8,8 @@ from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.hold_words import again_words
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.view.drawing.gantt import CycleBar, Gantt, HoldBar, Row, TaskBar
-from bt_orchestrator.view.report.causes import Cause
 from bt_orchestrator.view.report.item.history import FAILED, Attempt, Held, ItemHistory, Waited
-from bt_orchestrator.view.report.wait_log import WaitSpan
+from bt_orchestrator.view.report.wait_log import Cause, WaitSpan
 
 CELL = 'cell'
 """The row of holds of the whole cell, and of restarts."""

@@ -18,14 +18,19 @@ from bt_orchestrator.view.report.account.booked import (
     last_booked,
     steady_time,
 )
-from bt_orchestrator.view.report.account.clock_words import break_words, old_step_words, step_words
 from bt_orchestrator.view.report.account.figures import LACKS, Figures, Paces, figures
 from bt_orchestrator.view.report.account.fold import FOLLOWED, AccountFold, FromBooks
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import Planned, us_of
 from bt_orchestrator.view.report.account.steady_time import SteadyTime, Step
-from bt_orchestrator.view.report.account.words import duration, is_seen
+from bt_orchestrator.view.report.account.words import (
+    break_words,
+    duration,
+    is_seen,
+    old_step_words,
+    step_words,
+)
 from bt_orchestrator.view.report.reading import Reading
 
 _OF_A_JOB = (e.JobStarted.event, e.JobCompleted.event, e.JobAborted.event)

@@ -12,15 +12,15 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import Records
-from bt_orchestrator.view.report.account.booked import last_booked
-from bt_orchestrator.view.report.account.course import EVER_US, FOLLOWED, Course
-from bt_orchestrator.view.report.account.kept import (
+from bt_orchestrator.view.report.account.booked import (
     keep_script,
     keep_slot,
     keep_state,
+    last_booked,
     read_state,
     read_steady,
 )
+from bt_orchestrator.view.report.account.course import EVER_US, FOLLOWED, Course
 from bt_orchestrator.view.report.account.planned import US, us_of
 from bt_orchestrator.view.report.account.slot import QUARTER_US, Slot
 from bt_orchestrator.view.report.account.slots import Slots

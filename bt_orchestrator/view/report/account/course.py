@@ -16,8 +16,7 @@ from bt_orchestrator.view.report.account.made import ItemsAtWork, Left
 from bt_orchestrator.view.report.account.planned import us_of
 from bt_orchestrator.view.report.account.standing import FOLLOWED as OF_STANDING
 from bt_orchestrator.view.report.account.standing import Cause, Standing
-from bt_orchestrator.view.report.account.stops import Held, OpenHolds
-from bt_orchestrator.view.report.account.troubles import failing_component
+from bt_orchestrator.view.report.account.stops import Held, OpenHolds, failing_component
 
 FOLLOWED = (
     *OF_STANDING,

@@ -13,7 +13,7 @@ from bt_orchestrator.model.proof.pace import Pace, pace
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.view.report.account.fold import Times
 from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step, of_step
-from bt_orchestrator.view.report.account.troubles import Repairs
+from bt_orchestrator.view.report.account.stops import Repairs
 from bt_orchestrator.view.report.account.words import is_seen
 
 PLANNED, BUSY, PRODUCTION, NET, VALUE = (

@@ -10,8 +10,7 @@ from typing import NamedTuple
 from bt_orchestrator.view.report.account.figures import Figures
 from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
 from bt_orchestrator.view.report.account.made import Made
-from bt_orchestrator.view.report.account.stops import Stop
-from bt_orchestrator.view.report.account.troubles import Repairs
+from bt_orchestrator.view.report.account.stops import Repairs, Stop
 from bt_orchestrator.view.report.account.words import duration, percent
 
 

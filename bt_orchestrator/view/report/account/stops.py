@@ -1,4 +1,4 @@
-"""Stops of the line, and the holds that cause most of them."""
+"""Stops of the line, the holds that cause most of them, and failures."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record, to_record
+from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
@@ -132,3 +133,47 @@ def _answer(held: Held, event: e.OperatorDecided) -> None:
 def without_times(held: Held) -> Held:
     """Return a hold for the output, with new sums of its time."""
     return replace(held, loss=None, stood_us=0, lost_us=0, fails=False, down_us=0)
+
+
+# Failures: of tasks by component, and of components with the time to their repair.
+
+OF_COMPONENTS = (
+    Reason.SERVER_UNAVAILABLE,
+    Reason.GOAL_REJECTED,
+    Reason.ABORTED,
+    Reason.TIMEOUT,
+    Reason.TASK_RESULT_FALSE,
+    Reason.SERVER_LOST,
+    Reason.IN_DOUBT,
+)
+"""Why a hold is a failure of its component; all else is about data, an item or a command."""
+
+_REASONS = frozenset(one.value for one in OF_COMPONENTS)
+
+
+def failing_component(hold: e.HoldRaised) -> str:
+    """Return the component whose failure a hold is; empty: the hold is no failure."""
+    return hold.component if hold.reason in _REASONS else ''
+
+
+class FailingTask(NamedTuple):
+    """All attempts of a task that failed for one reason."""
+
+    component: str
+    """Empty: nothing was sent."""
+    task: str
+    """Task constant; where nothing was sent the id of the task."""
+    reason: str
+    times: int
+    us: int
+    """How long these attempts took."""
+
+
+@dataclass
+class Repairs:
+    """Failures of one component that needed a person."""
+
+    component: str
+    failures: int = 0
+    down_us: int = 0
+    """Planned busy time from its holds to their release."""

@@ -11,8 +11,14 @@ from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
 from bt_orchestrator.view.report.account.made import Made, add
 from bt_orchestrator.view.report.account.planned import Planned
 from bt_orchestrator.view.report.account.slot import RestOfHolds, Slot, StopSum
-from bt_orchestrator.view.report.account.stops import MOST_HOLDS, Held, Stop, without_times
-from bt_orchestrator.view.report.account.troubles import FailingTask, Repairs
+from bt_orchestrator.view.report.account.stops import (
+    MOST_HOLDS,
+    FailingTask,
+    Held,
+    Repairs,
+    Stop,
+    without_times,
+)
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,15 @@
-"""How figures of an account are written for people."""
+"""How figures of an account are written for people, and what is said of its clock."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
+from bt_orchestrator.view.report.account.period import ChangedBreak, Period
 from bt_orchestrator.view.report.account.planned import US
+from bt_orchestrator.view.report.account.steady_time import Step
 
 UNKNOWN = '-'
 
@@ -34,3 +39,73 @@ def rate(per_item_us: Fraction | None) -> str:
     if not per_item_us:
         return UNKNOWN
     return f'{float(per_item_us) / US:.1f} s an item, {float(3600 * US / per_item_us):.1f} an hour'
+
+
+# Sentences about a clock that was set, and about breaks on days on which the clocks change.
+
+
+def step_words(step: Step, period: Period) -> str:
+    """Say that the clock was set, and what that means for the figures."""
+    return _step_words(step, period, _MEANS)
+
+
+def old_step_words(step: Step, period: Period) -> str:
+    """Say the same where books of the version before count otherwise."""
+    return _step_words(step, period, _OLD_BOOKS)
+
+
+def _step_words(step: Step, period: Period, means: Mapping[str, str]) -> str:
+    before, after = map(_by_the_clock(period).when, step.times_us)
+    way = 'back' if step.by_us < 0 else 'forward'
+    by = f'{abs(step.by_us) / US:.0f} s'
+    return f'the clock was set {way} by {by}, from {before} to {after}: {means[way]}'
+
+
+_MEANS = {
+    'back': 'the time that it showed twice passed twice, and counts twice',
+    'forward': 'the time that it skipped did not pass, and does not count',
+}
+_OLD_BOOKS = {
+    'back': 'the books of that time are of an older program, so the figures lack the time that '
+    'came twice',
+    'forward': 'the books of that time are of an older program: the skipped time counts as not '
+    'recorded',
+}
+
+
+def break_words(one: ChangedBreak, period: Period) -> str:
+    """Say how long a break was."""
+    begin, end = (_by_the_clock(period).when(us)[:-3] for us in (one.begin_us, one.end_us))
+    way = 'back' if one.took_us > one.usual_us else 'forward'
+    took = duration(one.took_us) if one.took_us else 'no time'
+    return (
+        f'the break of shift {one.shift} from {begin} to {end} took {took} instead of '
+        f'{duration(one.usual_us)}: the clocks went {way} in it'
+    )
+
+
+def clock_plain(period: Period, steps: tuple[Step, ...]) -> dict[str, list[dict[str, Any]]]:
+    """Return both for a program; nothing if there is nothing to tell."""
+    iso = _by_the_clock(period).iso
+    told = {
+        'clock_set': [
+            {'seconds': step.by_us / US, 'from': iso(before), 'to': iso(after)}
+            for step in steps
+            for before, after in [step.times_us]
+        ],
+        'changed_breaks': [
+            {
+                'shift': one.shift,
+                'from': iso(one.begin_us),
+                'to': iso(one.end_us),
+                'seconds': one.took_us / US,
+                'usual_seconds': one.usual_us / US,
+            }
+            for one in period.changed_breaks
+        ],
+    }
+    return {name: found for name, found in told.items() if found}
+
+
+def _by_the_clock(period: Period) -> Period:
+    return replace(period, steady=None)

@@ -10,6 +10,7 @@ from datetime import datetime, timezone
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.order import RecipeChoice, Terms, WorkOrder, order_id_fault
 from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.view.report.isa95.codes import Finding, ReturnStatus, Unfit
 from bt_orchestrator.view.report.isa95.machinery import (
     KINDS,
     REASON,
@@ -26,7 +27,6 @@ from bt_orchestrator.view.report.isa95.parts import (
     text_to_plain,
     texts_from_plain,
 )
-from bt_orchestrator.view.report.isa95.return_status import Finding, ReturnStatus, Unfit
 
 DESCRIPTION = 'Description'
 PERSONNEL, EQUIPMENT = 'PersonnelRequirements', 'EquipmentRequirements'

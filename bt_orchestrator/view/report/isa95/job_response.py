@@ -13,8 +13,8 @@ from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
 from bt_orchestrator.model.jobs.job_record import ABORTED, QUEUED, REMOVED, RUNNING, JobRecord
 from bt_orchestrator.model.status import JobStatus, ListedJob
 from bt_orchestrator.view.report.csv_export import iso_time
+from bt_orchestrator.view.report.isa95.codes import State, states_of
 from bt_orchestrator.view.report.isa95.job_order import DESCRIPTION, RECIPE_VERSION
-from bt_orchestrator.view.report.isa95.job_states import State, states_of
 from bt_orchestrator.view.report.isa95.machinery import IN_RESPONSE, REASON, named_parameters
 from bt_orchestrator.view.report.isa95.parts import Parameter, Text, texts_from_plain
 

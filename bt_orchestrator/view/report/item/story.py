@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from bt_orchestrator.model.by import named
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.hold_words import again_words, why_words
-from bt_orchestrator.model.one_line import one_line
+from bt_orchestrator.model.texts import one_line
 from bt_orchestrator.view.report.exports import shown
 from bt_orchestrator.view.report.intervals import Span, covered_s
 from bt_orchestrator.view.report.item.history import (

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from bt_orchestrator.base.diagnosis.check import Verdict
-from bt_orchestrator.base.diagnosis.domain import (
+from bt_orchestrator.base.diagnosis.ros_environment import (
     domain,
     domain_id,
     domains_in_use,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from bt_orchestrator.base.diagnosis.check import Verdict
-from bt_orchestrator.base.diagnosis.ros_says import ros_says
-from bt_orchestrator.base.diagnosis.security import security
+from bt_orchestrator.base.diagnosis.ros_environment import ros_says, security
 
 ON = {'ROS_SECURITY_ENABLE': 'true'}
 ENFORCED = ON | {'ROS_SECURITY_STRATEGY': 'Enforce'}

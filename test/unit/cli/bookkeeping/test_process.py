@@ -10,7 +10,7 @@ import pytest
 from fakes.long_journal import make_long_journal
 
 from bt_orchestrator.base.child_process import ChildFailed
-from bt_orchestrator.cli.bookkeeping.process import BooksProcess
+from bt_orchestrator.cli.processes.bookkeeping_process import BooksProcess
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 LONGEST_S = 40.0

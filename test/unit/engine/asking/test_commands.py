@@ -11,9 +11,9 @@ from fakes.operator import engineer
 
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.engine.asking.commands import PREPARES, asked_by_name, prepared
-from bt_orchestrator.engine.runtime.command_record import decided
-from bt_orchestrator.engine.runtime.deciding import DECIDERS
+from bt_orchestrator.engine.runtime.deciding import DECIDERS, decided
 from bt_orchestrator.model.belt_statement import AsShown, Slots
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.requests import (
     REQUESTS,
     TABLE,
@@ -24,7 +24,6 @@ from bt_orchestrator.model.requests import (
     Parameter,
     ask,
 )
-from bt_orchestrator.model.roles import Role
 
 ANN = engineer('Ann', 'test', 'because')
 STATE = Line().begin().state

@@ -17,9 +17,9 @@ from bt_orchestrator.cli.main import main
 from bt_orchestrator.cli.request import arguments_from
 from bt_orchestrator.engine.runtime.deciding import DECIDERS, Decided, decides
 from bt_orchestrator.extensions.page.web import request_paths
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.requests import REQUESTS, About, Asked, Kind, Parameter, Request
 from bt_orchestrator.model.requests.request import NAMED
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports.doors.tickets import Outcome
 
@@ -94,7 +94,8 @@ def test_the_page_takes_it(tmp_path: Path) -> None:
 
 def test_opc_ua_takes_it() -> None:
     pytest.importorskip('asyncua')
-    from bt_orchestrator.extensions.opcua.server import callers, simple_commands
+    from bt_orchestrator.extensions.opcua.server import calls as callers
+    from bt_orchestrator.extensions.opcua.server import simple_commands
     from bt_orchestrator.model.by import By
 
     sent: list[Any] = []
@@ -108,7 +109,7 @@ def test_opc_ua_takes_it() -> None:
         calls = Calls()
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(callers, 'by', lambda reason, _: By('Ann', 'opcua', reason))
+        patched.setattr(callers, 'by_caller', lambda reason, _: By('Ann', 'opcua', reason))
         methods = simple_commands.SimpleCommands(Bridge())  # type: ignore[arg-type]
         arguments = json.dumps({'component': 'arm', 'drops': 3})
         told = asyncio.run(methods._request('component.oil', arguments, 'squeaks'))

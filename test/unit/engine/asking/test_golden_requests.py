@@ -15,10 +15,9 @@ from typing import Any
 import pytest
 from fakes.request_bench import ANN, RequestBench
 
-from bt_orchestrator.model.by import By
+from bt_orchestrator.model.by import By, Role
 from bt_orchestrator.model.jobs.order import RecipeChoice, Terms, WorkOrder
 from bt_orchestrator.model.requests import TABLE, About, Kind, Request
-from bt_orchestrator.model.roles import Role
 
 DATA = Path(__file__).parents[3] / 'data' / 'requests'
 

@@ -16,10 +16,9 @@ from fakes.world import World
 
 from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.base.replies import begin
-from bt_orchestrator.engine.asking.anew import QueueAnew
-from bt_orchestrator.engine.asking.desk_here import DeskHere
 from bt_orchestrator.engine.asking.handler import RequestHandler
-from bt_orchestrator.engine.asking.recipes import RecipeOrders
+from bt_orchestrator.engine.asking.orders import DeskHere
+from bt_orchestrator.engine.asking.recipes import QueueAnew, RecipeOrders
 from bt_orchestrator.extensions.recipes.generating.ordered import RecipeMaker
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder

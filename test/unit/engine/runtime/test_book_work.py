@@ -13,7 +13,7 @@ from fakes.line import Line
 from fakes.long_journal import LongRun
 
 from bt_orchestrator.base.child_process import ChildFailed
-from bt_orchestrator.engine.runtime import book_work, housekeeping
+from bt_orchestrator.engine.runtime import housekeeping
 from bt_orchestrator.engine.runtime.writers import WritesAtOnce, Writing
 from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.cell import Cell
@@ -111,7 +111,7 @@ def test_a_job_of_long_ago_is_reported_from_books(path: Path) -> None:
 def test_nothing_is_removed_while_books_fail_and_it_is_said_once(
     path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(book_work, 'TRY_AGAIN_AFTER', 50)
+    monkeypatch.setattr(housekeeping, 'TRY_AGAIN_AFTER', 50)
     bookkeeping = NoBooks(path)
     run = LongRun(path, LINE, keep_jobs=0, bookkeeping=bookkeeping)
     with caplog.at_level(logging.WARNING):
@@ -133,8 +133,8 @@ def test_nothing_is_removed_while_books_fail_and_it_is_said_once(
 def test_the_disk_does_not_fill_when_books_never_come(
     path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(book_work, 'WAIT_AT_MOST', 150)
-    monkeypatch.setattr(book_work, 'TRY_AGAIN_AFTER', 50)
+    monkeypatch.setattr(housekeeping, 'WAIT_AT_MOST', 150)
+    monkeypatch.setattr(housekeeping, 'TRY_AGAIN_AFTER', 50)
     bookkeeping = BooksAtOnce(path)
     run = LongRun(path, LINE, keep_jobs=1, bookkeeping=bookkeeping)
     for name in ('A', 'B'):
@@ -157,7 +157,7 @@ def test_the_disk_does_not_fill_when_books_never_come(
 def test_books_come_after_so_many_events_and_go_on_by_parts(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(book_work, 'BOOKS_EVERY', 100)
+    monkeypatch.setattr(housekeeping, 'BOOKS_EVERY', 100)
     bookkeeping = BooksAtOnce(path)
     run = LongRun(path, LINE, bookkeeping=bookkeeping)
     run.job('A', quantity=30)

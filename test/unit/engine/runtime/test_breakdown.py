@@ -15,17 +15,16 @@ from fakes.operator import ann
 from bt_orchestrator.base.errors import JournalFailed
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.by import By
+from bt_orchestrator.model.by import By, Role
 from bt_orchestrator.model.commands import Answer, Shutdown
 from bt_orchestrator.model.goal import GoalRequest, GoalStatus
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
+from bt_orchestrator.sim.virtual_client import VirtualGoal
 from bt_orchestrator.store.memory import MemoryStore
 
 TYPES = FakeActionTypes()

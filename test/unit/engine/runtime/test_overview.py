@@ -10,7 +10,7 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.engine.runtime.overview import Overview, description_of
-from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.state import End, PassedTask
 from bt_orchestrator.model.status import CellStatus, FinishedCycle, ItemStatus
 from bt_orchestrator.model.wait import WaitKind

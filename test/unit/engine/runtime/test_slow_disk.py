@@ -20,15 +20,14 @@ from bt_orchestrator.engine.runtime.commits import PATIENCE_S
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.engine.runtime.writers import WriterThread
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.by import By
+from bt_orchestrator.model.by import By, Role
 from bt_orchestrator.model.commands import Answer, Command, Shutdown
 from bt_orchestrator.model.goal import GoalRequest, GoalStatus
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
+from bt_orchestrator.sim.virtual_client import VirtualGoal
 from bt_orchestrator.store.memory import MemoryStore
 
 TYPES = FakeActionTypes()

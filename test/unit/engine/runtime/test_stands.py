@@ -13,12 +13,12 @@ from bt_orchestrator.engine.runtime.overview import Overview, description_of
 from bt_orchestrator.extensions.opcua.server.simple import values as opcua_values
 from bt_orchestrator.extensions.page.web.parts.cell import cell_part
 from bt_orchestrator.model.codec import to_plain
-from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.stands import StandCause, Stands
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.model.wait import StandCause, Stands
 from bt_orchestrator.view.report.wait_chains import causes, chains
 from bt_orchestrator.view.screen import words
 

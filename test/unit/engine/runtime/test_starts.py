@@ -10,14 +10,14 @@ from fakes.clocks import SetClock
 from fakes.line import THREE, Line
 from fakes.virtual_run import BY, VirtualRun
 
+from bt_orchestrator.engine.runtime.ledger import CLOCK_STEP_S
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
-from bt_orchestrator.engine.runtime.wall_clock import STEP_S
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
-from bt_orchestrator.sim.foresight import expected_ends
 from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.run_on import expected_ends
 from bt_orchestrator.store.memory import MemoryStore
 
 LINE = Line()
@@ -116,7 +116,7 @@ def test_6_7_a_clock_that_creeps_sets_no_timer_at_each_settle() -> None:
     line = WaitingLine().go(10.0)
     before = line.timers
     for _ in range(50):
-        line.clock.ahead_s += STEP_S / 100
+        line.clock.ahead_s += CLOCK_STEP_S / 100
         line.settle()
     assert line.timers == before
 

@@ -10,8 +10,7 @@ from fakes.world import World, begun, killed_at_work
 
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.contest import Contest
-from bt_orchestrator.model.goal import SeenContest
+from bt_orchestrator.model.goal import Contest, SeenContest
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 

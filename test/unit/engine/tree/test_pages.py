@@ -20,7 +20,7 @@ from fakes.virtual_run import VirtualRun
 from hypothesis import given
 from py_trees.blackboard import Blackboard
 
-from bt_orchestrator.engine.tree.pages import MOST_WHOLE, PAGE
+from bt_orchestrator.engine.tree.section import MOST_WHOLE, PAGE
 from bt_orchestrator.model.codec import digest, text_of
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job

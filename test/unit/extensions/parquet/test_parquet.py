@@ -18,7 +18,7 @@ from bt_orchestrator.view.report.csv_export import COLUMNS, LEFT_OUT
 pa = pytest.importorskip('pyarrow', reason='needs pyarrow: ./scripts/bootstrap --parquet')
 from pyarrow import parquet as pq  # noqa: E402
 
-from bt_orchestrator.extensions.parquet import table_file  # noqa: E402
+from bt_orchestrator.extensions.parquet import export as table_file  # noqa: E402
 from bt_orchestrator.extensions.parquet.export import ParquetExport  # noqa: E402
 
 STARTED = e.TaskStarted(

@@ -14,11 +14,11 @@ from fakes.kept_books import book_all
 from fakes.long_journal import LongRun
 
 from bt_orchestrator.base.errors import JournalUnusable
-from bt_orchestrator.extensions.postgres.cli import sources
-from bt_orchestrator.extensions.postgres.cli.sources import DoorSource, FileSource
+from bt_orchestrator.extensions.postgres import sources
 from bt_orchestrator.extensions.postgres.connecting import Connection, Place, connected
 from bt_orchestrator.extensions.postgres.feed import Copied, Feed
 from bt_orchestrator.extensions.postgres.schema import FEED, Gap, enter
+from bt_orchestrator.extensions.postgres.sources import DoorSource, FileSource
 from bt_orchestrator.model.events import Event, JobStarted, OrchestratorStarted
 from bt_orchestrator.model.jobs.job_record import job_from_plain
 from bt_orchestrator.model.records import Wanted

@@ -15,10 +15,10 @@ from fakes.line import Line
 from fakes.long_journal import LongRun
 from postgres_server import PostgresServer
 
-from bt_orchestrator.extensions.postgres.cli.sources import FileSource
 from bt_orchestrator.extensions.postgres.connecting import Connection, connected, place_of
 from bt_orchestrator.extensions.postgres.feed import Feed
 from bt_orchestrator.extensions.postgres.schema import FEED, enter
+from bt_orchestrator.extensions.postgres.sources import FileSource
 
 ROOT = Path(__file__).parents[4]
 PAGE = (ROOT / 'docs' / 'plant.md').read_text()

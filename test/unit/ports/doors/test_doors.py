@@ -19,10 +19,8 @@ from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import CellLink, EventPage, Listener
 from bt_orchestrator.ports.doors import following_door
-from bt_orchestrator.ports.doors.asking_door import AskingDoor
-from bt_orchestrator.ports.doors.doors import Doors
-from bt_orchestrator.ports.doors.facts import Began, Fact, Happened
-from bt_orchestrator.ports.doors.following_door import DEAF_S, FollowingDoor
+from bt_orchestrator.ports.doors.doors import AskingDoor, Doors
+from bt_orchestrator.ports.doors.following_door import DEAF_S, Began, Fact, FollowingDoor, Happened
 
 PATIENCE_S = 20.0
 

@@ -10,7 +10,7 @@ from fakes.line import THREE, Line
 from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.engine.runtime.overview import Overview, description_of
-from bt_orchestrator.extensions.page.web.cell_show import CellShow
+from bt_orchestrator.extensions.page.web.page import CellShow
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice

@@ -6,10 +6,10 @@ import asyncio
 
 from fakes.operator import engineer
 
+from bt_orchestrator.model.by import origin_with
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event, OperatorDecided
 from bt_orchestrator.model.requests import Asked, ask
-from bt_orchestrator.model.ticket import origin_with
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.ports.doors.tickets import AT_ONCE, NotSent, Outcome, Tickets
 

@@ -6,7 +6,7 @@ import itertools
 from typing import Any
 
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.ros.actions.state_flow import StateFlow
+from bt_orchestrator.ros.actions.state_watch import StateFlow
 
 READY = 'READY'
 LONG = 'x' * 64_000

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.ros.inspection.attachment import (
+from bt_orchestrator.ros.inspection.streams import (
     DISCOVERY_S,
     FIRST_WAIT_S,
     GRACE_S,
     Attachment,
+    StreamRefused,
     to_end_for_another,
 )
-from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
 
 
 def test_a_first_subscriber_is_waited_for_a_long_time() -> None:

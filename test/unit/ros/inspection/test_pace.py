@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.ros.inspection.pace import AFTER_ERROR_S, SHARE, Pace
+from bt_orchestrator.ros.inspection.server import AFTER_ERROR_S, SHARE, Pace
 
 
 class Processor:

@@ -7,7 +7,7 @@ from typing import Any
 from uuid import UUID, uuid5
 
 from bt_orchestrator.model.branch import Outcome
-from bt_orchestrator.ros.link.snapshot_tree import DECORATOR, tree_of
+from bt_orchestrator.ros.link.inspection_streams import DECORATOR, tree_of
 
 OTHER = 1
 _NAMES = UUID(int=1)

@@ -13,7 +13,7 @@ from bt_orchestrator.base.errors import NotRead
 from bt_orchestrator.engine.asking.orders import wanted_orders
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.jobs.order import WorkOrder as Order
-from bt_orchestrator.ros.services.order_requests import AskedOrders
+from bt_orchestrator.ros.services.services import AskedOrders
 from bt_orchestrator.ros.types.order_messages import asked_change, asked_order, order_message
 from bt_orchestrator.ros.types.status_messages import CHOICE as AS_FIELDS
 from bt_orchestrator.script.orders.asked import asked_of, change_of

@@ -13,10 +13,11 @@ from bt_orchestrator.model.limits import UNHEARD_S, UNHEARD_TOGETHER_S
 from bt_orchestrator.ros.services.patient_service import (
     AGAIN_AFTER_S,
     MOST_HELD,
+    PAUSE,
     SUSPECT_S,
     PatientAnswers,
+    Turns,
 )
-from bt_orchestrator.ros.services.turns import PAUSE, Turns
 
 UNHEARD = (
     'an answer of /ask was not heard: its client is gone, not discovered, or wants another QoS'

@@ -7,11 +7,10 @@ from typing import Any
 
 import pytest
 
-from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.limits import NAME
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ros.node_parameters import NodeParameters
-from bt_orchestrator.ros.services.senders import Senders
+from bt_orchestrator.ros.services.services import Senders
 
 HERE = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
 EVERYWHERE = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SUBNET'}

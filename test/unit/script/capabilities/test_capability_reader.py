@@ -9,8 +9,7 @@ from fakes.mistake_texts import COMPONENT, NAMED
 from fakes.recipe_texts import able_cell
 from fakes.script_texts import mistakes
 
-from bt_orchestrator.model.capability import Capability, Preparation
-from bt_orchestrator.model.cell import Cell, OnFailure
+from bt_orchestrator.model.cell import Capability, Cell, OnFailure, Preparation
 from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.script.cell_file import parse_cell
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.script.users.attempts import (
+from bt_orchestrator.script.users.logins import (
     FORGOTTEN_S,
-    FREE,
-    FREE_OF_MANY,
-    LONGEST_S,
+    FREE_ATTEMPTS,
+    FREE_ATTEMPTS_OF_MANY,
+    LONGEST_WAIT_S,
     MOST_KNOWN,
     Attempts,
 )
@@ -20,30 +20,30 @@ def fail(attempts: Attempts, count: int, name: str = 'ann', address: str = 'here
 def test_the_first_failures_cost_nothing() -> None:
     attempts = Attempts()
     assert attempts.wait_s('ann', 'here', 0.0) == 0.0
-    fail(attempts, FREE - 1)
+    fail(attempts, FREE_ATTEMPTS - 1)
     assert attempts.wait_s('ann', 'here', 0.0) == 0.0
 
 
 def test_each_further_one_doubles_the_wait_up_to_a_limit() -> None:
     attempts = Attempts()
     waits = []
-    fail(attempts, FREE)
+    fail(attempts, FREE_ATTEMPTS)
     for _ in range(8):
         waits.append(attempts.wait_s('ann', 'here', 0.0))
         fail(attempts, 1)
-    assert waits == [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, LONGEST_S, LONGEST_S]
+    assert waits == [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, LONGEST_WAIT_S, LONGEST_WAIT_S]
 
 
 def test_the_wait_passes() -> None:
     attempts = Attempts()
-    fail(attempts, FREE + 2)
+    fail(attempts, FREE_ATTEMPTS + 2)
     assert attempts.wait_s('ann', 'here', 3.0) == 1.0
     assert attempts.wait_s('ann', 'here', 4.0) == 0.0
 
 
 def test_failures_are_forgotten() -> None:
     attempts = Attempts()
-    fail(attempts, FREE + 8)
+    fail(attempts, FREE_ATTEMPTS + 8)
     assert attempts.wait_s('ann', 'here', FORGOTTEN_S) == 0.0
     attempts.begin('ann', 'here', FORGOTTEN_S)
     assert attempts.wait_s('ann', 'here', FORGOTTEN_S) == 0.0
@@ -51,15 +51,15 @@ def test_failures_are_forgotten() -> None:
 
 def test_guesses_at_one_user_do_not_keep_out_the_others_of_the_address() -> None:
     attempts = Attempts()
-    fail(attempts, 10 * FREE_OF_MANY)
-    assert attempts.wait_s('ann', 'here', 0.0) == LONGEST_S
+    fail(attempts, 10 * FREE_ATTEMPTS_OF_MANY)
+    assert attempts.wait_s('ann', 'here', 0.0) == LONGEST_WAIT_S
     assert attempts.wait_s('bob', 'here', 0.0) == 0.0
     assert attempts.wait_s('ann', 'there', 0.0) == 0.0
 
 
 def test_a_name_is_guarded_from_all_addresses() -> None:
     attempts = Attempts()
-    for number in range(FREE_OF_MANY):
+    for number in range(FREE_ATTEMPTS_OF_MANY):
         attempts.begin('ann', f'address {number}', 0.0)
     assert attempts.wait_s('ann', 'yet another one', 0.0) > 0
     assert attempts.wait_s('bob', 'yet another one', 0.0) == 0.0
@@ -67,7 +67,7 @@ def test_a_name_is_guarded_from_all_addresses() -> None:
 
 def test_an_address_cannot_try_many_names() -> None:
     attempts = Attempts()
-    for number in range(FREE_OF_MANY):
+    for number in range(FREE_ATTEMPTS_OF_MANY):
         attempts.begin(f'name {number}', 'here', 0.0)
     assert attempts.wait_s('another name', 'here', 0.0) > 0
     assert attempts.wait_s('another name', 'there', 0.0) == 0.0
@@ -75,7 +75,7 @@ def test_an_address_cannot_try_many_names() -> None:
 
 def test_success_does_not_wash_the_address_clean() -> None:
     attempts = Attempts()
-    for number in range(FREE_OF_MANY):
+    for number in range(FREE_ATTEMPTS_OF_MANY):
         attempts.begin(f'name {number}', 'here', 0.0)
         attempts.begin('mine', 'here', 0.0)
         attempts.succeeded('mine', 'here')
@@ -85,7 +85,7 @@ def test_success_does_not_wash_the_address_clean() -> None:
 
 def test_success_does_not_wash_the_name_clean_elsewhere() -> None:
     attempts = Attempts()
-    for number in range(FREE_OF_MANY):
+    for number in range(FREE_ATTEMPTS_OF_MANY):
         attempts.begin('ann', f'address {number}', 0.0)
         attempts.begin('ann', 'home', 0.0)
         attempts.succeeded('ann', 'home')

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.script.users.file import NoSuchChange, UsersFile, UsersUnusable, default_file
 from bt_orchestrator.script.users.folders import NoHome
 
@@ -156,7 +156,7 @@ def test_names_that_are_none_or_taken_are_refused(users: UsersFile) -> None:
 ADD = """
 import sys
 from pathlib import Path
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.script.users.file import UsersFile
 
 for number in range(2):

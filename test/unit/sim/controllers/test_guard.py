@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.sim.controllers.guard import guarded
+from bt_orchestrator.sim.controllers.task_server import guarded
 
 
 class Lines:

@@ -8,7 +8,7 @@ from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.model.cell import Cell, Component, Conveyor, StateTopic
 from bt_orchestrator.model.fault import Fault, FaultKind
-from bt_orchestrator.sim.controllers.selection import WrongSelection, names, select
+from bt_orchestrator.sim.controllers.options import WrongSelection, controller_names, select
 
 BOOL = FieldType('bool', 'boolean')
 TASK = FieldType('int', 'uint8')
@@ -60,7 +60,7 @@ def test_only_the_named_ones_are_simulated_the_conveyor_being_one_of_them() -> N
 
 
 def test_names_are_separated_by_commas_or_given_apart() -> None:
-    assert list(names(['a, b', 'c', ''])) == ['a', 'b', 'c']
+    assert list(controller_names(['a, b', 'c', ''])) == ['a', 'b', 'c']
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from typing import Any
 
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.sim.controllers.task_names import TaskNames
+from bt_orchestrator.sim.controllers.component_server import TaskNames
 
 
 def names(

@@ -18,7 +18,7 @@ from fakes.other_python import back_up, run_python
 from bt_orchestrator.base.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.sqlite import files_in_use, opening
+from bt_orchestrator.store.sqlite import keeping, opening
 from bt_orchestrator.store.sqlite.database import unchanging
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
@@ -79,7 +79,7 @@ def store(
     """
     is_settled = request.param == 'settled'
     for name in ('SETTLED_S', 'SETTLED_COARSE_S'):
-        monkeypatch.setattr(files_in_use, name, 0.0 if is_settled else 3600.0)
+        monkeypatch.setattr(keeping, name, 0.0 if is_settled else 3600.0)
     opened = SqliteStore(killed)
     assert list(opened.read(after=99)) == events(100, 100)
     opened.append(events(101, 101))

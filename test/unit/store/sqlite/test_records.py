@@ -15,7 +15,7 @@ from fakes.long_journal import LongRun
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.engine.runtime.housekeeping import AT_REST
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.store.shared import looking
+from bt_orchestrator.store.shared import rows
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.view.report.reading import Reading
 
@@ -47,11 +47,11 @@ def test_a_page_ends_after_many_rows_and_many_bytes(
         for newest_first in (True, False)
     ]
     whole = [list(reader.each(wanted)) for wanted in wishes]
-    monkeypatch.setattr(looking, 'LOOKED_AT', 4)
+    monkeypatch.setattr(rows, 'LOOKED_AT', 4)
     assert [list(reader.each(wanted)) for wanted in wishes] == whole
     page = reader.page(Wanted(job='J9'))
     assert (page.records, page.rest, page.is_last) == ([], Wanted(4, 'J9'), False)
-    monkeypatch.setattr(looking, 'MOST_BYTES', 1)
+    monkeypatch.setattr(rows, 'MOST_BYTES', 1)
     assert [list(reader.each(wanted)) for wanted in wishes] == whole
     assert len(reader.page(Wanted()).records) == 1
 

@@ -14,12 +14,11 @@ from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
-from bt_orchestrator.sim.fault_options import with_faults
+from bt_orchestrator.sim.faults import with_faults
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.view.drawing.gantt import Gantt, GanttFold, HoldBar, Row, TaskBar
-from bt_orchestrator.view.drawing.gantt_axis import ticks, time_label
-from bt_orchestrator.view.drawing.gantt_page import gantt_svg
+from bt_orchestrator.view.drawing.gantt_page import gantt_svg, ticks, time_label
 from bt_orchestrator.view.drawing.gantt_style import WAITS, fitting
 from bt_orchestrator.view.report.wait_log import WaitLog
 

@@ -23,9 +23,8 @@ from bt_orchestrator.script.writing.duration_edits import NotEditable, with_dura
 from bt_orchestrator.store.sqlite.store import SqliteStore
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import us_of
-from bt_orchestrator.view.report.durations.drift import drift_of
-from bt_orchestrator.view.report.durations.durations import durations, lines
-from bt_orchestrator.view.report.durations.times import MOST_KEPT, Kind, Samples, TimesFold
+from bt_orchestrator.view.report.duration_times import MOST_KEPT, Kind, Samples, TimesFold
+from bt_orchestrator.view.report.durations import drift_of, durations, lines
 from bt_orchestrator.view.report.reading import Reading
 
 TYPES = FakeActionTypes()

@@ -7,7 +7,7 @@ from dataclasses import replace
 from io import StringIO
 
 from bt_orchestrator.model.jobs.job_record import FailureRecord, ItemRecord, JobRecord
-from bt_orchestrator.view.report.items_csv import COLUMNS, write_items
+from bt_orchestrator.view.report.csv_export import ITEM_COLUMNS, write_items
 
 
 def rows(job: JobRecord) -> list[dict[str, str]]:
@@ -26,7 +26,7 @@ def test_each_item_is_a_row_with_how_it_ended_and_how_long_it_took() -> None:
     bad = ItemRecord('WO-1/1', 10.0, 12.5, 'rejected', ['weigh', 'seal'], {'glue': 2})
     failed = FailureRecord(11.0, 'weigh', 1, 'aborted', item='WO-1/1')
     first, second = rows(job(bad, ItemRecord('WO-1/2', 11.0), failures=(failed,)))
-    assert tuple(first) == COLUMNS
+    assert tuple(first) == ITEM_COLUMNS
     assert (first['item'], first['how'], first['seconds']) == ('WO-1/1', 'rejected', '2.5')
     assert first['started'] == '1970-01-01T00:00:10.000000+00:00'
     assert (first['nonconforming'], first['failures']) == ('weigh seal', '1')
@@ -40,7 +40,7 @@ def test_results_have_a_column_each_with_the_name_of_a_reference() -> None:
     one = ItemRecord('WO-1/1', 1.0, results={'weigh': {'grams': 5.5}, 'read': {'code': 'A'}})
     other = ItemRecord('WO-1/2', 2.0, results={'weigh': {'grams': 6.0, 'raw': [1, 2]}})
     first, second = rows(job(one, other))
-    assert tuple(first)[len(COLUMNS) :] == (
+    assert tuple(first)[len(ITEM_COLUMNS) :] == (
         'results.weigh.grams',
         'results.read.code',
         'results.weigh.raw',

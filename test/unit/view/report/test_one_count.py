@@ -23,12 +23,12 @@ from fakes.virtual_run import VirtualRun
 from hypothesis import given
 
 from bt_orchestrator.engine.runtime.overview import Overview
-from bt_orchestrator.extensions.opcua.mes import counts as packml
+from bt_orchestrator.extensions.opcua.mes import packml
 from bt_orchestrator.extensions.opcua.mes.job_book import JobBook
 from bt_orchestrator.extensions.opcua.server.job_control.records import item_plain
 from bt_orchestrator.extensions.opcua.server.simple import values as simple_values
-from bt_orchestrator.extensions.page.web.account.metrics import metrics
-from bt_orchestrator.extensions.page.web.parts.jobs import NOT_KNOWN, job_part
+from bt_orchestrator.extensions.page.web.account.endpoints import metrics
+from bt_orchestrator.extensions.page.web.parts.parts import NOT_KNOWN, job_part
 from bt_orchestrator.model.codec import from_record, to_plain
 from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, record_of
 from bt_orchestrator.model.records import Extent
@@ -39,14 +39,14 @@ from bt_orchestrator.view.report.account.figures import Figures, Paces, figures
 from bt_orchestrator.view.report.account.fold import FOLLOWED, AccountFold, FromBooks
 from bt_orchestrator.view.report.account.live import Live
 from bt_orchestrator.view.report.account.period import Period
+from bt_orchestrator.view.report.account.plain import write_csv
 from bt_orchestrator.view.report.account.planned import Planned, us_of
-from bt_orchestrator.view.report.account.rows import write_csv
+from bt_orchestrator.view.report.csv_export import write_items
 from bt_orchestrator.view.report.isa95.job_response import (
     JobResponse,
     response_of,
     response_of_record,
 )
-from bt_orchestrator.view.report.items_csv import write_items
 from bt_orchestrator.view.report.jobs import JobFold
 
 pytestmark = pytest.mark.timeout(24 * 3600)

@@ -11,8 +11,7 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.view.report.item.fold import ItemFold
-from bt_orchestrator.view.report.job_text import job_text
-from bt_orchestrator.view.report.jobs import JobFold
+from bt_orchestrator.view.report.jobs import JobFold, job_text
 from bt_orchestrator.view.report.xes_export import XesExport
 
 REPEAT = with_section(

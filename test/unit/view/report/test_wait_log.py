@@ -17,10 +17,9 @@ from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.view.report.causes import cause_of
 from bt_orchestrator.view.report.forecast import Forecast, SectionLoad
 from bt_orchestrator.view.report.forecast_fold import ForecastFold
-from bt_orchestrator.view.report.wait_log import WaitLog
+from bt_orchestrator.view.report.wait_log import WaitLog, cause_of
 
 TYPES = FakeActionTypes()
 

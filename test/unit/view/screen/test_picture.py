@@ -15,7 +15,7 @@ from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.status import BeltStatus, CellStatus
 from bt_orchestrator.view.screen.advice import Shell
-from bt_orchestrator.view.screen.picture import Picture
+from bt_orchestrator.view.screen.live import Picture
 from bt_orchestrator.view.screen.view import cell_view
 
 NODE = '/bt_orchestrator'

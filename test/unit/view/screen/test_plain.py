@@ -10,9 +10,9 @@ from fakes import statuses
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.branch import Branch, Outcome
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.roles import Role
-from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.stop_reason import Wish
 from bt_orchestrator.view.screen import machine, plain, words
 from bt_orchestrator.view.screen.advice import Shell
 from bt_orchestrator.view.screen.machine import JsonView

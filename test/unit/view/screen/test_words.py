@@ -9,14 +9,13 @@ from typing import Any
 import pytest
 from fakes import statuses
 
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
+from bt_orchestrator.model.jobs.order import MadeAnew
 from bt_orchestrator.model.packml import VERBS, PackmlState, possible_in
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.status import CellStatus, ComponentStatus
 from bt_orchestrator.model.status_words import job_count_words
-from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.stop_reason import StopReason, Wish
 from bt_orchestrator.view.screen import words
 from bt_orchestrator.view.screen.advice import Shell, hold_advice, next_choices
 from bt_orchestrator.view.screen.view import cell_view

@@ -10,9 +10,9 @@ from asyncua import ua
 from bt_orchestrator.extensions.opcua.server.job_control.structures import Structures, listed
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.view.report.isa95.codes import states_of
 from bt_orchestrator.view.report.isa95.job_order import job_order
 from bt_orchestrator.view.report.isa95.job_response import has_response, response_of
-from bt_orchestrator.view.report.isa95.job_states import states_of
 
 MOST = 100
 """MaxDownloadableJobOrders: the most in JobOrderList. The queue of the cell may be longer."""

@@ -3,27 +3,37 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from asyncua import ua
 
+from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.opcua.mes.job_book import News
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
+from bt_orchestrator.extensions.opcua.server.job_control.answers import Shown, answer, one
 from bt_orchestrator.extensions.opcua.server.job_control.jobs import Jobs
 from bt_orchestrator.extensions.opcua.server.job_control.lists import MOST, JobLists, chosen
 from bt_orchestrator.extensions.opcua.server.job_control.receiver import Receiver
 from bt_orchestrator.extensions.opcua.server.job_control.records import Records
-from bt_orchestrator.extensions.opcua.server.job_control.results import Results
-from bt_orchestrator.extensions.opcua.server.job_control.shown import Shown
 from bt_orchestrator.extensions.opcua.server.job_control.status_events import StatusEvents
-from bt_orchestrator.extensions.opcua.server.job_control.structures import Structures
-from bt_orchestrator.extensions.opcua.server.job_control.work_masters import WorkMasters
+from bt_orchestrator.extensions.opcua.server.job_control.structures import (
+    RESPONSE,
+    Structures,
+    listed,
+    none_of,
+    states_from,
+    work_master,
+)
 from bt_orchestrator.extensions.opcua.server.nodesets import JOB_CONTROL
 from bt_orchestrator.extensions.opcua.server.space import Call, Space
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_control import METHODS
+from bt_orchestrator.model.script import Parameter as Declared
 from bt_orchestrator.model.status import CellStatus, ListedJob
-from bt_orchestrator.view.report.isa95.job_states import MACHINES
+from bt_orchestrator.script.orders.by_recipe import DeclaredVersion
+from bt_orchestrator.view.report.isa95.codes import MACHINES, ReturnStatus, are_known, has_all
+from bt_orchestrator.view.report.isa95.job_response import response_of
+from bt_orchestrator.view.report.isa95.parts import Parameter, Text, WorkMaster
 
 RECEIVER, RESULTS = 'JobOrderControl', 'JobOrderResults'
 
@@ -167,3 +177,99 @@ class JobControl:
     async def _look(self) -> None:
         await self._bridge.orderable.look()
         self._show_again()
+
+
+# The job response provider: what became of a job, by its id or by its state.
+
+
+class Results:
+    """The two methods of ISA95JobResponseProviderObjectType."""
+
+    def __init__(
+        self, jobs: Jobs, structures: Structures, shown: Callable[[], Iterable[ListedJob]]
+    ) -> None:
+        """Prepare.
+
+        :param shown: returns the jobs that the newest status lists
+        """
+        self._jobs = jobs
+        self._structures = structures
+        self._shown = shown
+
+    def calls(self) -> Mapping[str, Call]:
+        """Return what carries out each method, by its name."""
+        return {
+            'RequestJobResponseByJobOrderID': self._by_id,
+            'RequestJobResponseByJobOrderState': self._by_state,
+        }
+
+    async def _by_id(self, name: str) -> ua.CallMethodResult:
+        nothing = one(none_of(RESPONSE))
+        if not name:
+            return answer(ReturnStatus.MALFORMED, nothing)
+        try:
+            job = await self._jobs.ask(name)
+        except NodeUnreachable as error:
+            raise ua.UaStatusCodeError(ua.StatusCodes.BadNoCommunication) from error
+        if job is None:
+            return answer(ReturnStatus.UNKNOWN_ID, nothing)
+        return answer(ReturnStatus.DONE, one(self._response(job)))
+
+    async def _by_state(self, wanted: Sequence[object]) -> ua.CallMethodResult:
+        if not wanted:
+            return answer(ReturnStatus.MALFORMED, listed([]))
+        states = states_from(wanted)
+        if not are_known(states):
+            return answer(ReturnStatus.WRONG_STATE, listed([]))
+        responses = (response_of(job, self._jobs.book.interrupted) for job in self._shown())
+        found = [one for one in responses if has_all(one.states, states)]
+        return answer(ReturnStatus.DONE, listed(list(map(self._structures.response, found))))
+
+    def _response(self, job: ListedJob) -> object:
+        return self._structures.response(response_of(job, self._jobs.book.interrupted))
+
+
+# The work masters: the scripts and recipes that an order can name, with their parameters.
+
+
+class WorkMasters:
+    """The value of `WorkMaster`; it is made anew when another one is known."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._value = listed([])
+        self._made_from: object = None
+
+    def value(self) -> ua.Variant:
+        """Return them by name: those in the folders, and the scripts of jobs that are known."""
+        files, scripts = self._bridge.orderable, self._bridge.known.scripts
+        made_from = (files.looked_at, tuple(scripts))
+        if made_from != self._made_from:
+            heard = {one.name: _master(one.name, one.params.values()) for one in scripts.values()}
+            read = {
+                name: _master(name, one.params.values()) for name, one in files.scripts.items()
+            }
+            recipes = {name: _of_recipe(one.newest) for name, one in files.recipes.items()}
+            found = {**heard, **recipes, **read}
+            self._made_from = made_from
+            self._value = listed([work_master(found[name]) for name in sorted(found)])
+        return self._value
+
+
+def _of_recipe(one: DeclaredVersion) -> WorkMaster:
+    return _master(one.name, one.params.values(), f'recipe, version {one.version}')
+
+
+def _master(name: str, params: Iterable[Declared], about: str = '') -> WorkMaster:
+    return WorkMaster(
+        name,
+        about,
+        tuple(
+            Parameter(
+                one.name,
+                one.default,
+                (Text(f'{one.type}, {"required" if one.required else "optional"}', 'en'),),
+            )
+            for one in params
+        ),
+    )

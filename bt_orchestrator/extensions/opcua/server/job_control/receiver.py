@@ -11,9 +11,8 @@ from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.opcua.mes.methods import REQUESTS, STORING, refused
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
 from bt_orchestrator.extensions.opcua.server.calls import reason_of
-from bt_orchestrator.extensions.opcua.server.job_control.answers import answer
+from bt_orchestrator.extensions.opcua.server.job_control.answers import Shown, answer
 from bt_orchestrator.extensions.opcua.server.job_control.jobs import Jobs
-from bt_orchestrator.extensions.opcua.server.job_control.shown import Shown
 from bt_orchestrator.extensions.opcua.server.job_control.status_events import StatusEvents
 from bt_orchestrator.extensions.opcua.server.job_control.structures import comment_from, order_from
 from bt_orchestrator.extensions.opcua.server.space import Call
@@ -22,8 +21,8 @@ from bt_orchestrator.model.jobs.job_control import METHODS, Method
 from bt_orchestrator.model.jobs.order import order_id_fault
 from bt_orchestrator.model.status import ListedJob
 from bt_orchestrator.ports.doors.tickets import Outcome
+from bt_orchestrator.view.report.isa95.codes import ReturnStatus, Unfit
 from bt_orchestrator.view.report.isa95.job_order import JobOrder, changes, reason_in, work_order
-from bt_orchestrator.view.report.isa95.return_status import ReturnStatus, Unfit
 
 _WITH_ORDER = (*STORING, job_control.UPDATE)
 

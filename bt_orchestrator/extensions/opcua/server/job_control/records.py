@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 from asyncua import ua
 
 from bt_orchestrator.base.errors import JournalUnusable, NodeUnreachable
-from bt_orchestrator.extensions.opcua.server.arguments import Argument
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
+from bt_orchestrator.extensions.opcua.server.calls import Argument
 from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import json_of, to_plain, to_text

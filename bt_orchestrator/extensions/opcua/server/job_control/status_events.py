@@ -9,14 +9,14 @@ from collections.abc import Sequence
 from asyncua import ua
 
 from bt_orchestrator.extensions.opcua.mes.job_book import News
-from bt_orchestrator.extensions.opcua.server.arguments import Argument
+from bt_orchestrator.extensions.opcua.server.calls import Argument
 from bt_orchestrator.extensions.opcua.server.job_control.structures import Structures
 from bt_orchestrator.extensions.opcua.server.notices import Told, id_of
 from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.view.report.isa95.codes import ReturnStatus
 from bt_orchestrator.view.report.isa95.job_order import job_order
 from bt_orchestrator.view.report.isa95.job_response import response_of
-from bt_orchestrator.view.report.isa95.return_status import ReturnStatus
 
 CHANGED, REFUSED = 'JobOrderChangedEventType', 'RequestRefusedEventType'
 

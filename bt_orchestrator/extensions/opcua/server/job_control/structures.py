@@ -11,9 +11,9 @@ from asyncua import ua
 
 from bt_orchestrator.extensions.opcua.server.values import moment
 from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.view.report.isa95.codes import State
 from bt_orchestrator.view.report.isa95.job_order import RESOURCES, JobOrder
 from bt_orchestrator.view.report.isa95.job_response import COUNTS, PACKED_QUANTITY, JobResponse
-from bt_orchestrator.view.report.isa95.job_states import State
 from bt_orchestrator.view.report.isa95.machinery import RUNS_PLANNED
 from bt_orchestrator.view.report.isa95.parts import (
     Parameter,

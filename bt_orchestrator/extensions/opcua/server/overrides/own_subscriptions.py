@@ -14,7 +14,7 @@ from asyncua.server.internal_subscription import InternalSubscription
 from asyncua.server.uaprocessor import UaProcessor
 
 from bt_orchestrator.extensions.opcua.server.overrides import limits
-from bt_orchestrator.extensions.opcua.server.overrides.monitored import (
+from bt_orchestrator.extensions.opcua.server.overrides.subscriptions import (
     refused_filter,
     revise_queue,
 )

@@ -13,13 +13,16 @@ from asyncua.server.uaprocessor import UaProcessor
 from asyncua.ua.ua_binary import struct_from_binary, uatcp_to_binary
 from cryptography.exceptions import InvalidSignature as InvalidSignatureInside
 
-from bt_orchestrator.extensions.opcua.server.callers import Caller, calling, client_of
+from bt_orchestrator.extensions.opcua.server.calls import Caller, calling, client_of
 from bt_orchestrator.extensions.opcua.server.client_certificates import Untrusted, first_of
 from bt_orchestrator.extensions.opcua.server.overrides import limits, services
 from bt_orchestrator.extensions.opcua.server.overrides.inside import Inside
-from bt_orchestrator.extensions.opcua.server.overrides.passwords import BadToken, password_of
+from bt_orchestrator.extensions.opcua.server.overrides.security import (
+    BadToken,
+    Person,
+    password_of,
+)
 from bt_orchestrator.extensions.opcua.server.overrides.session import Session
-from bt_orchestrator.extensions.opcua.server.people import Person
 from bt_orchestrator.extensions.opcua.server.pki import application_uri, parsed
 from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.script.users.file import UsersUnusable

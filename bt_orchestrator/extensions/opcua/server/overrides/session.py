@@ -21,7 +21,7 @@ from bt_orchestrator.extensions.opcua.server.overrides.own_subscriptions import 
     check_count,
     check_same,
 )
-from bt_orchestrator.extensions.opcua.server.people import Person
+from bt_orchestrator.extensions.opcua.server.overrides.security import Person
 
 if TYPE_CHECKING:
     from bt_orchestrator.extensions.opcua.server.overrides.security import Security

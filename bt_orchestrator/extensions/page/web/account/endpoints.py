@@ -1,24 +1,28 @@
-"""The endpoints of the shift that runs."""
+"""The endpoints of the shift that runs: its account, and its figures as metrics."""
 
 from __future__ import annotations
 
-from typing import Protocol
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from fractions import Fraction
+from typing import NamedTuple, Protocol
 
 from starlette.requests import Request
 from starlette.responses import Response
 
 from bt_orchestrator.base.errors import JournalUnusable
-from bt_orchestrator.extensions.page.web.account.metrics import metrics
 from bt_orchestrator.extensions.page.web.account.watch import ShiftWatch
-from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.extensions.page.web.replies import Json, Problem, attached
+from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem, attached
 from bt_orchestrator.extensions.page.web.seams import SeenCell
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports.doors.doors import Doors
 from bt_orchestrator.view.drawing.account.beside_page import beside_page
 from bt_orchestrator.view.drawing.account.page import account_page
 from bt_orchestrator.view.report.account.account import NothingToReport
-from bt_orchestrator.view.report.account.live import Live
-from bt_orchestrator.view.report.account.live_words import live_plain
+from bt_orchestrator.view.report.account.live import Live, live_plain
+from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.planned import US
 
 DAYS = 7
 """Of the document that shows days side by side: a week."""
@@ -115,3 +119,103 @@ def _live(watch: ShiftWatch) -> Live:
 def _refuse_without_shifts(watch: ShiftWatch) -> None:
     if not watch.is_wanted:
         raise Problem(404, 'the page knows no shifts; start it with --shifts FILE')
+
+
+# The state of a cell and the figures of its shift, as OpenMetrics and Prometheus read them.
+
+Labels = Mapping[str, str]
+Value = Fraction | float | int
+
+
+class Gauge(NamedTuple):
+    """A metric with its samples; all are gauges: what a shift counts begins anew with the next."""
+
+    name: str
+    """Without the prefix that all have."""
+    meaning: str
+    samples: Iterable[tuple[Labels, Value | None]]
+    """None: not known; left out."""
+
+    def lines(self) -> Iterator[str]:
+        """Yield its lines."""
+        name = f'bt_orchestrator_{self.name}'
+        yield f'# HELP {name} {self.meaning}'
+        yield f'# TYPE {name} gauge'
+        for labels, value in self.samples:
+            if value is not None:
+                yield f'{name}{{{_written(labels)}}} {_number(value)}'
+
+
+def metrics(node: str, silent_s: float, status: CellStatus | None, live: Live | None) -> str:
+    """Return all that is known; the text is both OpenMetrics and the older form of Prometheus."""
+    gauges = [Gauge('node_silent_seconds', 'Time since the node was heard.', [
+        ({'node': node}, silent_s)
+    ])]  # fmt: skip
+    if status is not None:
+        gauges += _of_cell(status)
+    if live is not None and live.now.turn is not None:
+        gauges += _of_shift(live, status.cell if status else live.account.figures.times.cell)
+    return ''.join(f'{line}\n' for gauge in gauges for line in (*gauge.lines(),)) + '# EOF\n'
+
+
+def _of_cell(status: CellStatus) -> Iterator[Gauge]:
+    cell = {'cell': status.cell}
+    states = [({**cell, 'state': one.value}, int(one is status.state)) for one in PackmlState]
+    yield Gauge('cell_state', 'PackML state of the cell: 1 for the one it is in.', states)
+    yield Gauge('holds', 'Holds that wait for an answer.', [(cell, len(status.holds))])
+    yield Gauge('jobs_queued', 'Jobs that wait in the queue.', [(cell, status.queued)])
+
+
+def _of_shift(live: Live, cell: str) -> Iterator[Gauge]:
+    assert live.now.turn is not None
+    of = {'cell': cell, 'shift': live.now.turn.shift}
+    shown, period = live.account.figures, live.now.period
+    begin, times = period.shown_us(period.begin_us), shown.times
+
+    def one(name: str, meaning: str, value: Value | None) -> Gauge:
+        return Gauge(f'shift_{name}', meaning, [(of, value)])
+
+    yield one('runs', '1: the shift runs; 0: it is the last one that ended.', int(live.runs))
+    yield one('begin_timestamp_seconds', 'When the shift began.', Fraction(begin, US))
+    yield one('oee_ratio', 'Overall equipment effectiveness.', shown.oee)
+    yield one('availability_ratio', 'Production time of planned busy time.', shown.availability)
+    yield one(
+        'performance_ratio', 'Output as a part of the output at the pace.', shown.performance
+    )
+    yield one('quality_ratio', 'Good items of produced ones.', shown.quality)
+    yield one('planned_seconds', 'Planned time so far.', Fraction(times.planned.total_us, US))
+    yield one('busy_seconds', 'Planned busy time so far.', Fraction(times.busy_us, US))
+    yield one('production_seconds', 'Production time so far.', Fraction(times.production_us, US))
+    lost = [({**of, 'loss': loss.value}, shown.loss_us(loss) / US) for loss in _known(live)]
+    yield Gauge(
+        'shift_lost_seconds', 'Time lost so far; below 0: the line was faster than its pace.', lost
+    )
+    made = {
+        kind: sum(getattr(one, kind) for one in times.made)
+        for kind in ('good', 'nonconforming', 'rejected', 'by_hand')
+    }
+    items = [({**of, 'outcome': kind}, number) for kind, number in made.items()]
+    yield Gauge('shift_items', 'Items that left the line in planned time.', items)
+
+
+def _known(live: Live) -> Iterator[Loss]:
+    """Yield the losses that are known: some need a pace."""
+    needs_pace = (Loss.REWORK, Loss.SLOW, Loss.REJECTS)
+    for loss in Loss:
+        if live.account.figures.has_paces or loss not in needs_pace:
+            yield loss
+
+
+def _written(labels: Labels) -> str:
+    return ','.join(f'{name}="{_escaped(value)}"' for name, value in labels.items())
+
+
+def _escaped(text: str) -> str:
+    text = text.replace('\\', '\\\\').replace('"', '\\"').replace('\n', '\\n')
+    return text.encode(errors='replace').decode()
+
+
+def _number(value: Value) -> str:
+    if isinstance(value, float) and not math.isfinite(value):
+        return {math.inf: '+Inf', -math.inf: '-Inf'}.get(value, 'NaN')
+    return f'{value}' if isinstance(value, int) else repr(round(float(value), 6))

@@ -5,8 +5,7 @@ from __future__ import annotations
 from itertools import islice
 from typing import Any, NamedTuple
 
-from bt_orchestrator.extensions.page.web.archive.archive import Look
-from bt_orchestrator.extensions.page.web.archive.scanning import each, event_of
+from bt_orchestrator.extensions.page.web.archive.archive import Look, each, event_of
 from bt_orchestrator.extensions.page.web.wording import said_in_each
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.view.report.account.steady_time import SteadyTime

@@ -13,16 +13,15 @@ from starlette.responses import Response
 
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
-from bt_orchestrator.extensions.page.web.archive.items import reading
+from bt_orchestrator.extensions.page.web.archive.histories import reading
 from bt_orchestrator.extensions.page.web.archive.jobs import job_record
-from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.extensions.page.web.replies import Problem, attached
+from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Problem, attached
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
 from bt_orchestrator.view.drawing.documents.html import Times
 from bt_orchestrator.view.drawing.documents.item_page import Source, item_page
+from bt_orchestrator.view.report.csv_export import write_items
 from bt_orchestrator.view.report.item.reader import item_history
-from bt_orchestrator.view.report.items_csv import write_items
 
 _REFUSALS = {
     404: 'nothing is known of the job',

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
@@ -13,14 +14,15 @@ from bt_orchestrator.extensions.page.web.archive.alarms import MOST as MOST_ALAR
 from bt_orchestrator.extensions.page.web.archive.alarms import Choice, alarms_page
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
 from bt_orchestrator.extensions.page.web.archive.downloads import endpoints as of_downloads
-from bt_orchestrator.extensions.page.web.archive.events import MOST as MOST_EVENTS
-from bt_orchestrator.extensions.page.web.archive.events import events_page
-from bt_orchestrator.extensions.page.web.archive.histories import Subject, history_of
-from bt_orchestrator.extensions.page.web.archive.items import item_record, items_of
+from bt_orchestrator.extensions.page.web.archive.histories import (
+    Subject,
+    history_of,
+    item_record,
+    items_of,
+)
 from bt_orchestrator.extensions.page.web.archive.jobs import MOST as MOST_JOBS
 from bt_orchestrator.extensions.page.web.archive.jobs import job_with_items, jobs_page
-from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.extensions.page.web.replies import Json, Problem
+from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem
 from bt_orchestrator.extensions.page.web.seams import SeenCell
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.view.report.alarms import Kind
@@ -225,3 +227,25 @@ def _whole(query: Mapping[str, str], name: str) -> int | None:
     if not (text.isascii() and text.isdecimal() and len(text) < 16):
         raise Problem(422, f'{name} is a whole number; found {text!r}')
     return int(text)
+
+
+# Events by pages, as records.
+
+MOST_EVENTS = 1000
+"""Most records of one answer."""
+
+
+def events_page(look: Look, wanted: Wanted, most: int) -> dict[str, Any]:
+    """Return the next wanted records, and where to go on."""
+    page = look.records.page(wanted, min(most, MOST_EVENTS))
+    look.note(list(page.damage))
+    rest = page.rest
+    cursor = {'before': rest.before_seq} if wanted.newest_first else {'after': rest.after_seq}
+    return {
+        'history': page.history,
+        'first_seq': look.extent.first_seq,
+        'last_seq': look.extent.last_seq,
+        'records': [json.loads(record.text) for record in page.records],
+        'rest': None if page.is_last else cursor,
+        'damage': look.damage,
+    }

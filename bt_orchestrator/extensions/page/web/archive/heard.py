@@ -11,8 +11,7 @@ import contextlib
 from collections.abc import Sequence
 
 from bt_orchestrator.base.errors import JournalUnusable, NodeUnreachable
-from bt_orchestrator.extensions.page.web.book import Book
-from bt_orchestrator.extensions.page.web.ring import MOST_KEPT
+from bt_orchestrator.extensions.page.web.book import MOST_EVENTS_KEPT, Book
 from bt_orchestrator.model.books import WithoutBooks
 from bt_orchestrator.model.records import (
     Damage,
@@ -24,7 +23,7 @@ from bt_orchestrator.model.records import (
     Wanted,
 )
 from bt_orchestrator.ports.doors.doors import Doors
-from bt_orchestrator.ports.doors.facts import Happened, Lost
+from bt_orchestrator.ports.doors.following_door import Happened, Lost
 
 MOST = 1000
 """Most records of a page."""
@@ -135,9 +134,9 @@ class Heard:
         before = ring.before
         if self._history == book.history and self._earlier and self._earlier[-1].last == before:
             entries, before = [*self._earlier, *entries], self._before
-        if len(entries) > MOST_KEPT:
-            before = entries[-MOST_KEPT - 1].last
-            entries = entries[-MOST_KEPT:]
+        if len(entries) > MOST_EVENTS_KEPT:
+            before = entries[-MOST_EVENTS_KEPT - 1].last
+            entries = entries[-MOST_EVENTS_KEPT:]
         return HeardRecords(book.history, before, entries)
 
     @property
@@ -149,7 +148,7 @@ class Heard:
     async def _fill(self, history: str, last: int) -> bool:
         """Fetch the last events up to one, oldest first; tell whether all of them came."""
         found: list[Entry] = []
-        after = before = max(0, last - MOST_KEPT)
+        after = before = max(0, last - MOST_EVENTS_KEPT)
         with contextlib.suppress(NodeUnreachable):
             while after < last:
                 page = await self._doors.events_after(after)

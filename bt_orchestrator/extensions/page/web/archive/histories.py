@@ -1,7 +1,8 @@
-"""The last work of a section, or of a component."""
+"""The last work of a section or of a component, and the record of one item."""
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -9,12 +10,15 @@ from itertools import islice
 from statistics import median
 from typing import Any
 
-from bt_orchestrator.extensions.page.web.archive.archive import Look
-from bt_orchestrator.extensions.page.web.archive.scanning import each, event_of
+from bt_orchestrator.extensions.page.web.archive.archive import Look, each, event_of, events
 from bt_orchestrator.extensions.page.web.wording import said_in_each
+from bt_orchestrator.model import events as e
 from bt_orchestrator.model.events import ClockStepped, Event
 from bt_orchestrator.model.records import Record, Wanted
 from bt_orchestrator.model.status import CellDescription
+from bt_orchestrator.view.report.item.history import plain_item
+from bt_orchestrator.view.report.item.reader import item_history
+from bt_orchestrator.view.report.reading import Reading
 from bt_orchestrator.view.report.work_history import FOLLOWED, MOST_CYCLES, Cycle, WorkFold
 
 MOST_RECORDS = 20_000
@@ -115,3 +119,36 @@ def _nominal_s(described: CellDescription | None, component: str, task: str) -> 
     components = described.components if described is not None else ()
     found = (one for one in components if one.name == component)
     return next((one.durations_s.get(task, one.default_duration_s) for one in found), None)
+
+
+# The record of one item.
+
+_IDENTIFIED = (e.ItemIdentified.event,)
+
+
+def item_record(look: Look, item: str) -> dict[str, Any] | None:
+    """Return everything about an item; None: nothing is known of it."""
+    history = item_history(reading(look), item)
+    if history is None:
+        return None
+    begun, plain = history.started is not None, plain_item(history)
+    for task in plain['tasks']:
+        task['said'] = said_in_each(task['message'])
+    return {**plain, 'damage': look.damage, 'has_beginning': begun}
+
+
+def reading(look: Look) -> Reading:
+    """Return what reads the records; damage is noted in the look."""
+    return Reading(look.records, look.damage.append)
+
+
+def items_of(look: Look, serial: str) -> dict[str, Any]:
+    """Return the items of a serial, the newest first."""
+    wanted, serial = Wanted(events=_IDENTIFIED, newest_first=True), serial.strip()
+    name = json.dumps(serial, ensure_ascii=False)
+    found = [
+        {'item': event.item, 'job': event.job, 'time': event.time}
+        for event in events(look, wanted, lambda text: name in text or '\\' in text)
+        if isinstance(event, e.ItemIdentified) and event.serial == serial
+    ]
+    return {'items': found, 'damage': look.damage, 'has_beginning': False}

@@ -11,8 +11,12 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from bt_orchestrator.extensions.page.web.archive.archive import Look
-from bt_orchestrator.extensions.page.web.archive.scanning import event_of, events, events_of_job
+from bt_orchestrator.extensions.page.web.archive.archive import (
+    Look,
+    event_of,
+    events,
+    events_of_job,
+)
 from bt_orchestrator.extensions.page.web.wording import said_in_each
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import plain_but, to_plain

@@ -8,13 +8,12 @@ from bt_orchestrator.extensions.page.web.offers import (
     component_offers,
     hold_offers,
 )
-from bt_orchestrator.extensions.page.web.parts.waits import wait_parts
+from bt_orchestrator.extensions.page.web.parts.tasks import wait_parts
 from bt_orchestrator.extensions.page.web.wording import said_in_each
 from bt_orchestrator.model.by import named
 from bt_orchestrator.model.codec import plain_but
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     CellDescription,
@@ -23,8 +22,8 @@ from bt_orchestrator.model.status import (
     ComponentStatus,
 )
 from bt_orchestrator.model.status_words import component_trouble, task_label
-from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.stop_reason import StopReason, Wish
+from bt_orchestrator.model.wait import StandCause
 
 WORKING, QUIET, STOPPED, TROUBLE = 'working', 'quiet', 'stopped', 'trouble'
 """Kinds of states: how a page shows one, before anybody has read its word."""

@@ -1,22 +1,24 @@
-"""A status as parts, by the keys under which the page knows them."""
+"""A status as parts, by the keys under which the page knows them; jobs, sections, the belt."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
+from bt_orchestrator.extensions.page.web.offers import back_for, item_offers, job_offers
 from bt_orchestrator.extensions.page.web.parts.cell import (
     cell_part,
     component_part,
     hold_part,
     now_part,
 )
-from bt_orchestrator.extensions.page.web.parts.jobs import NOT_KNOWN, job_part
-from bt_orchestrator.extensions.page.web.parts.sections import belt_part, section_part
-from bt_orchestrator.extensions.page.web.parts.tasks import TaskParts
-from bt_orchestrator.extensions.page.web.parts.waits import why_part
-from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.extensions.page.web.parts.tasks import Part, TaskParts, wait_parts, why_part
+from bt_orchestrator.model.codec import plain_but, to_plain
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.jobs.order import MadeAnew
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.model.status import CellDescription, CellStatus, JobStatus, SectionStatus
 from bt_orchestrator.ports.doors.known import Ordered
 
 _NOTHING: Mapping[str, Ordered] = {}
@@ -59,3 +61,133 @@ def parts_of(
         part = component_part(component, described.get(component.name))
         parts[f'component/{component.name}'] = part
     return parts
+
+
+# Jobs as parts.
+
+NOT_KNOWN = Ordered({}, None)
+"""The order of a job that was given before anybody listened."""
+
+
+def job_part(
+    job: JobStatus,
+    status: CellStatus,
+    script: Script | None,
+    tasks: TaskParts,
+    ordered: Ordered,
+) -> dict[str, object]:
+    """Return a job with its initialization tasks.
+
+    :param script: its script, if that is known
+    """
+    listed = tasks.of_initialization(job, script, status.initialization) if script else []
+    return {
+        **plain_but(job, *_LEFT_OUT),
+        'anew': _anew(job.anew),
+        'state': job.state.state,
+        'substate': job.state.substate,
+        'is_over': job.state in OVER,
+        'left': job.left,
+        'on_line': job.on_line,
+        'ends': _ends(job, status),
+        'late_s': _late_s(job, status),
+        'is_overdue': job.state not in OVER and job.due is not None and status.stamp > job.due,
+        'tasks': listed,
+        'params': to_plain(ordered.params),
+        'choice': to_plain(ordered.choice, whole=True),
+        'changed_by': [*job.unavailable, *back_for(job, status)],
+        'offers': job_offers(job, status),
+    }
+
+
+_LEFT_OUT = (
+    'by_recipe',
+    'expected_end_s',
+    'queued_at',
+    'started_at',
+    'ended_at',
+    'running',
+    'passed',
+)
+"""Fields that the page reads elsewhere, or never: an equal part is not sent again."""
+
+
+def _anew(anew: MadeAnew | None) -> dict[str, object] | None:
+    """Return why it was made anew, and the pace since; None: it was not."""
+    return None if anew is None else {**plain_but(anew), 'slower': anew.slower}
+
+
+def _ends(job: JobStatus, status: CellStatus) -> float | None:
+    """Return when it is expected to end, in whole seconds: rounding alone does not change it."""
+    if job.expected_end_s is None:
+        return None
+    return float(round(status.stamp + job.expected_end_s))
+
+
+def _late_s(job: JobStatus, status: CellStatus) -> float:
+    """Return by how much it misses its due time as it looks now, in whole minutes begun."""
+    if job.due is None or job.state in OVER:
+        return 0.0
+    late_s = max(_ends(job, status) or 0.0, status.stamp) - job.due
+    return max(0.0, math.ceil(late_s / 60) * 60.0)
+
+
+# Sections and the belt as parts.
+
+
+def section_part(
+    section: SectionStatus,
+    status: CellStatus,
+    jobs: Mapping[str, JobStatus],
+    scripts: Mapping[str, Script],
+    tasks: TaskParts,
+) -> dict[str, object]:
+    """Return a section with its whole task list.
+
+    Without a cycle it is the list of the cycle that it finished in this beat, or of the next job.
+    """
+    finished = section.finished
+    job = jobs.get(section.job or (finished.job if finished else '')) or _next_job(status)
+
+    def parts(of: JobStatus | None, stands: SectionStatus) -> list[Part]:
+        script = scripts.get(of.digest) if of else None
+        listed = script.sections.get(section.number) if script else None
+        return tasks.of_section(stands, listed) if listed else []
+
+    return {
+        'number': section.number,
+        'slot': to_plain(section.slot, whole=True),
+        'item': to_plain(section.item, whole=True),
+        'job': section.job,
+        'holds': [hold.id for hold in status.holds if hold.section == section.number],
+        'waits': wait_parts(section.waits, status.holds),
+        'tasks': parts(job, section),
+        'finished': finished
+        and {
+            'item': finished.item,
+            'job': finished.job,
+            'tasks': parts(jobs.get(finished.job), _at_rest(section)),
+        },
+        'offers': item_offers(section.slot),
+    }
+
+
+def _at_rest(section: SectionStatus) -> SectionStatus:
+    """Return a section without its cycle in hand: it shows what it finished."""
+    return changed(section, job='', item=None, running=(), passed=(), failed=(), waits=())
+
+
+def belt_part(status: CellStatus, tasks: TaskParts) -> dict[str, object]:
+    """Return the belt."""
+    belt = status.belt
+    return {
+        'moving': belt.moving,
+        'running': tasks.in_flight(belt.running),
+        'waits': wait_parts(belt.waits, status.holds),
+    }
+
+
+def _next_job(status: CellStatus) -> JobStatus | None:
+    """Return the first job that goes on, or else the last one that ended."""
+    live = (job for job in status.jobs if job.state not in OVER)
+    return next(live, status.jobs[-1] if status.jobs else None)

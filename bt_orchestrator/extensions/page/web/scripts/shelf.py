@@ -6,15 +6,14 @@ import asyncio
 from collections.abc import Awaitable, Callable, Iterable, Iterator
 from typing import Any
 
-from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
-from bt_orchestrator.extensions.page.web.archive.scanning import events
+from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look, events
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.script import Parameter, Script
 from bt_orchestrator.ports.doors.known import Known
-from bt_orchestrator.script.order_files import OrderFiles
+from bt_orchestrator.script.declared import OrderFiles
 from bt_orchestrator.script.orders.by_recipe import DeclaredRecipe, DeclaredVersion
 
 

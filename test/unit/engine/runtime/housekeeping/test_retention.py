@@ -100,7 +100,7 @@ def test_6_8_serials_outlive_their_events(path: Path) -> None:
 
 
 def test_many_events_go_in_small_pieces(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr('bt_orchestrator.store.sqlite.retention.BATCH', 10)
+    monkeypatch.setattr('bt_orchestrator.store.shared.rows.BATCH', 10)
     run = LongRun(path, keep_jobs=0)
     run.job('J1')
     end = run.orchestrator.state.seq

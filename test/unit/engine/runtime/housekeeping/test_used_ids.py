@@ -18,7 +18,7 @@ from bt_orchestrator.engine.runtime.housekeeping import KEEP_ALL
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.judging import used_ids
-from bt_orchestrator.model.judging.sealed_ids import SealedIds
+from bt_orchestrator.model.judging.used_ids import SealedIds
 from bt_orchestrator.model.state import CellState
 
 

@@ -15,7 +15,7 @@ from bt_orchestrator.cli.main import main
 from bt_orchestrator.extensions.opcua.server.client_certificates import Untrusted, thumbprint
 from bt_orchestrator.extensions.opcua.server.pki import Pki
 from bt_orchestrator.extensions.opcua.server.trust import Trust
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 
 
 @pytest.fixture(autouse=True)

@@ -8,8 +8,7 @@ from typing import Any
 from fakes.statuses import component, hold, status
 
 from bt_orchestrator.extensions.opcua.mes.alarms import alarms_of, event_id
-from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.stop_reason import StopReason, Wish
 
 HOLD = hold('3', reason='timeout', message='too slow', since=950.0)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from fakes.statuses import job, status
 
-from bt_orchestrator.extensions.opcua.mes.counts import Count, Counter
+from bt_orchestrator.extensions.opcua.mes.packml import Count, Counter
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.status import JobStatus
 

@@ -13,7 +13,7 @@ from bt_orchestrator.extensions.opcua.mes.methods import (
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import METHODS, Method
-from bt_orchestrator.view.report.isa95.return_status import ReturnStatus
+from bt_orchestrator.view.report.isa95.codes import ReturnStatus
 
 DONE, UNKNOWN, WRONG = ReturnStatus.DONE, ReturnStatus.UNKNOWN_ID, ReturnStatus.WRONG_STATE
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fakes.statuses import NOW_S, hold, status
 
-from bt_orchestrator.extensions.opcua.mes.packml_values import Stop, packml_values
+from bt_orchestrator.extensions.opcua.mes.packml import Stop, packml_values
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 

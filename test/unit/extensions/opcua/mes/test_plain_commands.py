@@ -11,9 +11,9 @@ from bt_orchestrator.extensions.opcua.mes.plain_commands import (
     order_of,
     verbs,
 )
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import REQUESTS, About
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.extensions.opcua.mes.speed import Speedometer
+from bt_orchestrator.extensions.opcua.mes.packml import Speedometer
 from bt_orchestrator.model.events import BeltIndexed, CellStateChanged, ClockStepped
 from bt_orchestrator.model.packml import PackmlState
 

@@ -8,7 +8,7 @@ import pytest
 from fakes.statuses import hold, status
 
 from bt_orchestrator.extensions.opcua.mes.stop_ids import NONE, STOP_IDS, id_of_hold, id_of_stop
-from bt_orchestrator.model import pauses
+from bt_orchestrator.model import stop_reason
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.words import OVERRUN
@@ -35,8 +35,8 @@ def test_the_numbers_are_those_that_sites_know() -> None:
     'reason',
     [
         *(one.value for one in Reason),
-        *sorted(pauses.NAMED),
-        pauses.PAUSED,
+        *sorted(stop_reason.NAMED),
+        stop_reason.PAUSED,
         'slot_occupied',
         OVERRUN,
     ],

@@ -19,7 +19,7 @@ from bt_orchestrator.extensions.opcua.server.values import Values
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.ports.doors.facts import Began, Fact, Happened
+from bt_orchestrator.ports.doors.following_door import Began, Fact, Happened
 from bt_orchestrator.sim.virtual_link import VirtualLink
 from bt_orchestrator.store.memory import MemoryStore
 

@@ -7,10 +7,9 @@ from typing import cast
 
 import pytest
 
-from bt_orchestrator.extensions.opcua.server.callers import Caller, calling
-from bt_orchestrator.extensions.opcua.server.calls import Calls
+from bt_orchestrator.extensions.opcua.server.calls import Caller, Calls, calling
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.events import OperatorDecided
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ports.doors.tickets import Outcome, Tickets
 
 

@@ -11,14 +11,14 @@ from asyncua import ua
 from fakes.statuses import hold, status
 
 from bt_orchestrator.extensions.opcua.mes.alarms import alarms_of
-from bt_orchestrator.extensions.opcua.server.callers import Caller, calling
+from bt_orchestrator.extensions.opcua.server.calls import Caller, calling
 from bt_orchestrator.extensions.opcua.server.condition_methods import (
     REFRESH,
     REFRESH_2,
     ConditionMethods,
 )
 from bt_orchestrator.extensions.opcua.server.conditions import Place, Standing
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ports.doors.tickets import Outcome
 

@@ -15,7 +15,7 @@ from fakes.opcua_access import ROLES, URI, certificate
 from fakes.quick_users import write_users
 
 from bt_orchestrator.extensions.opcua.server.client_certificates import thumbprint
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 
 CODES = ua.StatusCodes
 

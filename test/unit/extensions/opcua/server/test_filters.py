@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from asyncua import ua
 
-from bt_orchestrator.extensions.opcua.server.overrides.filters import Evaluator, Original
+from bt_orchestrator.extensions.opcua.server.overrides.inside import Evaluator, Original
 
 ALARM, HOLD = ua.NodeId(1, 4), ua.NodeId(2, 4)
 EVENT: Any = SimpleNamespace(EventType=HOLD, Severity=600, **{'AckedState/Id': False})

@@ -9,7 +9,7 @@ from contextlib import suppress
 
 import pytest
 
-from bt_orchestrator.extensions.opcua.server.memory import building, give_back
+from bt_orchestrator.extensions.opcua.server.library import building, give_back
 
 
 @pytest.fixture(autouse=True)

@@ -12,7 +12,7 @@ from opcua_reader import Reader, reading
 from opcua_stand import opcua_stand
 from web.stand_cell import StandCell
 
-from bt_orchestrator.extensions.opcua.server.packml_meanings import meanings
+from bt_orchestrator.extensions.opcua.server.packml_values import meanings
 from bt_orchestrator.model.events import OperatorDecided
 from bt_orchestrator.model.jobs.order import WorkOrder
 

@@ -10,16 +10,13 @@ from pathlib import Path
 import pytest
 from fakes.quick_users import PASSWORD, write_users
 
-from bt_orchestrator.extensions.opcua.server import callers
-from bt_orchestrator.extensions.opcua.server.callers import CALLER, Caller, calling, client_of
-from bt_orchestrator.extensions.opcua.server.people import People
-from bt_orchestrator.model.by import Known
+from bt_orchestrator.extensions.opcua.server import calls
+from bt_orchestrator.extensions.opcua.server.calls import CALLER, Caller, calling, client_of
+from bt_orchestrator.extensions.opcua.server.overrides.security import People
+from bt_orchestrator.model.by import Known, Role, ticket_in, without_ticket
 from bt_orchestrator.model.limits import ORIGIN
-from bt_orchestrator.model.roles import Role
-from bt_orchestrator.model.ticket import ticket_in, without_ticket
-from bt_orchestrator.script.users.attempts import FREE
 from bt_orchestrator.script.users.file import UsersUnusable
-from bt_orchestrator.script.users.logins import LoginRefused, MustWait
+from bt_orchestrator.script.users.logins import FREE_ATTEMPTS, LoginRefused, MustWait
 
 
 @pytest.fixture
@@ -46,7 +43,7 @@ def test_a_wrong_password_and_an_unknown_name_are_refused_alike(people: People, 
 
 
 def test_guesses_have_to_wait(people: People) -> None:
-    for _ in range(FREE):
+    for _ in range(FREE_ATTEMPTS):
         with pytest.raises(LoginRefused):
             asyncio.run(people.log_in('mes', 'a guess', '10.0.0.1'))
     with pytest.raises(MustWait):
@@ -118,7 +115,7 @@ def test_who_calls_is_known_while_they_call() -> None:
 
 def test_the_sender_of_a_command_is_the_user_and_names_the_client() -> None:
     with calling(Caller('mes', Role.MES, 'UaExpert at 10.0.0.1')):
-        by = callers.by('why', '0123456789abcdef')
+        by = calls.by_caller('why', '0123456789abcdef')
     assert (by.who, by.role, by.reason) == ('mes', Role.MES, 'why')
     assert by.known is Known.OPC_UA_USER
     assert ticket_in(by.origin) == '0123456789abcdef'
@@ -130,4 +127,4 @@ def test_what_a_client_calls_itself_can_do_no_harm(name: str | None) -> None:
     client = client_of(name, '[fe80::1234:5678:9abc:def0%eth0]:54321')
     assert client.isprintable()
     with calling(Caller('mes', Role.MES, client)):
-        assert len(callers.by('', '0123456789abcdef').origin) <= ORIGIN
+        assert len(calls.by_caller('', '0123456789abcdef').origin) <= ORIGIN

@@ -15,7 +15,7 @@ from cryptography.hazmat.primitives.serialization import Encoding
 from cryptography.x509.oid import ExtendedKeyUsageOID
 from fakes.opcua_access import certificate, client_key
 
-from bt_orchestrator.extensions.opcua.server import hosts, pki
+from bt_orchestrator.extensions.opcua.server import pki
 from bt_orchestrator.extensions.opcua.server.pki import (
     Own,
     Pki,
@@ -81,7 +81,7 @@ def test_it_names_the_server_and_every_way_to_it(folders: Pki) -> None:
     assert extension.value.get_values_for_type(x509.UniformResourceIdentifier) == [found.uri]
     assert found.uri.endswith(':bt_orchestrator:line_1.bt_orchestrator')
     assert {'localhost', socket.gethostname(), 'line-pc.plant.example'} <= set(names)
-    assert set(hosts.addresses()) <= set(addresses)
+    assert set(pki.host_addresses()) <= set(addresses)
     assert ipaddress.ip_address('127.0.0.1') in addresses
 
 

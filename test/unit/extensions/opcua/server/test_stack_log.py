@@ -6,7 +6,7 @@ import logging
 
 import pytest
 
-from bt_orchestrator.extensions.opcua.server.stack_log import stack_log
+from bt_orchestrator.extensions.opcua.server.library import stack_log
 from bt_orchestrator.model.limits import LOG_LINES
 
 

@@ -17,10 +17,10 @@ from web.stand_cell import StandCell
 
 from bt_orchestrator.extensions.opcua.mes.methods import REQUESTS
 from bt_orchestrator.extensions.opcua.mes.plain_commands import verbs
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.events import Event, OperatorDecided, OperatorRefused
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import About
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
 
 DENIED = ua.StatusCodes.BadUserAccessDenied

@@ -17,15 +17,13 @@ from fakes.shipped import REFERENCE_CELL
 from bt_orchestrator.base.extending import PAGE
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.cli.server_log import server_log
-from bt_orchestrator.extensions.page.cli import verb
-from bt_orchestrator.extensions.page.cli.access_options import access_of
-from bt_orchestrator.extensions.page.cli.plant_options import plant_of
-from bt_orchestrator.extensions.page.cli.verb import ROOM
+from bt_orchestrator.cli.serving import server_log
+from bt_orchestrator.extensions.page import verb
+from bt_orchestrator.extensions.page.verb import ROOM, access_of, plant_of
 from bt_orchestrator.extensions.page.web.access import IDLE_S, Access
 from bt_orchestrator.extensions.page.web.seams import Plant
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.plant.shifts import Hours, Shift, Shifts
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.script.cell_file import read_cell
 
 

@@ -10,7 +10,7 @@ from fakes.certificates import make_certificate
 from fakes.quick_users import write_users
 
 from bt_orchestrator.extensions.page.web.access import Access, AccessRefused
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.ports.doors.listening import is_loopback
 
 

@@ -11,7 +11,7 @@ from bt_orchestrator.extensions.page.web.book import Book, Cursor
 from bt_orchestrator.model.by import Known
 from bt_orchestrator.model.codec import to_record
 from bt_orchestrator.model.events import JobHeld, OperatorDecided
-from bt_orchestrator.ports.doors.facts import Happened, Lost
+from bt_orchestrator.ports.doors.following_door import Happened, Lost
 
 
 def book_with(*seqs: int, before: int = 0) -> Book:

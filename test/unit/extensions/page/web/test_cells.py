@@ -13,9 +13,9 @@ import pytest
 
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.base.extending import ExtensionMissing
-from bt_orchestrator.extensions.page.cli.plant_options import cells_of
+from bt_orchestrator.extensions.page.verb import cells_of
 from bt_orchestrator.extensions.page.web.cells import endpoints
-from bt_orchestrator.extensions.page.web.replies import Problem
+from bt_orchestrator.extensions.page.web.endpoint import Problem
 from bt_orchestrator.ports.plant import PlantCell, PlantCells
 
 LINE = PlantCell('line_1', 'Held', 12.5, 'own_fault', 99, 13.5, 0.5, 2, 'http://line-1:8080/')

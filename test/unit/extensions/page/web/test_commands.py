@@ -17,9 +17,9 @@ from fakes.page_bench import ROLES, CellBench
 from fakes.quick_users import PASSWORD
 
 from bt_orchestrator.extensions.page.web.access import IDLE_S
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.limits import REASON
 from bt_orchestrator.model.requests import TABLE, About, Kind, Request, Why
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ports.doors.tickets import SETTLED_S
 from bt_orchestrator.store.memory import MemoryStore
 

@@ -26,9 +26,9 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.records import Extent, JobPlace, Summaries
 from bt_orchestrator.ports import Records
-from bt_orchestrator.ports.doors.facts import Happened, Lost
+from bt_orchestrator.ports.doors.following_door import Happened, Lost
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
-from bt_orchestrator.view.report.items_csv import write_items
+from bt_orchestrator.view.report.csv_export import write_items
 
 
 class Forgotten(HeardRecords):

@@ -12,13 +12,12 @@ from contract.written_events import events
 
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.page.web.archive.heard import Heard, HeardRecords
-from bt_orchestrator.extensions.page.web.book import Book
-from bt_orchestrator.extensions.page.web.ring import MOST_KEPT
+from bt_orchestrator.extensions.page.web.book import MOST_EVENTS_KEPT, Book
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Extent, RecordPage, Wanted
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.ports.doors.doors import Doors
-from bt_orchestrator.ports.doors.facts import Happened, Lost
+from bt_orchestrator.ports.doors.following_door import Happened, Lost
 
 AT_ONCE = 7
 """Events of one answer of the node."""
@@ -119,8 +118,8 @@ def test_what_is_lost_for_good_is_told() -> None:
 
 
 def test_no_more_than_the_last_events_are_kept() -> None:
-    records = asyncio.run(_many(MOST_KEPT + 10))
-    assert records.extent() == Extent('a', 11 + 3, MOST_KEPT + 13)
+    records = asyncio.run(_many(MOST_EVENTS_KEPT + 10))
+    assert records.extent() == Extent('a', 11 + 3, MOST_EVENTS_KEPT + 13)
 
 
 async def _many(count: int) -> HeardRecords:

@@ -12,11 +12,10 @@ from fakes.page_parts import offered, page_parts, status_of
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.extensions.page.web.offers import job_offers
-from bt_orchestrator.extensions.page.web.parts.jobs import NOT_KNOWN, job_part
+from bt_orchestrator.extensions.page.web.parts.parts import NOT_KNOWN, job_part
 from bt_orchestrator.extensions.page.web.parts.tasks import TaskParts
 from bt_orchestrator.model.jobs.job_commands import AddJobs
-from bt_orchestrator.model.jobs.made_anew import MadeAnew
-from bt_orchestrator.model.jobs.order import Job, RecipeChoice
+from bt_orchestrator.model.jobs.order import Job, MadeAnew, RecipeChoice
 from bt_orchestrator.model.status import CellDescription
 
 

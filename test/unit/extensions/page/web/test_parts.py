@@ -14,7 +14,7 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.engine.runtime.overview import description_of
 from bt_orchestrator.extensions.page.web.parts import parts_of
-from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.status import CellDescription
 from bt_orchestrator.model.status_words import task_label

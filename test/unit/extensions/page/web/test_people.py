@@ -12,13 +12,12 @@ from fakes.browser import Browser
 from fakes.page_bench import ROLES, PeopleBench, log_in
 from fakes.quick_users import PASSWORD, write_users
 
-from bt_orchestrator.extensions.page.web import replies
+from bt_orchestrator.extensions.page.web import endpoint
 from bt_orchestrator.extensions.page.web.access import IDLE_S, SESSION_S
-from bt_orchestrator.extensions.page.web.sessions import MOST_OF_ONE, MOST_UNLOCKS
+from bt_orchestrator.extensions.page.web.people import MOST_OF_ONE, MOST_UNLOCKS
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.requests import TABLE
-from bt_orchestrator.model.roles import Role
-from bt_orchestrator.script.users.attempts import FREE
-from bt_orchestrator.script.users.logins import MOST_WAITING
+from bt_orchestrator.script.users.logins import FREE_ATTEMPTS, MOST_WAITING
 
 
 @pytest.fixture
@@ -85,7 +84,7 @@ def test_a_login_without_texts(bench: PeopleBench, body: object) -> None:
 
 def test_guesses_must_wait(bench: PeopleBench) -> None:
     browser = bench.browser()
-    for _ in range(FREE):
+    for _ in range(FREE_ATTEMPTS):
         assert log_in(browser, 'ann', 'another one').status == 401
     answer = log_in(browser, 'ann')
     assert answer.status == 429, 'the right password as well: or a guess could be told from it'
@@ -107,7 +106,7 @@ def test_guesses_at_one_time_are_counted_as_they_begin(bench: PeopleBench) -> No
         return [answer.status for answer in await asyncio.gather(*guesses)]
 
     statuses = bench.loop.run_until_complete(at_once())
-    assert statuses.count(401) == FREE
+    assert statuses.count(401) == FREE_ATTEMPTS
     assert set(statuses) == {401, 429}
 
 
@@ -384,7 +383,7 @@ def test_bodies(bench: PeopleBench, body: bytes, status: int) -> None:
 def test_a_body_that_does_not_come_is_not_waited_for(
     bench: PeopleBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(replies, 'BODY_S', 0.01)
+    monkeypatch.setattr(endpoint, 'BODY_S', 0.01)
     browser = bench.logged_in('ann')
     browser.sends_whole = False
     answer = browser.post('/api/echo', {'a': 1})

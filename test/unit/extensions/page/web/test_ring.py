@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.extensions.page.web import ring as ring_module
-from bt_orchestrator.extensions.page.web.ring import MOST_IN_ONE, Ring
+from bt_orchestrator.extensions.page.web import book as book_module
+from bt_orchestrator.extensions.page.web.book import MOST_IN_ONE, Ring
 from bt_orchestrator.model.events import JobHeld
-from bt_orchestrator.ports.doors.facts import Happened, Lost
+from bt_orchestrator.ports.doors.following_door import Happened, Lost
 
 
 def filled(*seqs: int, before: int = 0) -> Ring:
@@ -48,7 +48,7 @@ def test_lost_events_are_told_at_their_place() -> None:
 
 
 def test_the_oldest_go_when_there_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ring_module, 'MOST_KEPT', 16)
+    monkeypatch.setattr(book_module, 'MOST_EVENTS_KEPT', 16)
     ring = filled(*range(1, 101))
     assert 16 <= ring.last - ring.before <= 18
     assert told(ring.after(ring.before)) == list(range(ring.before + 1, 101))

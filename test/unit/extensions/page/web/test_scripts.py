@@ -16,15 +16,14 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.extensions.page.web.archive.archive import Archive
 from bt_orchestrator.extensions.page.web.archive.heard import Heard, HeardRecords
-from bt_orchestrator.extensions.page.web.scripts.drawing import Drawings, Drawn
+from bt_orchestrator.extensions.page.web.scripts.endpoints import Drawings, Drawn
 from bt_orchestrator.extensions.page.web.scripts.shelf import Shelf
-from bt_orchestrator.model.capability import Capability
-from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.cell import Capability, Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.ports.doors.facts import Happened
+from bt_orchestrator.ports.doors.following_door import Happened
 from bt_orchestrator.ports.doors.known import Known
-from bt_orchestrator.script.order_files import OrderFiles
+from bt_orchestrator.script.declared import OrderFiles
 from bt_orchestrator.view.drawing.status_marks import NotThisLine
 
 WITH_PARAMS = """

@@ -31,8 +31,7 @@ from bt_orchestrator.view.drawing.account.page import account_page
 from bt_orchestrator.view.report.account.account import account
 from bt_orchestrator.view.report.account.beside import beside
 from bt_orchestrator.view.report.account.calendar import day_columns, shift_at
-from bt_orchestrator.view.report.account.live import LiveAccount
-from bt_orchestrator.view.report.account.live_words import live_plain
+from bt_orchestrator.view.report.account.live import LiveAccount, live_plain
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.plain import account_plain
 from bt_orchestrator.view.report.reading import Reading

@@ -14,7 +14,7 @@ from bt_orchestrator.extensions.page.web.book import Book
 from bt_orchestrator.extensions.page.web.stream import Streams
 from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.ports import EventPage
-from bt_orchestrator.ports.doors.facts import Happened
+from bt_orchestrator.ports.doors.following_door import Happened
 
 PATIENCE_S = 20.0
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from fakes.page_files import LANGUAGES, STATIC, keys_asked_for, modules, words
 
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import REQUESTS
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.model.words import SENTENCES

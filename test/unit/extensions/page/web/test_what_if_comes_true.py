@@ -16,8 +16,7 @@ from bt_orchestrator.extensions.page.web.planning.questions import Questions, as
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.ports import CheckedOrder, Consequence, Moment, Proposal
-from bt_orchestrator.sim.virtual_link import VirtualLink
-from bt_orchestrator.sim.virtual_node import VirtualNode
+from bt_orchestrator.sim.virtual_link import VirtualLink, VirtualNode
 from bt_orchestrator.sim.what_if import EngineWhatIf
 from bt_orchestrator.store.memory import MemoryStore
 

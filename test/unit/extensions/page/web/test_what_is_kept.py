@@ -14,7 +14,7 @@ from fakes.virtual_run import VirtualRun
 from bt_orchestrator.extensions.page.web.archive import Archive, endpoints
 from bt_orchestrator.extensions.page.web.archive.heard import HeardRecords
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint
-from bt_orchestrator.ports.doors.facts import Happened
+from bt_orchestrator.ports.doors.following_door import Happened
 
 
 class Nothing:

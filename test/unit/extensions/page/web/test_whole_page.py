@@ -24,15 +24,14 @@ from web.sse_client import PATIENCE_S
 from web.stand_cell import StandCell
 
 from bt_orchestrator.extensions.page.web.access import Access
-from bt_orchestrator.extensions.page.web.app import endpoints_of, make_app
+from bt_orchestrator.extensions.page.web.app import OPENAPI_PATH, endpoints_of, make_app
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint
 from bt_orchestrator.extensions.page.web.guards import FREE_PATHS
-from bt_orchestrator.extensions.page.web.openapi import PATH
 from bt_orchestrator.extensions.page.web.page import WebPage
 from bt_orchestrator.extensions.page.web.request_paths import ANY
 from bt_orchestrator.extensions.page.web.server import PageServer
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.requests import TABLE
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
 
 NEEDED = {
@@ -97,7 +96,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Whole]:
 def document(whole: Whole) -> Any:
     browser = whole.browser()
     assert browser.post('/api/login', {'name': 'eve', 'password': PASSWORD}).status == 200
-    return browser.get(PATH).json
+    return browser.get(OPENAPI_PATH).json
 
 
 def filled(path: str) -> str:

@@ -10,7 +10,7 @@ from fakes.line import THREE, Line
 from fakes.long_line import LONG, long_line
 from fakes.page_parts import status_of
 
-from bt_orchestrator.extensions.page.web.scripts.drawing import Drawings
+from bt_orchestrator.extensions.page.web.scripts.endpoints import Drawings
 from bt_orchestrator.extensions.page.web.wording import wordings
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import Reason

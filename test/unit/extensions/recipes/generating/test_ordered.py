@@ -16,7 +16,8 @@ from fakes.script_texts import mistakes
 from fakes.shipped import ROOT
 
 from bt_orchestrator.base.errors import Refused
-from bt_orchestrator.cli import bootstrap, check, simulate
+from bt_orchestrator.cli import bootstrap, check
+from bt_orchestrator.cli.simulating import verb
 from bt_orchestrator.extensions.recipes.generating import ordered
 from bt_orchestrator.extensions.recipes.generating.inputs import Inputs
 from bt_orchestrator.extensions.recipes.generating.making import Made, make
@@ -153,7 +154,7 @@ def test_check_says_what_an_order_comes_to(capsys: pytest.CaptureFixture[str]) -
 def test_the_shipped_order_by_recipe_is_simulated(capsys: pytest.CaptureFixture[str]) -> None:
     order, cell = (ROOT / 'config' / name for name in ('orders/wo_4001.yaml', CAPABLE))
     words = (str(order), '--cell', str(cell), '--recipes', str(ROOT / 'recipes'))
-    assert simulate.simulate(options(simulate, *words), TYPES) == 0
+    assert verb.simulate(options(verb, *words), TYPES) == 0
     assert 'WO-4001  reference_process      3       3' in capsys.readouterr().out
 
 

@@ -18,7 +18,7 @@ from fakes.steady import steady
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.extensions.recipes.generating.outages import moved as elsewhere
+from bt_orchestrator.extensions.recipes.generating.making import moved as elsewhere
 from bt_orchestrator.extensions.recipes.planning.generate import generate
 from bt_orchestrator.extensions.recipes.planning.outcome import (
     Generated,
@@ -28,9 +28,9 @@ from bt_orchestrator.extensions.recipes.planning.outcome import (
     Price,
     Why,
 )
-from bt_orchestrator.extensions.recipes.planning.plans import Plan, Plans
-from bt_orchestrator.extensions.recipes.planning.prices import prices
+from bt_orchestrator.extensions.recipes.planning.planner import prices
 from bt_orchestrator.extensions.recipes.planning.problem import Problem
+from bt_orchestrator.extensions.recipes.planning.scripts import Plan, Plans
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.proof.pace import pace

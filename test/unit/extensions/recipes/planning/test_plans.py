@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from fakes.planned import ENDS, TYPES, cell_of, lists, made_of, recipe_of
 
-from bt_orchestrator.extensions.recipes.generating.outages import moved as elsewhere
+from bt_orchestrator.extensions.recipes.generating.making import moved as elsewhere
 from bt_orchestrator.extensions.recipes.planning.generate import generate
 from bt_orchestrator.extensions.recipes.planning.outcome import Impossible, Why
 from bt_orchestrator.model.recipe import Overrides

@@ -9,9 +9,9 @@ from random import Random
 import pytest
 from fakes.planned import ENDS, cell_of, made_of, recipe_of
 
-from bt_orchestrator.extensions.recipes.planning.contradiction import Demand, irreducible
 from bt_orchestrator.extensions.recipes.planning.generate import generate
 from bt_orchestrator.extensions.recipes.planning.outcome import Impossible
+from bt_orchestrator.extensions.recipes.planning.reach import Demand, irreducible
 from bt_orchestrator.model.recipe import Overrides
 from bt_orchestrator.model.script import Script
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from fakes.shipped import RECIPES
 
-from bt_orchestrator.script.order_files import OrderFiles
+from bt_orchestrator.script.declared import OrderFiles
 from bt_orchestrator.script.orders.by_recipe import DeclaredRecipe
 
 

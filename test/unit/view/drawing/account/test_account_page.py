@@ -12,8 +12,8 @@ from fakes.hand_made_shift import LINE, SHIFTS, the_day
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
-from bt_orchestrator.view.drawing.account.bars import bar
 from bt_orchestrator.view.drawing.account.page import account_page
+from bt_orchestrator.view.drawing.account.tables import bar
 from bt_orchestrator.view.report.account.account import account
 from bt_orchestrator.view.report.account.calendar import shift_on, zone_of
 from bt_orchestrator.view.report.reading import Reading

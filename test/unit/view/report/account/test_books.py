@@ -16,7 +16,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
-from bt_orchestrator.view.report.account import kept
+from bt_orchestrator.view.report.account import booked
 from bt_orchestrator.view.report.account.account import Account, account, whole
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.period import Period
@@ -95,7 +95,7 @@ def test_books_of_another_version_are_told_and_made_anew(
     path, other = tmp_path / 'journal', tmp_path / 'other'
     write(other, EVENTS)
     with monkeypatch.context() as newer:
-        newer.setattr(kept, 'VERSION', kept.VERSION + 1)
+        newer.setattr(booked, 'BOOKS_VERSION', booked.BOOKS_VERSION + 1)
         write(path, EVENTS)
     found, said = told(path)
     assert (found.figures.times, found.books.span) == (times(other), ())

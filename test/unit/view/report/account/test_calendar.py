@@ -21,9 +21,8 @@ from bt_orchestrator.view.report.account.calendar import (
     zone_of,
 )
 from bt_orchestrator.view.report.account.period import Period
-from bt_orchestrator.view.report.account.plain import account_plain
+from bt_orchestrator.view.report.account.plain import account_plain, write_csv
 from bt_orchestrator.view.report.account.planned import US, Planned
-from bt_orchestrator.view.report.account.rows import write_csv
 from bt_orchestrator.view.report.reading import Reading
 
 SHIFTS = parse_shifts(

@@ -35,9 +35,8 @@ from bt_orchestrator.view.report.account.account import Account, account
 from bt_orchestrator.view.report.account.calendar import shift_on, zone_of
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.plain import account_plain
-from bt_orchestrator.view.report.account.stops import Stop
+from bt_orchestrator.view.report.account.stops import FailingTask, Repairs, Stop
 from bt_orchestrator.view.report.account.text import account_text
-from bt_orchestrator.view.report.account.troubles import FailingTask, Repairs
 from bt_orchestrator.view.report.reading import Reading
 
 S = 1_000_000

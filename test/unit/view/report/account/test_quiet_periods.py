@@ -25,9 +25,8 @@ from bt_orchestrator.view.drawing.account.page import account_page
 from bt_orchestrator.view.report.account.account import Account, NothingToReport, account
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.period import Period
-from bt_orchestrator.view.report.account.plain import account_plain
+from bt_orchestrator.view.report.account.plain import account_plain, write_csv
 from bt_orchestrator.view.report.account.planned import Planned, us_of
-from bt_orchestrator.view.report.account.rows import write_csv
 from bt_orchestrator.view.report.account.text import account_text
 from bt_orchestrator.view.report.reading import Reading
 

@@ -18,7 +18,7 @@ from bt_orchestrator.model.plant.shifts import Hours, Shift
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
-from bt_orchestrator.view.report.account import kept
+from bt_orchestrator.view.report.account import booked
 from bt_orchestrator.view.report.account.account import Account, account, of_job, whole
 from bt_orchestrator.view.report.account.calendar import Now, shift_on
 from bt_orchestrator.view.report.account.live import LiveAccount
@@ -188,7 +188,7 @@ def in_old_books(path: Path, events: Sequence[e.Event], monkeypatch: pytest.Monk
     with closing(SqliteStore(path)) as store, monkeypatch.context() as older:
         store.append(events)
         older.setattr(SteadyTime, 'of', lambda _, event: event)
-        older.setattr(kept, 'VERSION', kept.WITHOUT_STEPS)
+        older.setattr(booked, 'BOOKS_VERSION', booked.WITHOUT_STEPS)
         book_all(store, path)
 
 

@@ -14,6 +14,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import known_event, to_text
 from bt_orchestrator.model.jobs.order import RecipeChoice, Terms
 from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.view.report.isa95.codes import ReturnStatus, Unfit
 from bt_orchestrator.view.report.isa95.job_order import (
     RECIPE_VERSION,
     JobOrder,
@@ -23,7 +24,6 @@ from bt_orchestrator.view.report.isa95.job_order import (
     work_order,
 )
 from bt_orchestrator.view.report.isa95.parts import Parameter, Text, WorkMaster
-from bt_orchestrator.view.report.isa95.return_status import ReturnStatus, Unfit
 
 MALFORMED, NOT_ACCEPTED = ReturnStatus.MALFORMED, ReturnStatus.NOT_ACCEPTED
 

@@ -6,8 +6,8 @@ import pytest
 from fakes.job_control_nodeset import INTERRUPTED, PREPARE, RECEIVER, name_of, nodes, state_numbers
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.view.report.isa95.job_states import (
-    NUMBERS,
+from bt_orchestrator.view.report.isa95.codes import (
+    STATE_NUMBERS,
     SUBSTATES,
     State,
     are_known,
@@ -17,13 +17,13 @@ from bt_orchestrator.view.report.isa95.job_states import (
 
 
 def test_numbers_are_those_of_the_nodeset() -> None:
-    assert state_numbers(RECEIVER) == NUMBERS
+    assert state_numbers(RECEIVER) == STATE_NUMBERS
     assert state_numbers(INTERRUPTED) == SUBSTATES['Interrupted']
     assert SUBSTATES['AllowedToStart'].items() <= state_numbers(PREPARE).items()
 
 
 def test_every_state_of_a_job_has_its_number() -> None:
-    assert {word.state for word in JobWord} == set(NUMBERS)
+    assert {word.state for word in JobWord} == set(STATE_NUMBERS)
     assert {word.substate for word in JobWord} - {''} == set(SUBSTATES['Interrupted'])
 
 

@@ -16,7 +16,7 @@ import pytest
 
 from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.reporting.following import StopOrKey
-from bt_orchestrator.view.screen.terminal.keys import keys_of_person
+from bt_orchestrator.view.screen.keys import keys_of_person
 
 LONG_S = 30.0
 

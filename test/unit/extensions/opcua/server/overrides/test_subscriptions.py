@@ -12,8 +12,8 @@ from fakes.guarded import Bench, Served, code_of
 from fakes.opcua_clients import Heard, two, watching
 
 from bt_orchestrator.extensions.opcua.server.overrides import limits
-from bt_orchestrator.extensions.opcua.server.overrides.monitored import refused_filter
 from bt_orchestrator.extensions.opcua.server.overrides.session import Session
+from bt_orchestrator.extensions.opcua.server.overrides.subscriptions import refused_filter
 
 CODES = ua.StatusCodes
 

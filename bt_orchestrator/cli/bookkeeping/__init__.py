@@ -1,1 +1,0 @@
-"""Books of the account, made for a node in a process of their own."""

@@ -1,0 +1,1 @@
+"""The verb `simulate`: work orders in virtual time."""

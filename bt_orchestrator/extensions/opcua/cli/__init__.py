@@ -1,1 +1,0 @@
-"""The verb `opcua`, and what it is made of."""

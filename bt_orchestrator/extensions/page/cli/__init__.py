@@ -1,1 +1,0 @@
-"""The verb `page`, and what it is made of."""

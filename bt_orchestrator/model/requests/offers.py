@@ -1,0 +1,147 @@
+"""The requests that a reader may make (semantics 7.1), and those that would change something."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from bt_orchestrator.model.by import Role
+from bt_orchestrator.model.events import INDEX_KEY
+from bt_orchestrator.model.jobs import job_control
+from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.jobs.job_control import JobFacts
+from bt_orchestrator.model.packml import Cause, PackmlState
+from bt_orchestrator.model.requests.possible import of_hold, of_job
+from bt_orchestrator.model.requests.request import About, Request
+from bt_orchestrator.model.requests.table import IN_SERVICE, MOVE, NEXT, OUT_OF_SERVICE, of_word
+from bt_orchestrator.model.status import CellStatus, ComponentStatus
+from bt_orchestrator.model.stop_reason import NEVER, STOP_AFTER
+
+_PEOPLE = {
+    Role.VIEW: 'a viewer',
+    Role.MES: 'an MES',
+    Role.OPERATE: 'an operator',
+    Role.ENGINEER: 'an engineer',
+}
+
+
+def may_make(request: Request, role: Role | None) -> bool:
+    """Tell whether a role may make a request.
+
+    :param role: of the reader; None: not known, so nothing is kept from the reader
+    """
+    return role is None or role in request.roles
+
+
+def allowed(answers: Iterable[str], role: Role | None) -> list[str]:
+    """Return the answers to a hold that a role may give."""
+    return [one.word for one in of_hold(answers) if may_make(one, role)]
+
+
+def roles_of(answers: Iterable[str]) -> dict[str, list[str]]:
+    """Return the roles that may give each of the answers to a hold."""
+    return {
+        one.word: [role.value for role in Role if role in one.roles] for one in of_hold(answers)
+    }
+
+
+def role_words(answers: Sequence[str]) -> list[str]:
+    """Return for each of the answers to a hold the roles that may give it, as one text."""
+    roles = roles_of(answers)
+    return [' or '.join(roles.get(answer, ())) for answer in answers]
+
+
+def who_may(request: Request) -> str:
+    """Name the people who may make a request, for instance an operator or an engineer."""
+    return ' or '.join(_PEOPLE[role] for role in Role if role in request.roles)
+
+
+def offer_words(answers: Sequence[str], role: Role | None) -> str:
+    """Name the answers that a role may give, and who may give the others."""
+    mine = ', '.join(allowed(answers, role))
+    return '; '.join(filter(None, (mine, *answers_of_others(answers, role))))
+
+
+def answers_of_others(answers: Sequence[str], role: Role | None) -> list[str]:
+    """Say who may give the answers to a hold that a role may not give."""
+    words: dict[str, list[str]] = {}
+    for request in of_hold(answers):
+        if not may_make(request, role):
+            words.setdefault(who_may(request), []).append(request.word)
+    also = 'may also' if allowed(answers, role) else 'may'
+    return [f'{who} {also}: {", ".join(names)}' for who, names in words.items()]
+
+
+# The possible requests that would change something now: a surface offers no others.
+
+_STOPPED = (
+    PackmlState.STOPPING,
+    PackmlState.STOPPED,
+    PackmlState.ABORTING,
+    PackmlState.ABORTED,
+    PackmlState.CLEARING,
+)
+"""Where it makes no difference that the line is to run empty and stop."""
+
+
+def worthwhile_for_cell(status: CellStatus) -> Iterator[Request]:
+    """Yield the requests to the cell that it allows and that would change it."""
+    for word in status.commands:
+        request = of_word(About.CELL, word)
+        if request is not None and _changes_cell(request, status):
+            yield request
+
+
+def _changes_cell(request: Request, status: CellStatus) -> bool:
+    waits = any(job.state not in OVER for job in status.jobs)
+    match request.cause:
+        case Cause.UNHOLD:
+            return any(hold.is_pause and not hold.must_be_named for hold in status.holds)
+        case Cause.CLEAR:
+            return not any(hold.key == INDEX_KEY for hold in status.holds)  # has the belt moved?
+        case Cause.START:
+            return waits or bool(status.waits_for)
+        case Cause.RESET:
+            return waits or status.state is PackmlState.STOPPED
+        case None:
+            return _changes_stop(request.word.removeprefix(STOP_AFTER), status)
+    return True
+
+
+def _changes_stop(after: str, status: CellStatus) -> bool:
+    if after == NEVER:
+        return bool(status.stop_after)
+    is_begun = any(job.state not in OVER and not job.position for job in status.jobs)
+    return is_begun and after != status.stop_after and status.state not in _STOPPED
+
+
+def worthwhile_for_component(component: ComponentStatus) -> Request:
+    """Return the request to a component that would change it."""
+    return OUT_OF_SERVICE if component.out_of_service_since is None else IN_SERVICE
+
+
+@dataclass(frozen=True)
+class JobNow:
+    """The facts that decide which requests to a job would change something."""
+
+    facts: JobFacts
+    has_back: bool
+    """It was made without a component that is in service again."""
+    is_next: bool
+    """It is the first one in the queue."""
+    is_alone: bool
+    """No other job is in the queue."""
+    is_cell_stopped: bool
+    """A person has stopped it; then every job on it has the word of a pause."""
+
+
+def worthwhile_for_job(now: JobNow) -> tuple[Request, ...]:
+    """Return the requests to a job that its state allows and that would change it."""
+    facts = now.facts
+    nothing_new = {
+        MOVE.word: now.is_alone,
+        NEXT.word: now.is_next and not facts.is_held and not facts.awaits_start,
+        job_control.RESUME.verb: now.is_cell_stopped,
+        job_control.REQUEUE.verb: not facts.unavailable and not now.has_back,
+    }
+    return tuple(one for one in of_job(facts) if not nothing_new.get(one.word, False))

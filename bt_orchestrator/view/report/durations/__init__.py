@@ -1,1 +1,0 @@
-"""How long tasks take against their nominal times, and since when they take longer."""

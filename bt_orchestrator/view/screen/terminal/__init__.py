@@ -1,1 +1,0 @@
-"""The terminal: its second screen, and the keys of the person at it."""
