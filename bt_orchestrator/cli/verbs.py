@@ -64,7 +64,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     },
     'look back': {
         'history': ('history.verb', 'print the jobs of a journal, their items and their events'),
-        'alarms': ('alarms', 'list what waited for people, and who did what about it'),
+        'alarms': ('history.alarms', 'list what waited for people, and who did what about it'),
         'report': ('reporting.verb', 'account for a shift, a day or a job: output and lost time'),
         'journal': ('journals.verb', 'restore a backup of a journal'),
         'feed': ('verb', 'copy the journal of a cell into the database of the plant'),

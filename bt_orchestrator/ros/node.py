@@ -50,6 +50,7 @@ from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.memory import collect_rarely, give_back, widen_buffers
 from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.parameters import declare
+from bt_orchestrator.ros.service_manager import ALIVE, READY, STOPPING, is_told, tell
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.order_process import order_process
 from bt_orchestrator.ros.services.order_reader import OrderReader
@@ -144,6 +145,8 @@ class TreeNode:
         self._bookkeeping = None if journal is None else parts.make_bookkeeping(journal)
         self._housekeeping = self._keep_house()
         pulse = Pulse(node)
+        if is_told():  # the thread that ticks says so: a node that stands says nothing
+            pulse.add(partial(tell, ALIVE))
         self._expected = self._look_ahead(parts, pulse, store)
         self._order_process = self._read_orders()
         self._generating = self._generate(parts)
@@ -173,6 +176,7 @@ class TreeNode:
         self.heart.start(lambda: self._beat(settle), self.parameters.tick_rate_hz)
         self.heart.beat()  # nobody is told what a take-over has noted before it is kept
         self._status.publish_now()
+        tell(READY, f'STATUS={self.ready_line}')
         while not stop.requested:
             self._spin_once()
             if self.orchestrator.breakdown is not None:
@@ -191,6 +195,7 @@ class TreeNode:
 
         :return: the tasks whose goals have not ended, in words
         """
+        tell(STOPPING)
         first = stop.count
         told = begin(self.orchestrator.carry_out(Shutdown()))
         while not told.is_there and stop.count == first:  # for the journal's timeout at most
