@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import IO
@@ -22,6 +23,7 @@ from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.output import cannot_write, opened
+from bt_orchestrator.cli.reporting.each_cell import each_cell, with_cell
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event, OrchestratorStarted
@@ -108,7 +110,9 @@ def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
     _refuse_contradictions(args)
     with StopSignals() as stop:
-        return _of_node(args, stop) if args.journal is None else _of_journal(args, stop)
+        if args.journal is None:
+            return _of_node(args, stop)
+        return each_cell(args, partial(_of_journal, stop), one_only=('follow', 'format', 'output'))
 
 
 def _refuse_contradictions(args: argparse.Namespace) -> None:
@@ -176,14 +180,14 @@ def _say_removed(first: int, last: int) -> None:
 # --- a journal --------------------------------------------------------------------------------
 
 
-def _of_journal(args: argparse.Namespace, stop: StopSignals) -> int:
+def _of_journal(stop: StopSignals, args: argparse.Namespace) -> int:
     with closing(open_records(args.journal)) as records:
         reading = Reading(records, say_damage)
         with _output(args, reading) as write:
             for text in itertools.islice(_records(reading, args, stop), args.count):
                 if stop.requested and not args.follow:
                     raise KeyboardInterrupt  # the rest may be long, and nobody waits for it
-                write(text)
+                write(with_cell(text, args))
         return 1 if reading.lost else 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -10,7 +11,7 @@ from typing import cast
 
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.base.extending import POSTGRES
-from bt_orchestrator.model.keeping.journal_place import JournalPlace
+from bt_orchestrator.model.keeping.journal_place import Address, JournalPlace
 from bt_orchestrator.ports import Journal, Records
 
 
@@ -44,6 +45,16 @@ def open_journal(journal: JournalPlace, synchronous: str) -> Journal:
             '--journal-synchronous out'
         )
     return cast('Journal', _postgres('journal').PostgresStore(journal))
+
+
+def journals_of(plant: Address) -> Sequence[tuple[str, Address]] | None:
+    """Return each cell of a plant's database with the place of its journal; None: it is one.
+
+    :raises JournalUnusable: the database cannot be read
+    :raises ExtensionMissing: the extension is not installed
+    """
+    found: Sequence[tuple[str, str]] | None = _postgres('overview').journals_of(plant)
+    return None if found is None else [(cell, Address(place)) for cell, place in found]
 
 
 def _postgres(module: str) -> ModuleType:

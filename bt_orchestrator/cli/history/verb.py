@@ -20,6 +20,7 @@ from bt_orchestrator.cli.history.options import (
 )
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.output import opened
+from bt_orchestrator.cli.reporting.each_cell import each_cell, with_cell
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, job_to_plain
@@ -39,6 +40,13 @@ __all__ = ['add_arguments', 'run']
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 if a job is not there, or a record is damaged."""
     refuse_contradictions(args)
+    return each_cell(args, _run, one_only=_OF_ONE_CELL, choosing=('job', 'item', 'serial', 'lot'))
+
+
+_OF_ONE_CELL = ('html', 'record', 'b2mml', 'gantt', 'forecast', 'output')
+
+
+def _run(args: argparse.Namespace) -> int:
     lacks: list[str] = []
 
     def say(sentence: str) -> None:
@@ -118,7 +126,7 @@ def _json(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[str]:
         plain['counts'] = all_counts(job.counts)
         if not args.items:
             plain.pop('items', None)
-        yield json_of(plain)
+        yield with_cell(json_of(plain), args)
 
 
 # The script that a job ran, as a file.

@@ -15,6 +15,7 @@ from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.here import add_journal_option
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.output import opened
+from bt_orchestrator.cli.reporting.each_cell import each_cell, with_cell
 from bt_orchestrator.cli.reporting.following import add_follow_options, follow
 from bt_orchestrator.cli.reporting.periods import add_which_options, period_of, periods_of
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -90,6 +91,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 if a record is damaged."""
+    return each_cell(args, _run, one_only=_OF_ONE_CELL, choosing=('job',))
+
+
+_OF_ONE_CELL = ('html', 'csv', 'follow', 'output', 'durations', 'update_durations', 'cell')
+
+
+def _run(args: argparse.Namespace) -> int:
     tells_durations = are_wanted(args)
     if tells_durations and (args.days or args.by):
         raise WrongUse('--durations goes over one period: leave --days and --by out')
@@ -137,7 +145,8 @@ def _write(made: Account, args: argparse.Namespace, file: IO[str]) -> None:
     elif args.csv:
         write_csv(made, file)
     elif args.json:
-        file.write(json.dumps(account_plain(made), ensure_ascii=False) + '\n')
+        text = json.dumps(account_plain(made), ensure_ascii=False)
+        file.write(with_cell(text, args) + '\n')
     else:
         file.writelines(f'{line}\n' for line in account_text(made))
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple, TypeAlias
-from urllib.parse import unquote
+from urllib.parse import quote, unquote
 
 import psycopg
 from psycopg.conninfo import conninfo_to_dict, make_conninfo
@@ -42,6 +42,12 @@ class Place(NamedTuple):
         """Return the address as it may be shown: without password and options."""
         shown = _shown(self.address)
         return f'{shown}/{self.cell}' if self.cell else shown
+
+    @property
+    def whole(self) -> str:
+        """The address with the cell, as `place_of` reads it."""
+        address, mark, options = self.address.partition('?')
+        return f'{address}/{quote(self.cell, safe="")}{mark}{options}'
 
     def of(self, cell: str) -> Place:
         """Return the place of a cell of the same database."""

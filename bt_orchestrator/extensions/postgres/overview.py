@@ -28,3 +28,14 @@ def cells_of(address: str) -> list[PlantCell]:
     with speaking_of(place), closing(connected(place, 'overview', _SETTINGS)) as connection:
         cells(connection)
         return [PlantCell(*row) for row in connection.execute(_QUERY)]
+
+
+def journals_of(address: str) -> list[tuple[str, str]] | None:
+    """Return each cell of a plant with the address of its tables; None: one cell is named.
+
+    :raises JournalUnusable: the database cannot be reached, or has none
+    """
+    place = place_of(address)
+    if place.cell:
+        return None
+    return [(cell.name, place.of(cell.name).whole) for cell in cells_of(address)]
