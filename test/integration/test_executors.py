@@ -136,7 +136,7 @@ class TestLeanExecutor:
         spin_until(executor, lambda: seen, 'the task')
         assert seen == [0]
 
-    def test_what_is_asked_for_in_a_callback_comes_before_the_next_wait_and_once(
+    def test_a_soon_call_of_a_callback_runs_once_before_the_next_wait(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         seen: list[int] = []
@@ -153,7 +153,7 @@ class TestLeanExecutor:
         spin_once(executor, 0.02)
         assert seen == [0]
 
-    def test_what_such_a_call_asks_for_comes_after_a_look_at_the_others_that_waits_for_nothing(
+    def test_a_soon_call_of_a_soon_call_runs_after_a_look_without_waiting(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         seen: list[int] = []
@@ -198,7 +198,7 @@ class TestLeanExecutor:
         assert ended == [True]
         assert time.monotonic() < began + PATIENCE_S
 
-    def test_what_was_destroyed_leaves_the_graph_at_the_next_wait_or_at_the_end(
+    def test_a_destroyed_entity_leaves_the_graph_at_the_next_wait_or_end(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         subscriptions = [node.create_subscription(Empty, f'topic{n}', print, 1) for n in (1, 2)]
@@ -230,7 +230,7 @@ class TestLeanExecutor:
         spin_until(executor, lambda: seen, 'the task')
         assert seen == [0]
 
-    def test_what_a_node_gets_later_is_waited_for_and_what_it_loses_is_not(
+    def test_entities_are_waited_for_while_the_node_has_them(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         executor.add_node(node)
@@ -388,7 +388,7 @@ def test_a_service_client_is_waited_for_while_it_awaits_an_answer(
     executor.shutdown()
 
 
-def test_what_an_answer_asks_for_comes_in_its_turn_and_what_that_asks_for_after_a_look(
+def test_a_soon_call_of_an_answer_runs_in_its_turn_its_own_later(
     context: Context, node: Node
 ) -> None:
     node.create_service(CancelGoal, 'cancel', lambda _, response: response)

@@ -203,7 +203,7 @@ class SlowWords:
         return 'words'
 
 
-def test_after_a_turn_that_was_held_up_the_next_change_is_shown_all_the_same(
+def test_a_change_after_a_delayed_turn_is_still_shown(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     words, beats = SlowWords(), iter(range(1_000_000))

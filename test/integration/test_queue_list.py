@@ -124,7 +124,7 @@ def test_a_job_tells_its_priority_and_times_and_the_queue_its_details() -> None:
     assert [json.loads(text or '{}') for text in response.details] == [terms.details, {}]
 
 
-def test_a_job_tells_the_digest_of_its_script_queued_on_the_line_and_ended() -> None:
+def test_a_job_has_the_digest_of_its_script_in_every_state() -> None:
     line = Line()
     run = line.begin(quantity=2).go(until=1.5)
     other = line.script(THREE.replace('id: pack', 'id: out'), 'other')

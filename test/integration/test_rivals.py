@@ -118,7 +118,7 @@ def test_9_3_a_second_server_that_does_not_know_a_goal_loses_it_not(
     assert len(executed) == 1
 
 
-def test_9_3_a_no_of_the_second_server_hides_not_the_end_that_the_first_one_tells(
+def test_9_3_a_refusal_of_the_second_server_does_not_hide_the_end_of_the_first(
     bench: RosBench, servers: ThreadServers, second: ThreadServers
 ) -> None:
     ends = threading.Event()

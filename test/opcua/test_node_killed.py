@@ -11,7 +11,7 @@ from opcua.conftest import StartLine, Tell
 from opcua.line import ORDERS, Client, job_order, parameter, states_in
 
 
-def test_values_are_doubted_while_the_node_is_away_and_an_order_keeps_all_it_had(
+def test_values_are_uncertain_while_the_node_is_away_and_an_order_keeps_its_own(
     start_line: StartLine, tell: Tell
 ) -> None:
     line = start_line()
@@ -51,7 +51,7 @@ def test_values_are_doubted_while_the_node_is_away_and_an_order_keeps_all_it_had
     assert mes.read(ORDERS)[0] == [stored]
 
 
-def test_an_order_of_which_nobody_knows_what_became_is_sent_again_and_made_once(
+def test_an_order_with_an_unknown_answer_is_sent_again_and_made_once(
     start_line: StartLine,
 ) -> None:
     line = start_line()

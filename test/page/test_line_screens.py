@@ -177,9 +177,7 @@ def test_the_picture_of_another_window_begins_anew_unless_somebody_chose_what_is
 # --- tree --------------------------------------------------------------------------------------
 
 
-def test_the_tree_is_walked_by_keys_and_asked_for_only_while_it_is_shown(
-    line: Stand, sit: Sit
-) -> None:
+def test_keys_walk_the_tree_which_is_fetched_only_while_shown(line: Stand, sit: Sit) -> None:
     person = sit(line.port)
     tab = person.open('tree')
     page = tab.page

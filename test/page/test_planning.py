@@ -78,7 +78,7 @@ def computed(tab: Tab) -> dict[str, tuple[str, float | None]]:
     return found
 
 
-def test_a_job_is_moved_by_keys_when_it_is_known_what_comes_of_it(
+def test_keys_move_a_job_once_the_consequence_is_known(
     planned: CellProcesses, start_page: StartPage, sit: Sit
 ) -> None:
     page = start_page('--trees', str(planned.folder))

@@ -114,7 +114,7 @@ def doubtful_cell(start_cell: StartCell) -> CellProcesses:
     return cell
 
 
-def test_without_an_end_after_the_cancel_the_task_is_in_doubt_whatever_its_policy(
+def test_a_task_without_an_end_after_its_cancel_is_in_doubt(
     doubtful_cell: CellProcesses,
 ) -> None:
     cell = doubtful_cell

@@ -193,7 +193,7 @@ def test_8_2_a_script_that_would_get_stuck_is_refused(small_cell: CellProcesses)
     assert_alive(small_cell)
 
 
-def test_a_file_that_is_no_script_is_not_quoted_where_every_path_is_allowed(
+def test_a_file_that_is_no_script_is_not_quoted_under_any_path(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     cell = start_cell(run_options=['--script-paths'])

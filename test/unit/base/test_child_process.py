@@ -124,7 +124,7 @@ def test_closing_ends_a_question_that_is_being_answered(child: ChildProcess) -> 
         child.ask(b'question')
 
 
-def test_it_does_not_outlive_the_one_that_asks_not_even_in_the_middle_of_an_answer() -> None:
+def test_it_ends_with_its_parent_even_in_the_middle_of_an_answer() -> None:
     words = [sys.executable, '-c', 'from fakes.asked_child import ask_and_wait; ask_and_wait()']
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as parent:
         assert parent.stdout is not None

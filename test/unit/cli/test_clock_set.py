@@ -67,7 +67,7 @@ def title(svg: str) -> str:
 @either_way
 @pytest.mark.parametrize('share', [30, 60])
 @pytest.mark.parametrize('options', [(), ('--job', 'J')])
-def test_the_chart_of_a_clock_that_was_set_is_that_of_the_time_that_passed(
+def test_the_chart_shows_passed_time_where_the_clock_was_set(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     events: Sequence[Event],
@@ -167,7 +167,7 @@ def test_tables_have_the_time_that_passed(
 
 
 @pytest.mark.parametrize('selection', [(), ('--job', 'J')])
-def test_tables_do_not_tell_how_long_an_attempt_over_a_start_of_the_node_took(
+def test_tables_have_no_duration_of_an_attempt_across_a_restart(
     tmp_path: Path, events: Sequence[Event], selection: tuple[str, ...]
 ) -> None:
     parquet = pytest.importorskip('pyarrow.parquet')

@@ -84,7 +84,7 @@ def _sample_of_class(kind: type, number: int) -> Any:
 
 @examples(4, 100)
 @given(lines())
-def test_a_state_read_back_after_every_event_goes_on_as_the_one_that_was_not(plan: Plan) -> None:
+def test_a_run_is_the_same_with_its_state_read_back_after_every_event(plan: Plan) -> None:
     bench = ProductBench(plan)
     operate(bench, plan.moments)
     state, copied = CellState(bench.cell), CellState(bench.cell)
@@ -123,7 +123,7 @@ def test_what_stands_in_two_places_is_one_thing() -> None:
     assert job.job.script is again.scripts[job.digest]
 
 
-def test_a_state_is_the_same_as_text_and_its_scripts_are_not_written_anew(
+def test_a_state_survives_as_text_and_scripts_are_not_written_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     state = CellState(LINE.cell)

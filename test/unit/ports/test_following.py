@@ -143,7 +143,7 @@ def test_a_fetch_that_came_to_nothing_waits_for_a_sign_of_life(node: LossyNode) 
     assert node.fetch() == [6, 7]
 
 
-def test_a_journal_without_what_a_status_speaks_of_is_not_asked_in_a_loop(
+def test_a_journal_behind_its_status_is_not_asked_in_a_loop(
     node: LossyNode,
 ) -> None:
     node.follow()

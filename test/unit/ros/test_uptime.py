@@ -56,6 +56,6 @@ def test_nothing_is_known_where_the_id_is_empty(tmp_path: Path) -> None:
     assert MachineUptime(proc(tmp_path, boot='')).now() is None
 
 
-def test_a_container_with_a_time_of_its_own_has_no_other_to_compare_with(tmp_path: Path) -> None:
+def test_a_container_with_its_own_time_has_no_uptime_to_compare(tmp_path: Path) -> None:
     offsets = 'monotonic           0         0\nboottime       86400         0\n'
     assert MachineUptime(proc(tmp_path, offsets=offsets)).now() is None

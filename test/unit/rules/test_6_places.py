@@ -62,7 +62,7 @@ def test_6_7_a_higher_priority_comes_first_and_equal_ones_as_they_come() -> None
     assert begun(run) == list('JCDABKLFEG')
 
 
-def test_6_7_of_one_priority_the_earlier_start_comes_first_and_one_without_a_start_last() -> None:
+def test_6_7_equal_priorities_are_placed_by_start_and_none_is_last() -> None:
     run = line_with(order('K'), order('L', 0, 90.0), order('M', 0, 60.0), order('N', 0, 90.0))
     assert queue(run) == 'MLNK'
     give(run, order('O', 1))
@@ -83,7 +83,7 @@ def test_6_7_the_place_is_decided_once_and_recorded() -> None:
     assert (record['position'], record['ranked']) == (1, True)
 
 
-def test_6_7_a_moved_job_is_not_overtaken_by_those_that_would_come_behind_the_others() -> None:
+def test_6_7_a_moved_job_is_not_overtaken_by_less_urgent_ones() -> None:
     run = line_with(*map(order, 'KLM'))
     run.ask(MoveJob('M', 1, BY))
     give(run, order('A', 5))
@@ -93,7 +93,7 @@ def test_6_7_a_moved_job_is_not_overtaken_by_those_that_would_come_behind_the_ot
     assert queue(run) == 'LMBAK'
 
 
-def test_6_7_an_order_goes_before_a_moved_job_together_with_a_job_in_front_of_it() -> None:
+def test_6_7_an_order_passes_a_moved_job_only_with_a_job_before_it() -> None:
     run = line_with(*map(order, 'KLM'))
     run.ask(MoveJob('K', 3, BY))
     assert queue(run) == 'LMK'
@@ -129,7 +129,7 @@ def test_6_7_a_new_priority_or_start_gives_a_new_place() -> None:
     assert run.all('job.updated', job='A')[0]['position'] == 4
 
 
-def test_6_7_a_job_that_is_placed_anew_is_not_before_a_moved_one_because_of_itself() -> None:
+def test_6_7_a_job_placed_anew_does_not_count_itself_before_a_moved_one() -> None:
     run = line_with(*map(order, 'KLM'))
     run.ask(MoveJob('L', 2, BY))
     run.ask(UpdateJob(order('K', 5), BY))
@@ -279,7 +279,7 @@ def test_6_7_when_its_time_has_come_it_is_next_in_its_place() -> None:
     assert started[:3] == list('JKL')
 
 
-def test_6_7_a_job_that_waits_is_allowed_to_start_and_says_for_what_it_waits() -> None:
+def test_6_7_a_waiting_job_is_allowed_to_start_and_names_its_wait() -> None:
     run = waiting()
     status = {job.id: job for job in run.sim.status().jobs}
     assert status['W'].state is JobWord.ALLOWED_TO_START
@@ -327,7 +327,7 @@ def test_6_7_an_operator_need_not_wait(command: str) -> None:
     assert run.now < 60.0
 
 
-def test_6_7_of_a_held_job_the_first_release_takes_the_hold_away_the_second_one_the_wait() -> None:
+def test_6_7_release_ends_the_hold_of_a_job_first_then_its_wait() -> None:
     run = waiting()
     assert run.control('hold', 'W').accepted
     first = run.control('release', 'W')
@@ -356,7 +356,7 @@ def test_6_7_a_held_job_stays_held_when_its_time_comes() -> None:
     assert begun(run) == list('JKW')
 
 
-def test_6_7_a_new_start_is_waited_for_and_another_change_makes_no_one_wait_again() -> None:
+def test_6_7_a_new_start_is_waited_for_and_no_other_change_is() -> None:
     run = waiting()
     run.ask(UpdateJob(order('W', 0, 90.0), BY))
     run.go(until=70.0)

@@ -128,7 +128,7 @@ def test_7_5_the_job_tells_without_what_it_is_made_and_how_fast(node: Node) -> N
     assert node.job('A').anew is None
 
 
-def test_7_5_what_went_out_of_service_while_an_order_was_read_is_left_out_then(
+def test_7_5_a_component_lost_while_an_order_is_read_is_left_out(
     node: Node,
 ) -> None:
     node.service('press', out=True)

@@ -152,7 +152,7 @@ def test_7_5_the_line_is_neither_starved_nor_blocked_by_it() -> None:
 # --- the belt -------------------------------------------------------------------------------
 
 
-def test_7_5_with_the_conveyor_out_of_service_the_belt_rests_and_cycles_in_hand_go_on() -> None:
+def test_7_5_the_belt_rests_without_its_conveyor_and_cycles_in_hand_go_on() -> None:
     run = line().go(3.5)
     run.service('conveyor', out=True)
     run.submit('K', OTHER)

@@ -137,7 +137,7 @@ def test_a_task_takes_its_nominal_duration_and_ends_well() -> None:
     assert goal.result == {'task_result': True, 'size': 0}
 
 
-def test_results_of_the_cell_file_are_given_and_a_task_without_duration_takes_a_second() -> None:
+def test_results_come_from_the_cell_file_and_the_default_duration_is_a_second() -> None:
     bench = Bench()
     goal = bench.accepted(task='B')
     bench.finish()

@@ -191,7 +191,7 @@ def test_6_7_a_job_that_waits_for_its_start_is_passed_by_the_next() -> None:
     assert found.new_late_s == pytest.approx(min(every.values()), abs=0.003)
 
 
-def test_of_a_long_queue_the_best_of_those_looked_at_is_proposed_and_it_says_so(
+def test_a_long_queue_gets_the_best_compared_order_and_says_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Jobs alike: what is due first comes first, as no order is better then."""

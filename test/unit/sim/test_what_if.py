@@ -461,7 +461,7 @@ def test_a_job_with_its_rest_is_compared_with_the_job(glued: Glued) -> None:
     )
 
 
-def test_a_change_of_the_version_is_worked_out_with_the_recipe_that_the_job_has(
+def test_a_change_of_version_keeps_the_recipe_of_the_job(
     glued: Glued,
 ) -> None:
     wanted = [

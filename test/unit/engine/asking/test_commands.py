@@ -107,7 +107,7 @@ def test_a_name_that_no_request_has_is_refused_with_those_near_it() -> None:
             asked_by_name(name, ANN, given, STATE)
 
 
-def test_a_word_that_a_hold_does_not_offer_is_refused_with_those_it_does() -> None:
+def test_an_answer_that_a_hold_does_not_offer_is_refused_with_its_offers() -> None:
     state = Line(faults={'a2': '=abort'}).run().state
     with pytest.raises(CommandRefused, match=r"can be answered with retry, .*; found 'fly'"):
         asked_by_name('hold.fly', ANN, {'hold': '1'}, state)

@@ -73,7 +73,7 @@ def first_seq(path: Path) -> int:
         return records.extent().first_seq
 
 
-def test_a_report_says_the_same_when_events_are_removed_whenever_the_node_is_killed(
+def test_a_report_stays_the_same_after_retention_and_kills(
     tmp_path: Path,
 ) -> None:
     reports = []

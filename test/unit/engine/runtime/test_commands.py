@@ -35,7 +35,7 @@ def test_jobs_of_one_script_share_its_definition() -> None:
     assert len(run.all('script.loaded')) == 2
 
 
-def test_a_reason_that_turns_what_is_read_is_refused_and_recorded_with_a_mark() -> None:
+def test_a_reason_with_control_characters_is_refused_and_recorded_with_a_mark() -> None:
     run = Line().begin()
     answer = run.ask(Resume(ann(reason='all \u202eorre is')))
     assert not answer.accepted
@@ -105,7 +105,7 @@ def test_after_a_shutdown_in_a_retry_delay_nothing_starts_whatever_arrives() -> 
     assert run.starts('work') == [3.0]
 
 
-def test_work_that_was_shut_down_goes_on_when_a_new_orchestrator_is_told_to() -> None:
+def test_work_goes_on_after_a_shutdown_when_a_new_orchestrator_resumes() -> None:
     line = Line(faults={'a2': '#1=abort'})
     run = line.begin(with_section(2, '- {id: work, @a2, retries: 2, retry_delay: 5}'))
     run.go(until=4.0)

@@ -405,7 +405,7 @@ def test_9_2_a_cancelled_goal_that_may_have_arrived_asks_a_person() -> None:
     assert hold.reason == 'in_doubt'
 
 
-def test_9_2_after_an_abort_of_the_cell_a_hold_says_that_the_goal_never_arrived() -> None:
+def test_9_2_a_hold_after_an_abort_says_that_the_goal_never_arrived() -> None:
     _, second = cancelled_before_it_arrived(Abort(ann('a hand in the cell')))
     (hold,) = second.state.holds.values()
     assert (hold.reason, hold.message) == ('in_doubt', 'it never reached its server')

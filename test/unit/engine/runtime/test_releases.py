@@ -62,7 +62,7 @@ def test_6_10_killed_before_and_after_the_record_it_stands_and_nothing_else_star
     assert settles > 5
 
 
-def test_6_10_a_release_counts_for_its_cell_file_alone_and_again_when_that_is_back() -> None:
+def test_6_10_a_release_counts_whenever_its_cell_file_is_in_use() -> None:
     world = World(LINE.cell)
     first = world.orchestrator()
     assert first.ask(RELEASE).accepted

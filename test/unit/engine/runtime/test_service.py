@@ -69,9 +69,7 @@ def test_7_5_killed_after_the_record_it_stands_and_nothing_is_lost(after: int) -
 
 
 @pytest.mark.parametrize('repeatable', [True, False])
-def test_7_5_a_goal_that_was_lost_is_not_sent_again_before_it_is_in_service(
-    *, repeatable: bool
-) -> None:
+def test_7_5_a_lost_goal_waits_for_its_component_to_be_in_service(*, repeatable: bool) -> None:
     world = World(Line(faults={'a2': '#1=die:0.5'}).cell)
     option = ', repeatable: true' if repeatable else ''
     killed_at_work(world, LINE.script(with_section(2, f'- {{id: work, @a2{option}}}')))

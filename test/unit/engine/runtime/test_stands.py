@@ -277,7 +277,7 @@ def test_page_and_terminal_name_the_cause() -> None:
     assert any(line.endswith('end unknown') for line in lines)
 
 
-def test_a_job_of_the_queue_that_waits_for_a_person_has_no_expected_end() -> None:
+def test_a_queued_job_that_waits_for_a_person_has_no_expected_end() -> None:
     line = Line()
     run = line.begin(THREE, 3)
     run.submit('K', line.script(THREE), 2)

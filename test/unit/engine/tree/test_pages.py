@@ -54,7 +54,7 @@ def as_read(script: Script) -> Script:
 
 
 @pytest.mark.parametrize('grouped', [False, True])
-def test_the_tree_is_as_small_with_a_long_list_as_with_a_short_one(grouped: bool) -> None:
+def test_a_long_list_does_not_make_the_tree_larger(grouped: bool) -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.submit('J', long_script(MANY, grouped=grouped), 1)
     clients, most = len(Blackboard.clients), 0
@@ -67,7 +67,7 @@ def test_the_tree_is_as_small_with_a_long_list_as_with_a_short_one(grouped: bool
     assert most < 10 * PAGE + 2 * MANY / PAGE
 
 
-def test_an_order_of_a_long_script_costs_little_more_than_one_of_a_short_script() -> None:
+def test_an_order_of_a_long_script_costs_little_more_than_a_short_one() -> None:
     def taken(tasks: int) -> int:
         simulation = Simulation(LINE.cell, LINE.types, MemoryStore())
         job = Job('J', as_read(long_script(tasks)), 1)

@@ -49,7 +49,7 @@ def test_placing_the_belt_and_everything_certain_is_answered_singly(other: Hold)
     assert 'answer it singly' in why_singly(other, 'mark_done')
 
 
-def test_a_task_that_moves_no_item_is_answered_by_a_list_whatever_else_is_offered() -> None:
+def test_a_list_answers_a_task_that_moves_no_item() -> None:
     rejected = hold('2', ('mark_done', 'skip'))  # in a job that is being aborted
     assert groups(hold('1', ('mark_done', 'skip')), rejected) == [['1', '2']]
 

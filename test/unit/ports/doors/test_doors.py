@@ -159,7 +159,7 @@ def test_what_is_asked_while_the_page_ends_is_refused() -> None:
     assert [str(one) for one in refused] == ['the page ends', 'the page ends']
 
 
-def test_reading_is_refused_at_once_while_the_node_is_silent_but_a_command_is_sent() -> None:
+def test_a_silent_node_refuses_reads_at_once_and_still_gets_commands() -> None:
     async def work(door: Door, asking: AskingDoor) -> None:
         following: Any = Heard()
         following.silent_s = 4.0
@@ -307,7 +307,7 @@ class TestFollowing:
         with follow:
             follow.until(lambda: follow.following.silent_s == 0.25)
 
-    def test_where_a_door_cannot_go_on_another_one_does_and_nothing_is_told_twice(
+    def test_another_door_goes_on_where_one_fails_and_repeats_nothing(
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(following_door, 'AGAIN_S', 0.01)

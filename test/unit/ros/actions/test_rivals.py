@@ -30,7 +30,7 @@ def test_2_5_a_server_that_was_seen_without_a_name_gets_it(
     assert several.look() == ('/copy_of_press', '/press'), 'a name that was known stays'
 
 
-def test_2_5_a_second_server_that_tells_its_status_is_seen_though_the_look_is_young(
+def test_2_5_the_status_of_a_second_server_is_seen_between_looks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(rivals, 'LOOK_S', 60.0)

@@ -26,13 +26,13 @@ def after_turn(worked_s: float) -> Pace:
     return pace
 
 
-def test_a_turn_that_works_long_is_followed_by_a_pause_that_keeps_its_share() -> None:
+def test_a_long_turn_is_followed_by_a_pause_that_keeps_its_share() -> None:
     pace = after_turn(worked_s=0.2)
     assert not pace.may_begin(100.0 + 0.2 / SHARE - 0.01)
     assert pace.may_begin(100.0 + 0.2 / SHARE)
 
 
-def test_a_turn_in_which_others_had_the_processor_is_followed_by_no_longer_pause() -> None:
+def test_a_turn_that_only_waited_for_the_processor_makes_no_longer_pause() -> None:
     assert after_turn(worked_s=0.001).may_begin(100.5), 'it has taken half a second by the clock'
 
 

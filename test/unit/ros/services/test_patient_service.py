@@ -138,7 +138,7 @@ def test_an_answer_that_is_not_there_yet_is_sent_when_it_is() -> None:
 
 
 @pytest.mark.parametrize('every_s', [1.0, 0.1])
-def test_a_client_that_never_hears_keeps_the_thread_for_a_small_part_of_the_time(
+def test_a_deaf_client_takes_little_time_of_the_thread(
     every_s: float,
 ) -> None:
     bench, seconds = Bench(deaf_times=0), 100
@@ -214,7 +214,7 @@ def test_others_are_answered_soon_beside_a_client_that_never_hears() -> None:
     assert len([1 for _, client in bench.sent if client == 'client 2']) == 100
 
 
-def test_answers_that_wait_are_sent_in_their_order_and_no_more_than_so_many_are_kept() -> None:
+def test_waiting_answers_are_sent_in_order_and_limited_in_number() -> None:
     bench = Bench(deaf_times=0)
     bench.deafen('client 1')
     for turn in range(round(2 * UNHEARD_S.at_once / TIMEOUT_S)):

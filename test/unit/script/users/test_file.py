@@ -106,7 +106,7 @@ def test_a_damaged_one_is_told_and_left_alone(users: UsersFile, path: Path, text
     assert path.read_text() == text
 
 
-def test_a_pipe_a_device_and_what_has_no_end_are_no_files_of_users(tmp_path: Path) -> None:
+def test_a_pipe_a_device_and_an_endless_file_are_no_files_of_users(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / 'pipe', 0o600)
     os.truncate(os.open(tmp_path / 'huge', os.O_CREAT | os.O_WRONLY, 0o600), 10_000_000)
     for name in (tmp_path / 'pipe', Path('/dev/zero')):

@@ -27,7 +27,7 @@ def test_a_value_without_constant_has_no_name() -> None:
     assert names({'A': 0}, {}).name(7) is None
 
 
-def test_of_two_constants_with_one_value_the_one_in_the_cell_file_is_meant() -> None:
+def test_the_cell_file_chooses_between_two_constants_of_one_value() -> None:
     constants = {'MODE_FAST': 1, 'A': 1, 'MODE_SLOW': 2}
 
     assert names(constants, {'A': 2.0}).name(1) == 'A'

@@ -56,7 +56,7 @@ def title(bar: ET.Element) -> str:
     return found.text or ''
 
 
-def test_every_part_of_the_cell_has_a_row_with_its_tasks_moves_and_waits() -> None:
+def test_every_part_of_the_cell_has_a_row_of_tasks_moves_and_waits() -> None:
     svg = gantt_svg(chart(('WO', 'reference_process', 3)))
 
     counts = {row: len(bars(svg, row, 'work')) for row in ('initialization', 'section_4')}

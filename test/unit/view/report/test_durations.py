@@ -68,7 +68,7 @@ def buckets(events: Iterable[e.Event]) -> dict[datetime, Samples]:
     return found
 
 
-def test_an_attempt_that_ends_a_period_is_in_it_whatever_its_time_is_rounded_to() -> None:
+def test_an_attempt_at_the_end_of_a_period_belongs_to_it_despite_rounding() -> None:
     day, begin = Day(), at('06:30')
     for event in attempts('a2', 'TASK_A', [(datetime.fromtimestamp(begin), 5.0)]):
         day.note(event.time + 4e-7, event)

@@ -69,7 +69,7 @@ def test_nothing_says_nothing(cell: Cell) -> None:
     assert {load.utilisation for load in empty.components} == {0.0}
 
 
-def test_an_order_that_was_changed_in_the_queue_is_told_as_it_is_now(cell: Cell) -> None:
+def test_a_changed_order_is_reported_in_its_new_form(cell: Cell) -> None:
     changed = e.JobUpdated(job='A', script='t', digest='d', quantity=5, time=1.0)
     (job,) = of(cell, queued('A'), changed).jobs
     assert (job.script, job.quantity) == ('t', 5)

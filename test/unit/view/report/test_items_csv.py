@@ -22,7 +22,7 @@ def job(*items: ItemRecord, failures: tuple[FailureRecord, ...] = ()) -> JobReco
     return replace(record, items=named, failures=list(failures))
 
 
-def test_each_item_is_a_row_with_how_it_ended_and_how_long_it_took() -> None:
+def test_each_item_is_a_row_with_its_end_and_its_duration() -> None:
     bad = ItemRecord('WO-1/1', 10.0, 12.5, 'rejected', ['weigh', 'seal'], {'glue': 2})
     failed = FailureRecord(11.0, 'weigh', 1, 'aborted', item='WO-1/1')
     first, second = rows(job(bad, ItemRecord('WO-1/2', 11.0), failures=(failed,)))

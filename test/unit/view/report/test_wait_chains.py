@@ -144,7 +144,7 @@ def test_what_a_person_has_to_do_goes_before_what_time_does() -> None:
     assert (root.part, root.kind) == ('job/WO-1', 'pause')
 
 
-def test_a_cause_that_needs_a_person_comes_first_and_names_all_that_wait_for_it() -> None:
+def test_a_cause_that_needs_a_person_comes_first_with_all_that_wait() -> None:
     paused = Wait('waiting for WO-1 to be resumed', WaitKind.PAUSE, 'WO-1')
     nothing = Wait('waiting for a job', WaitKind.JOB)
     turn = Wait('waiting for section 3 to finish with WO-1/2', WaitKind.TURN, sections=(3,))
@@ -186,7 +186,7 @@ def test_a_task_that_takes_its_time_is_an_ordinary_cause() -> None:
         (PackmlState.ABORTED, False),
     ],
 )
-def test_a_cell_at_rest_is_an_ordinary_cause_and_an_aborted_one_is_none(
+def test_a_cell_at_rest_is_an_ordinary_cause_and_an_aborted_one_is_not(
     state: PackmlState, is_ordinary: bool
 ) -> None:
     wait = Wait(f'the cell is {state.value}', WaitKind.CELL_STATE)

@@ -84,7 +84,7 @@ lateral_dependencies:
 """
 
 
-def test_a_wait_for_a_flag_names_it_and_the_belt_names_whose_turn_it_is() -> None:
+def test_a_wait_for_a_flag_names_it_and_the_belt_names_the_turn() -> None:
     line = Line(3, seconds={'b3': 5.0})
     found = forecast_of(line.cell, line.script(FLAG), 3)
 

@@ -317,7 +317,7 @@ def test_a_job_that_waits_for_its_start_says_so_everywhere() -> None:
     assert words.job_terms(may_start) == ', priority 2, start 2036-05-18 06:00'
 
 
-def test_a_job_whose_script_is_not_released_says_so_and_what_can_be_typed() -> None:
+def test_a_job_with_an_unreleased_script_says_so_with_the_command() -> None:
     state = JobWord.NOT_ALLOWED_TO_START
     queued = statuses.job(state=state, digest='0a1b', awaits_release=True, unavailable=('arm',))
     assert words.job_terms(queued) == ', its script is not released, needs arm, out of service'
@@ -326,7 +326,7 @@ def test_a_job_whose_script_is_not_released_says_so_and_what_can_be_typed() -> N
     assert 'releases it' not in '\n'.join(words.status_lines(statuses.status(jobs=[queued]), None))
 
 
-def test_a_job_that_needs_a_component_out_of_service_says_so_and_what_can_be_done() -> None:
+def test_a_job_without_a_needed_component_says_so_with_the_remedy() -> None:
     queued = statuses.job(state=JobWord.NOT_ALLOWED_TO_START, unavailable=('arm',))
     status = statuses.status(jobs=[queued])
     said = ', needs arm, out of service'
@@ -347,7 +347,7 @@ def test_a_job_that_needs_a_component_out_of_service_says_so_and_what_can_be_don
         assert f'{way}\n' in told
 
 
-def test_a_job_that_was_made_anew_says_without_what_and_how_fast_it_is() -> None:
+def test_a_job_made_anew_names_missing_components_and_its_pace() -> None:
     anew = MadeAnew(('arm', 'lid'), (), 4.0, 3.0)
     job = statuses.job(rest_of='WO-9', anew=anew, state=JobWord.ALLOWED_TO_START, position=1)
     said = ', rest of WO-9, made anew without arm and lid: 4.0 s per item (+33 %)'

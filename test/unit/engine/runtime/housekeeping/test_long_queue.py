@@ -31,7 +31,7 @@ def queue_many(run: LongRun) -> None:
     assert run.orchestrator.ask(AddJobs(jobs)).accepted
 
 
-def test_the_state_of_a_long_queue_is_written_in_slices_while_the_line_goes_on(
+def test_the_state_of_a_long_queue_is_written_in_slices(
     path: Path, often: None, small_slices: None, replays: list[int]
 ) -> None:
     run = LongRun(path)
@@ -55,9 +55,7 @@ def test_the_state_of_a_long_queue_is_written_in_slices_while_the_line_goes_on(
     assert len(replays) == state.seq - begun
 
 
-def test_a_job_that_ends_in_front_of_a_long_queue_has_not_all_of_it_written(
-    path: Path, often: None
-) -> None:
+def test_the_end_of_a_job_does_not_write_a_long_queue_anew(path: Path, often: None) -> None:
     run = LongRun(path)
     queue_many(run)
     run.rest(3)

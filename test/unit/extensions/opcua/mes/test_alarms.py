@@ -52,7 +52,7 @@ def test_an_emergency_began_when_somebody_aborted() -> None:
     assert alarm.since == 990.0
 
 
-def test_an_event_id_is_the_same_in_every_process_and_another_for_other_facts() -> None:
+def test_an_event_id_depends_on_the_facts_alone() -> None:
     alarm = alarms_of(status(holds=[HOLD]))['Hold-3']
     again = alarms_of(status(holds=[replace(HOLD)]))['Hold-3']
     fewer = alarms_of(status(holds=[replace(HOLD, answers=('retry',))]))['Hold-3']

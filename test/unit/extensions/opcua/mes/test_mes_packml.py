@@ -57,7 +57,7 @@ def test_the_machines_are_nested(state: PackmlState, expected: dict[Machine, str
     assert states_in(state) == expected
 
 
-def test_every_method_of_the_nodeset_is_a_command_or_is_said_to_be_missing(
+def test_every_method_of_the_nodeset_is_a_command_or_listed_as_missing(
     pack_ml: Nodeset,
 ) -> None:
     methods = {name for type_id in TYPES.values() for name in pack_ml.methods(type_id)}

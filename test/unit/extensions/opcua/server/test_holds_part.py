@@ -162,7 +162,7 @@ def test_with_another_journal_all_conditions_end_and_numbers_begin_anew() -> Non
     assert scene.take() == [(True, False, '')]
 
 
-def test_a_clock_that_is_set_changes_the_begin_of_a_hold_and_forgets_no_remark() -> None:
+def test_a_step_of_the_clock_moves_the_begin_of_a_hold_and_keeps_remarks() -> None:
     scene = Scene()
     scene.show(hold(since=NOW_S))
     scene.part.hear(decided('acknowledge'))

@@ -51,7 +51,7 @@ def test_guesses_have_to_wait(people: People) -> None:
     asyncio.run(people.log_in('mes', PASSWORD, '10.0.0.2'))
 
 
-def test_a_program_with_a_wrong_password_keeps_out_no_other_user_of_its_address(
+def test_wrong_passwords_do_not_lock_out_other_users_of_the_address(
     users: Path,
 ) -> None:
     now = 0.0

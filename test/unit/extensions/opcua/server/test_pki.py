@@ -96,7 +96,7 @@ def test_it_may_be_used_as_opc_ua_wants_it(folders: Pki) -> None:
     assert ExtendedKeyUsageOID.SERVER_AUTH in purposes
 
 
-def test_the_uri_is_the_one_of_the_certificate_when_the_computer_gets_another_name(
+def test_the_uri_stays_that_of_the_certificate_when_the_computer_is_renamed(
     folders: Pki, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     first = made(folders)

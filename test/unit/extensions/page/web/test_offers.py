@@ -182,7 +182,7 @@ def test_a_job_by_recipe_that_lacks_a_component_can_be_requeued() -> None:
     assert 'job.requeue' not in offered(page_parts(run)['job/J'])
 
 
-def test_a_job_that_was_made_without_a_component_can_be_requeued_when_that_is_back() -> None:
+def test_a_job_made_without_a_component_can_be_requeued_once_it_is_back() -> None:
     line, box = Line(3), RecipeChoice(('BOX',))
     run = VirtualRun(line.cell, line.types)
     assert run.ask(AddJobs((Job('J', line.script(THREE), 5, recipe=box),))).accepted

@@ -135,7 +135,7 @@ def test_two_jobs_with_two_scripts_share_the_line() -> None:
     assert lists == {('work',), ('turn', 'left', 'right', 'after', 'late')}
 
 
-def test_the_whole_list_of_a_section_has_the_step_and_track_of_each_task() -> None:
+def test_the_list_of_a_section_has_step_and_track_of_each_task() -> None:
     run = Line(3).begin(LISTED)
     run.go(until=4.5)
     tasks = page_parts(run)['section/2']['tasks']
@@ -278,7 +278,7 @@ def test_a_task_is_named_as_its_script_names_it(task: str, name: str, label: str
     assert task_label(task, name) == label
 
 
-def test_a_wait_is_said_in_each_language_with_the_hold_that_it_is_for() -> None:
+def test_a_wait_names_its_hold_in_each_language() -> None:
     run = Line(3, faults={'a2': '#1=abort'}).begin(THREE, 3)
     run.go()
     parts = page_parts(run)

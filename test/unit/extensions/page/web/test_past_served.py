@@ -181,7 +181,7 @@ def test_the_tree_is_told_whole_once_and_then_only_its_version(served: Served) -
         assert get(server, f'/api/tree?after={first["version"]}')[1]['tree'] is None
 
 
-def test_a_page_that_has_heard_nothing_yet_does_not_say_that_there_was_nothing(
+def test_a_page_without_news_does_not_claim_an_empty_past(
     tmp_path: Path,
 ) -> None:
     served = Served(tmp_path)

@@ -110,7 +110,7 @@ def report(clock: str, records: Records) -> dict[str, Any]:
     return account_plain(account(Reading(journal('23:00')), live.account.period, LINE.cell))
 
 
-def test_until_the_first_look_has_ended_the_part_says_that_the_shift_is_read(
+def test_the_part_says_that_the_shift_is_read_until_the_first_look_ends(
     bench: ShiftBench,
 ) -> None:
     assert bench.watch.parts() == {

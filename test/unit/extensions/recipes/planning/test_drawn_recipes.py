@@ -310,7 +310,7 @@ def moved(plans: Plans, plan: Plan) -> int:
     return sum(ways[number] for ways, number in zip(plans.moved, plan, strict=True))
 
 
-def test_as_little_as_possible_is_done_elsewhere_than_in_the_script_that_is_kept() -> None:
+def test_a_kept_script_is_changed_as_little_as_possible() -> None:
     """One component goes out of service; tried against every binding that is left."""
     seen: Counter[str] = Counter()
 

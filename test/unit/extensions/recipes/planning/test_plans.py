@@ -85,7 +85,7 @@ def test_8_5_the_belt_waits_for_what_may_reject_and_for_what_others_build_on(mor
     assert found.script.sections[2].release is Release.END_OF_CYCLE
 
 
-def test_8_5_what_may_reject_comes_before_the_last_task_on_the_belt_if_it_can() -> None:
+def test_8_5_a_task_that_may_reject_does_not_trail_if_possible() -> None:
     found = made_of(
         {
             **CLEANER,
@@ -409,7 +409,7 @@ def test_8_5_a_script_is_kept_as_far_as_it_can_be() -> None:
     assert elsewhere(old, moved) == ('bore',)
 
 
-def test_8_5_a_script_that_is_kept_keeps_its_components_even_if_others_stand_beside_them() -> None:
+def test_8_5_a_kept_script_keeps_its_components() -> None:
     twins = {**LINE, 'drill_b': LINE['drill_a']}
     old = made_of(twins, STEPS, overrides='bind: {bore: drill_b}').script
     assert made_of(twins, STEPS).made['bore'].component == 'drill_a'

@@ -135,7 +135,7 @@ def test_the_oldest_of_several_holds_has_the_time() -> None:
     assert (stop.times, stop.us / US / 60) == (2, 10)
 
 
-def test_of_many_holds_those_that_cost_most_are_told_and_the_others_summed_up() -> None:
+def test_the_costliest_holds_are_listed_and_the_others_summed_up() -> None:
     day, begin = at_work(), at('06:00')
     number = MOST_HOLDS + 20
     for n in range(1, number + 1):
@@ -178,7 +178,7 @@ def test_asking_meanwhile_tells_the_time_until_then_and_changes_nothing() -> Non
     assert [one.made[0].produced for one in meanwhile if one.made] == [1, 2, 2]
 
 
-def test_a_stop_that_lasts_over_a_break_is_one_stop_whatever_is_recorded_in_the_break() -> None:
+def test_a_stop_across_a_break_is_one_stop() -> None:
     day = at_work()
     day.note('06:10', e.StopReasonChanged(stop_reason='operator', reason='x'))
     day.note('06:22', e.JobHeld(job='Z'))

@@ -72,7 +72,7 @@ def test_it_says_at_any_moment_what_a_report_of_then_says() -> None:
     assert float(found.account.figures.oee) == 500 * 30 / 26400
 
 
-def test_it_goes_over_to_the_next_shift_and_shows_the_last_one_while_none_runs() -> None:
+def test_it_goes_on_with_the_next_shift_and_shows_the_last_between_shifts() -> None:
     grows = live(TWO)
     seen = []
     for clock in ('13:59', '14:00', '14:10', '20:00', '21:59', '22:00'):

@@ -129,7 +129,7 @@ def test_other_details_are_told_as_one_parameter_and_taken_back() -> None:
     assert work_order(told).terms.details['mine'] == [1, 2]
 
 
-def test_what_another_door_put_under_a_name_of_the_standard_is_told_as_other_details() -> None:
+def test_details_under_a_name_of_the_standard_are_reported_as_other_details() -> None:
     job = dataclasses.replace(listed(WHOLE), details={'PlannedSetupTime': 'long', 'Customers': []})
     told = {one.id: one.value for one in job_order(job).parameters}
     assert told['Details'] == '{"PlannedSetupTime": "long"}'
@@ -217,7 +217,7 @@ def test_a_work_master_may_be_a_recipe_and_equipment_binds_its_operations() -> N
     assert (made.quantity, made.params) == (12, {'lot': 'A7'})
 
 
-def test_what_is_not_known_as_a_recipe_is_a_script_for_the_cell_to_find() -> None:
+def test_an_unknown_recipe_name_is_taken_for_a_script() -> None:
     made = work_order(BY_RECIPE)
     assert (made.script, made.recipe) == ('WM-100', None)
     assert made.params == {'lot': 'A7', 'RecipeVersion': 3}
@@ -278,7 +278,7 @@ def test_an_order_by_recipe_is_told_as_it_was_given() -> None:
         ({'work_masters': (WorkMaster('filling'),), 'parameters': ()}, {'script': 'filling'}),
     ],
 )
-def test_an_update_of_a_job_by_recipe_names_what_it_is_to_be_made_from(
+def test_an_update_of_a_job_by_recipe_names_the_recipe(
     changed: dict[str, Any], asked: dict[str, object]
 ) -> None:
     order = dataclasses.replace(BY_RECIPE, **changed)
