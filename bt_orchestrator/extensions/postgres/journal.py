@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import datetime, timezone
 from pathlib import Path
 from socket import gethostname
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import quote
 from uuid import uuid4
 
@@ -40,7 +41,8 @@ from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.store.sequence import refuse_gap
 from bt_orchestrator.store.shared import rows
-from bt_orchestrator.store.shared.history import begin_history, history_of, kept_from, seal
+from bt_orchestrator.store.shared.database import Database
+from bt_orchestrator.store.shared.history import history_of, kept_from, seal
 from bt_orchestrator.store.shared.journal import EVERY, KeptJournal
 from bt_orchestrator.store.shared.mark import Mark, Reached
 
@@ -77,7 +79,7 @@ class PostgresStore(KeptJournal):
     """
 
     is_shared = True
-    _check = staticmethod(check_of_row)
+    check = staticmethod(check_of_row)
     _reading: Session
 
     def __init__(self, address: str, marks: Path | None = None) -> None:
@@ -93,6 +95,8 @@ class PostgresStore(KeptJournal):
         mark = mark_place(self._place, marks)
         mark.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         super().__init__(Mark(mark))
+        self.patience_s = PATIENCE_S
+        """How long a write may take."""
         self._floor: int | None = None
         """The last event that has a row, or was removed by retention; None: not looked up."""
         self._is_running = False
@@ -127,7 +131,7 @@ class PostgresStore(KeptJournal):
 
         :raises JournalFailed: none of them is durable, or that is not known
         """
-        until = time.monotonic() + PATIENCE_S
+        until = time.monotonic() + self.patience_s
         with self._failing():
             self._append(events, until)
         self._last = self._floor = events[-1].seq
@@ -136,7 +140,7 @@ class PostgresStore(KeptJournal):
         self._mark.write(Reached(self.history, events[-1].seq, events[-1].time))
 
     def _append(self, events: Sequence[Event], until: float) -> None:
-        is_unknown, columns = False, _columns(events)
+        is_unknown, columns = False, _columns(_new_rows(events))
         last = self._last
         while True:
             try:
@@ -194,12 +198,7 @@ class PostgresStore(KeptJournal):
             with self._transaction(session):
                 self._set_aside(session)
                 rows.remove_after(session, self._end)
-                begin_history(session, self.history)
-                session.ask(
-                    'WITH cell AS (UPDATE plant.cells SET history = $1 WHERE number = $2) '
-                    'UPDATE plant.stretches SET history = $1 WHERE tables = $3',
-                    (self.history, self._cell.number, self._tables),
-                )
+                self.name_history(session, self.history)
                 self._insert(session, columns, _floor_of(session))
             self._on_file, self._end = self._history, EVERY
             return
@@ -208,7 +207,7 @@ class PostgresStore(KeptJournal):
         self._insert(session, columns, self._floor)
 
     def _insert(self, session: Session, columns: Sequence[str], floor: int) -> None:
-        values = (self._cell.number, self._cell.epoch, floor, *columns)
+        values = (*columns, self._cell.number, self._cell.epoch, floor)
         if not session.ask(_APPEND, values).fetchone()[0]:
             self._refuse_another(session)
             raise JournalFailed(
@@ -223,6 +222,26 @@ class PostgresStore(KeptJournal):
             aside = f'{self._tables}.events_aside_{now:%Y%m%dT%H%M%SZ}'.lower()
             session.ask(f'CREATE TABLE {aside} AS SELECT * FROM events')
             log.warning('the damaged journal is kept as table %s', aside)
+
+    def name_history(self, database: Database, history: str, *, restored: bool = False) -> None:
+        """Give the journal the id of another history, also in the list of cells."""
+        super().name_history(database, history, restored=restored)
+        database.execute(
+            'UPDATE plant.cells SET history = ? WHERE number = ?', (history, self._cell.number)
+        )
+        database.execute(
+            'UPDATE plant.stretches SET history = ? WHERE tables = ?', (history, self._tables)
+        )
+
+    def take(self, database: Any, page: Sequence[rows.Row]) -> None:
+        """Write rows of events of another journal unchanged."""
+        new = []
+        for row in page:
+            text = row.text.decode()
+            event = json.loads(text)
+            ends = 1 if row.ends is None else row.ends
+            new.append(_New(row.seq, text, ends, event['event'], event.get('job'), event['time']))
+        database.ask(_TAKE, _columns(new))
 
     def close(self) -> None:
         """Release the lock, and close the connections."""
@@ -249,7 +268,7 @@ class PostgresStore(KeptJournal):
 
     def _once_more(self, until: float) -> Session:
         connection = self._connected(max(until - time.monotonic(), 0.0))
-        session = Session(connection, PATIENCE_S)
+        session = Session(connection, self.patience_s)
         session.until = until
         try:
             self._enter_tables(session)
@@ -292,9 +311,9 @@ class PostgresStore(KeptJournal):
     # --- contexts -----------------------------------------------------------------------------
 
     @contextmanager
-    def _writing(self) -> Iterator[Session]:
+    def writing(self) -> Iterator[Session]:
         with self._failing():
-            session = self._session(time.monotonic() + PATIENCE_S)
+            session = self._session(time.monotonic() + self.patience_s)
             with self._transaction(session):
                 yield session
 
@@ -312,7 +331,7 @@ class PostgresStore(KeptJournal):
             raise
 
     @contextmanager
-    def _looking(self) -> Iterator[Session]:
+    def looking(self) -> Iterator[Session]:
         with self._usable():
             if self._reading.is_broken:
                 raise JournalUnusable(
@@ -348,16 +367,18 @@ _TAKEN_OVER = 'another orchestrator has taken over the cell'
 _CHECKS = 2
 """Place of the checks among the columns."""
 
-_APPEND = """\
+_TAKE = """\
+INSERT INTO events (seq, record, checksum, ends, event, job, time) SELECT new.* FROM unnest(
+    $1::bigint[], $2::text[], $3::bigint[], $4::smallint[], $5::text[], $6::text[], $7::float8[]
+) AS new"""
+"""Writes events."""
+
+_APPEND = f"""\
 WITH fence AS (
-    SELECT 1 FROM plant.cells WHERE number = $1 AND epoch = $2 FOR SHARE
+    SELECT 1 FROM plant.cells WHERE number = $8 AND epoch = $9 FOR SHARE
 ), written AS (
-    INSERT INTO events (seq, record, checksum, ends, event, job, time)
-    SELECT new.* FROM unnest(
-        $4::bigint[], $5::text[], $6::bigint[], $7::smallint[], $8::text[], $9::text[],
-        $10::float8[]
-    ) AS new
-    WHERE EXISTS (SELECT FROM fence) AND $3 = greatest(
+    {_TAKE}
+    WHERE EXISTS (SELECT FROM fence) AND $10 = greatest(
         (SELECT max(seq) FROM events), (SELECT kept_from - 1 FROM history)
     )
     RETURNING seq, event, job
@@ -365,26 +386,31 @@ WITH fence AS (
     INSERT INTO queued SELECT seq, job FROM written WHERE event = 'job.queued'
 )
 SELECT count(*) FROM written"""
-"""Writes events if this is still the writer, and if they follow the last one."""
+"""The same if this is still the writer, and if they follow the last event."""
 
 
-def _columns(events: Sequence[Event]) -> Sequence[str]:
-    texts = [to_text(event) for event in events]
-    ends = [0] * (len(events) - 1) + [1]
-    checks = [
-        check_of_event(event.seq, text, end)
-        for event, text, end in zip(events, texts, ends, strict=True)
-    ]
-    found: tuple[list[Any], ...] = (
-        [event.seq for event in events],
-        texts,
-        checks,
-        ends,
-        [event.event for event in events],
-        [getattr(event, 'job', None) for event in events],
-        [event.time for event in events],
-    )
-    return [array_of(column) for column in found]
+class _New(NamedTuple):
+    """The row of an event to be written."""
+
+    seq: int
+    text: str
+    ends: int
+    event: str
+    job: str | None
+    time: float
+
+
+def _new_rows(events: Sequence[Event]) -> Iterator[_New]:
+    for event in events:
+        ends = int(event is events[-1])
+        job = getattr(event, 'job', None)
+        yield _New(event.seq, to_text(event), ends, event.event, job, event.time)
+
+
+def _columns(new: Iterable[_New]) -> Sequence[str]:
+    seqs, texts, ends, events, jobs, times = zip(*new, strict=True)
+    checks = map(check_of_event, seqs, texts, ends)
+    return [array_of(one) for one in (seqs, texts, checks, ends, events, jobs, times)]
 
 
 def _floor_of(session: Session) -> int:

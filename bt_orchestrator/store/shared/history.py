@@ -31,9 +31,12 @@ def history_of(database: Database) -> History:
     return History(str(row[0]), bool(row[1]), int(row[2]))
 
 
-def begin_history(database: Database, history: str) -> None:
-    """Give a journal a new history id."""
-    database.execute('UPDATE history SET id = ?, restored = 0', (history,))
+def begin_history(database: Database, history: str, *, restored: bool = False) -> None:
+    """Give a journal a new history id.
+
+    :param restored: it continues from a copy
+    """
+    database.execute('UPDATE history SET id = ?, restored = ?', (history, int(restored)))
     seal(database)
 
 

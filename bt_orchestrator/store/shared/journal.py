@@ -15,8 +15,8 @@ from bt_orchestrator.model.judging.used_ids import SealedIds
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.shared import books, rows, snapshots
 from bt_orchestrator.store.shared.database import Check, Database, check_of_event
-from bt_orchestrator.store.shared.history import History, kept_from
-from bt_orchestrator.store.shared.mark import Mark, shortfall
+from bt_orchestrator.store.shared.history import History, begin_history, kept_from
+from bt_orchestrator.store.shared.mark import Mark, Reached, shortfall
 
 EVERY = 1 << 62
 """Greater than the seq of any event."""
@@ -29,8 +29,10 @@ class KeptJournal(ABC):
     """
 
     is_shared = False
+    patience_s = 0.0
+    """How long a write may take, where that depends on others."""
     _reading: Database
-    _check: Check = staticmethod(check_of_event)
+    check: Check = staticmethod(check_of_event)
 
     def __init__(self, mark: Mark) -> None:
         """Begin without any history.
@@ -48,14 +50,18 @@ class KeptJournal(ABC):
         """Parts of used ids that were read or written, and are whole."""
 
     @abstractmethod
-    def _writing(self) -> AbstractContextManager[Database]:
+    def writing(self) -> AbstractContextManager[Database]:
         """Commit all of what is done in this context, or nothing.
 
         :raises JournalFailed: nothing
         """
 
     @abstractmethod
-    def _looking(self) -> AbstractContextManager[Database]:
+    def take(self, database: Database, page: Sequence[rows.Row]) -> None:
+        """Write rows of events of another journal unchanged, with checks of this one."""
+
+    @abstractmethod
+    def looking(self) -> AbstractContextManager[Database]:
         """Read in this context.
 
         :raises JournalUnusable: it cannot be read, or what was read makes no sense
@@ -71,6 +77,18 @@ class KeptJournal(ABC):
         """Tell whether the journal continues from a restored copy."""
         return self._history.is_restored
 
+    def name_history(self, database: Database, history: str, *, restored: bool = False) -> None:
+        """Give the journal the id of another history.
+
+        :param restored: it continues from a copy
+        """
+        begin_history(database, history, restored=restored)
+
+    def note(self, reached: Reached) -> None:
+        """Note how far it was written on this machine."""
+        self._mark.write(reached)
+        self._mark.sync()
+
     # --- events -----------------------------------------------------------------------------
 
     def read(self, after: int = 0, most: int = -1) -> Iterator[Event]:
@@ -80,10 +98,10 @@ class KeptJournal(ABC):
         :raises DamagedRecord: the next one cannot be read; those before it are intact
         :raises JournalUnusable: it cannot be read
         """
-        with self._looking() as database:
+        with self.looking() as database:
             before = max(after, kept_from(database) - 1)
             yield from rows.events_of(
-                self._rows(after, most), before, self._on_file.checked_from, self._check
+                self._rows(after, most), before, self._on_file.checked_from, self.check
             )
 
     def _rows(self, after: int, most: int) -> Iterator[rows.Row]:
@@ -94,7 +112,7 @@ class KeptJournal(ABC):
 
     def missing(self, after: int) -> str:
         """Say what was written after an event and is lost; empty: nothing."""
-        with self._looking() as database:
+        with self.looking() as database:
             last = rows.last_seq(database)
         return shortfall(self._mark, self._on_file.id, last, after) or self._cut_off(last)
 
@@ -109,7 +127,7 @@ class KeptJournal(ABC):
 
     def first_seq(self) -> int:
         """Return the seq of the first event that retention has left; if none, of the next one."""
-        with self._looking() as database:
+        with self.looking() as database:
             return kept_from(database)
 
     # --- states -----------------------------------------------------------------------------
@@ -126,7 +144,7 @@ class KeptJournal(ABC):
 
         :raises JournalUnusable: it is damaged
         """
-        with self._looking() as database:
+        with self.looking() as database:
             return snapshots.beginning(database)
 
     def save(self, snapshot: Snapshot, ended: Sequence[JobRecord] = ()) -> None:
@@ -134,7 +152,7 @@ class KeptJournal(ABC):
 
         :raises JournalFailed: neither is stored
         """
-        with self._writing() as database:
+        with self.writing() as database:
             snapshots.keep_snapshot(database, snapshot)
             rows.keep_summaries(database, ended)
         self._mark.sync()
@@ -155,7 +173,7 @@ class KeptJournal(ABC):
 
         :raises JournalFailed: it is not stored
         """
-        with self._writing() as database:
+        with self.writing() as database:
             snapshots.keep_ids(database, part)
         self._sound_ids.add(part.digest)
 
@@ -167,7 +185,7 @@ class KeptJournal(ABC):
         :param live: jobs that have not ended
         :param keep_jobs: how many others keep their events, the last ones
         """
-        with self._writing() as database:
+        with self.writing() as database:
             return rows.first_needed(database, live, keep_jobs)
 
     def begin_with(self, snapshot: Snapshot) -> None:
@@ -175,7 +193,7 @@ class KeptJournal(ABC):
 
         :raises JournalFailed: nothing has changed
         """
-        with self._writing() as database:
+        with self.writing() as database:
             snapshots.begin_with(database, snapshot)
 
     def booked(self) -> int:
@@ -189,7 +207,7 @@ class KeptJournal(ABC):
         """
         if made.history != self._on_file.id:
             raise JournalFailed('the books are of another history than the journal')
-        with self._writing() as database:
+        with self.writing() as database:
             books.keep(database, made)
 
     def remove_batch(self, before: int) -> bool:
@@ -198,7 +216,7 @@ class KeptJournal(ABC):
         :return: whether there are more
         :raises JournalFailed: none were removed
         """
-        with self._writing() as database:
+        with self.writing() as database:
             return rows.remove_batch(database, before)
 
     def _followed_by(self, database: Database, seq: int) -> int:

@@ -16,8 +16,8 @@ from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sequence import refuse_gap
 from bt_orchestrator.store.shared import rows
-from bt_orchestrator.store.shared.database import check_of_event
-from bt_orchestrator.store.shared.history import begin_history, history_of
+from bt_orchestrator.store.shared.database import Database, check_of_event
+from bt_orchestrator.store.shared.history import history_of
 from bt_orchestrator.store.shared.journal import EVERY, KeptJournal
 from bt_orchestrator.store.shared.mark import Mark, Reached
 from bt_orchestrator.store.sqlite import opening
@@ -138,6 +138,17 @@ class SqliteStore(KeptJournal):
             self._is_said_unclosed = self._is_said_unclosed or begin_to_write(self._database)
         super().save(snapshot, ended)
 
+    def take(self, database: Database, page: Sequence[rows.Row]) -> None:
+        """Write rows of events of another journal unchanged."""
+        database.executemany(
+            _INSERT + _ONE,
+            [
+                (one.seq, one.text.decode(), check_of_event(one.seq, one.text, ends), ends)
+                for one in page
+                for ends in [1 if one.ends is None else one.ends]
+            ],
+        )
+
     def close(self) -> None:
         """Close the file and release the lock."""
         if self._files is not None:
@@ -159,12 +170,12 @@ class SqliteStore(KeptJournal):
             log.warning('the journal %s is left as one that was not closed: %s', self._path, error)
 
     @contextmanager
-    def _writing(self) -> Iterator[sqlite3.Connection]:
+    def writing(self) -> Iterator[sqlite3.Connection]:
         with self._writable(), transaction(self._database):
             yield self._database
 
     @contextmanager
-    def _looking(self) -> Iterator[sqlite3.Connection]:
+    def looking(self) -> Iterator[sqlite3.Connection]:
         with unusable_otherwise(self._path):
             yield self._reading
 
@@ -181,7 +192,7 @@ class SqliteStore(KeptJournal):
     def _append_to_a_new_history(self, events: Sequence[Event]) -> None:
         with transaction(self._database):
             rows.remove_after(self._database, self._end)
-            begin_history(self._database, self.history)
+            self.name_history(self._database, self.history)
             _add(self._database, events)
         self._on_file, self._end = self._history, EVERY
 

@@ -17,7 +17,6 @@ from postgres_proxy import Proxy
 from postgres_server import PostgresServer, postgres_server
 
 from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
-from bt_orchestrator.extensions.postgres import journal
 from bt_orchestrator.extensions.postgres.connecting import Connection, connected, place_of
 from bt_orchestrator.extensions.postgres.journal import PATIENCE_S, PostgresStore
 from bt_orchestrator.ports import Snapshot
@@ -93,10 +92,10 @@ def test_9_1_the_end_of_a_history_is_written_once_when_the_answer_is_lost(
 
 
 def test_9_1_a_cancelled_wait_for_replicas_is_no_commit(
-    address: str, person: Connection, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    address: str, person: Connection, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(journal, 'PATIENCE_S', IN_TIME_S)
     with closing(PostgresStore(address, tmp_path)) as store:
+        store.patience_s = IN_TIME_S
         store.append(events(1, 2))
         with without_replica(person):
             failed = in_thread(lambda: store.append(events(3, 4)))
