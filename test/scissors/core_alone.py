@@ -130,6 +130,9 @@ def at_a_node(extension: Extension) -> None:
     for program in (watch, node, servers):
         program.interrupt()
     assert 'WO-1' in Verb('history', '--journal', 'journal.db').end()
+    if extension.name == 'postgres':
+        address = 'postgresql://nobody@/plant/cell'
+        assert extension.missing in Verb('history', '--journal', address).end(2)
     if extension.name == 'parquet':
         words = ('--journal', 'journal.db', '--format', 'parquet', '-o', 'tables')
         assert extension.missing in Verb('events', *words).end(2)
