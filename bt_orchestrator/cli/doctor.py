@@ -23,9 +23,12 @@ from bt_orchestrator.base.diagnosis.ros_environment import (
     security,
 )
 from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.base.extending import ExtensionMissing
 from bt_orchestrator.cli import bootstrap
+from bt_orchestrator.cli.journal_file import checks_of
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
 from bt_orchestrator.store.sqlite.keeping import readable_by_others
 from bt_orchestrator.view.screen.advice import DEFAULT_NODE
 
@@ -54,11 +57,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--journal',
-        type=Path,
+        type=journal_place,
         default=Path('journal.db'),
         metavar='FILE',
-        help='where a journal is, or is to be: its folder is tried, and who may open it '
-        '(default: journal.db in the working directory)',
+        help='where a journal is, or is to be: its folder is tried, and who may open it; of an '
+        'address of a database: server, role, replicas, clock and cell (default: journal.db in '
+        'the working directory)',
     )
     parser.add_argument(
         '--timeout',
@@ -105,8 +109,7 @@ def examine(args: argparse.Namespace) -> Iterator[Check]:
     yield machine.wall_clock(time.time())
     yield machine.prefixes(environment)
     yield machine.log_folder(environment)
-    yield journal_folder(args.journal.absolute().parent)
-    yield from _rights(args.journal)
+    yield from _journal(args.journal)
     yield domain(environment)
     yield reach(environment)
     yield security(environment)
@@ -114,6 +117,18 @@ def examine(args: argparse.Namespace) -> Iterator[Check]:
     cell, found = _cell(args.cell)
     yield from found
     yield from _with_ros(args, cell)
+
+
+def _journal(journal: JournalPlace) -> Iterator[Check]:
+    """Try the place of a journal."""
+    if isinstance(journal, Path):
+        yield journal_folder(journal.absolute().parent)
+        yield from _rights(journal)
+        return
+    try:
+        yield from checks_of(journal)
+    except ExtensionMissing as missing:
+        yield fail('journal database', str(missing), 'install it in the environment of the node')
 
 
 def _rights(journal: Path) -> Iterator[Check]:

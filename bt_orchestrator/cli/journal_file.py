@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import cast
 
+from bt_orchestrator.base.diagnosis.check import Check
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.base.extending import POSTGRES
 from bt_orchestrator.model.keeping.journal_place import Address, JournalPlace
@@ -45,6 +46,14 @@ def open_journal(journal: JournalPlace, synchronous: str) -> Journal:
             '--journal-synchronous out'
         )
     return cast('Journal', _postgres('journal').PostgresStore(journal))
+
+
+def checks_of(journal: Address) -> Iterator[Check]:
+    """Yield what `doctor` finds of a journal in a database.
+
+    :raises ExtensionMissing: the extension is not installed
+    """
+    yield from _postgres('doctoring').checks(journal)
 
 
 def journals_of(plant: Address) -> Sequence[tuple[str, Address]] | None:

@@ -1,0 +1,71 @@
+"""What `doctor` says of a database that is to keep a journal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from postgres_server import PostgresServer, postgres_server
+
+from bt_orchestrator.base.diagnosis.check import Verdict
+from bt_orchestrator.extensions.postgres.connecting import connected, place_of
+from bt_orchestrator.extensions.postgres.doctoring import CELL, COPIES, DATABASE, WRITES, checks
+from bt_orchestrator.extensions.postgres.journal import PostgresStore
+from bt_orchestrator.extensions.postgres.schema import FEED, enter
+
+
+def verdicts(address: str) -> dict[str, tuple[Verdict, str]]:
+    return {one.name: (one.verdict, one.found) for one in checks(address)}
+
+
+@pytest.fixture
+def waiting() -> Iterator[PostgresServer]:
+    """Give a server whose commits wait for a replica that is not there."""
+    with postgres_server(synchronous_standby_names='far') as found:
+        yield found
+
+
+def test_a_server_without_a_replica_is_warned_of(server: PostgresServer) -> None:
+    found = verdicts(server.place(server.database(), 'line_1'))
+    assert found.pop(COPIES)[0] is Verdict.WARN
+    assert {verdict for verdict, _ in found.values()} == {Verdict.OK}
+    assert 'has no journal there yet' in found[CELL][1]
+
+
+def test_the_journal_of_the_cell_is_named(server: PostgresServer, tmp_path: Path) -> None:
+    address = server.place(server.database(), 'line_1')
+    with closing(PostgresStore(address, tmp_path)) as store:
+        assert store.history in verdicts(address)[CELL][1]
+
+
+def test_a_copy_is_no_journal(server: PostgresServer) -> None:
+    address = server.place(server.database(), 'line_1')
+    with connected(place_of(address), 'test') as connection:
+        enter(connection, 'line_1', FEED, 'a feed')
+    assert verdicts(address)[CELL][0] is Verdict.FAIL
+
+
+def test_a_replica_that_is_away_fails(waiting: PostgresServer) -> None:
+    verdict, words = verdicts(waiting.place('postgres', 'line_1'))[COPIES]
+    assert verdict is Verdict.FAIL
+    assert 'wait for far' in words
+
+
+def test_a_role_without_rights_fails(server: PostgresServer) -> None:
+    database = server.database()
+    with connected(place_of(server.address(database)), 'test') as connection:
+        connection.execute(b'CREATE ROLE poor LOGIN')
+    address = server.place(database, 'line_1').replace('//plant@', '//poor@')
+    assert verdicts(address)[WRITES][0] is Verdict.FAIL
+
+
+def test_a_server_that_is_not_there_fails(tmp_path: Path) -> None:
+    found = verdicts(f'postgresql://plant@/plant/line_1?host={tmp_path}')
+    assert list(found) == [DATABASE]
+    assert found[DATABASE][0] is Verdict.FAIL
+
+
+def test_an_address_without_a_cell_fails(server: PostgresServer) -> None:
+    assert verdicts(server.address('postgres'))[CELL][0] is Verdict.FAIL
