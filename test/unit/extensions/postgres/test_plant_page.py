@@ -106,7 +106,7 @@ def test_a_reader_has_little_time_and_writes_nothing(feeder: str) -> None:
 
 def test_the_dashboard_has_the_queries_of_the_page() -> None:
     panels = DASHBOARD['panels']
-    titles = re.findall(r'^### (.*)$', PAGE, flags=re.MULTILINE)
+    titles = re.findall(r'^### (.*)\n\n```sql', PAGE, flags=re.MULTILINE)
     assert [panel['title'] for panel in panels] == titles
     targets = [panel['targets'][0] for panel in panels]
     texts = [target['rawSql'].replace('${serial}', 'SERIAL') for target in targets]
