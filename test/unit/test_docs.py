@@ -331,3 +331,8 @@ def test_files_that_the_architecture_names_exist() -> None:
 
 def test_the_architecture_fits_on_its_page() -> None:
     assert len(text_of('docs/architecture.md').splitlines()) <= 300
+
+
+def test_each_decision_has_a_number_of_its_own() -> None:
+    names = sorted(path.name for path in (ROOT / 'docs' / 'decisions').glob('*.md'))
+    assert [int(name[:4]) for name in names] == list(range(1, len(names) + 1))
