@@ -131,6 +131,9 @@ class Proposal(NamedTuple):
     """No order of these is better; False: of those that were looked at."""
     unknown: Mapping[str, str] = {}
     """Why a job has no end in the order that is proposed, by its id."""
+    changeover_s: float = 0.0
+    """Seconds of all changes of setups between jobs (semantics 5.3), as things are."""
+    new_changeover_s: float = 0.0
 
     @property
     def order(self) -> Sequence[str]:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from heapq import nsmallest
 from itertools import permutations, product
+from types import MappingProxyType
 from typing import NamedTuple
 
 from bt_orchestrator.engine.runtime.stands import obstacles
@@ -34,6 +35,8 @@ class _Run(NamedTuple):
     unknown_ends: int
     late_ms: int
     """Of all jobs together."""
+    changeover_ms: int
+    """Of all changes of setups between jobs."""
     change: int
     order: Order
     ends_s: Mapping[str, float]
@@ -43,9 +46,9 @@ class _Run(NamedTuple):
     steps: int
 
     @property
-    def rank(self) -> tuple[int, int, int, Order]:
+    def rank(self) -> tuple[int, int, int, int, Order]:
         """The key by which runs are compared."""
-        return self[:4]
+        return self[:5]
 
 
 class Proposing:
@@ -62,18 +65,24 @@ class Proposing:
             self._line = list(run.state.jobs.line.values())
             self._queue = run.state.jobs.queue(most=QUEUE_SHOWN)
             self._digest = queue_digest(run.state.jobs)
+            self._cell = run.state.cell
+            self._setups = self._setups_of(run)
 
     def propose(self) -> Proposal:
         """Return the best of the orders that are looked at."""
         present = self._run(tuple(range(len(self._queue))), 0)
-        orders = QueueOrders(list(self._waiting(present)), self._line_ends_s(present))
+        orders = QueueOrders(
+            list(self._waiting(present)), self._line_ends_s(present), self._setups
+        )
         runs, is_whole = {present.order: present}, orders.count <= FEW
         first, *others = orders.promising()
         best = present if first == present.order else self._run(first, orders.change(first))
         runs[first] = best
+        is_guessed = self._change_by_themselves() or orders.any_waits
         for order in others:
             change = orders.change(order)
-            if (0, 0, change, order) >= best.rank:
+            least_ms = 0 if is_guessed else orders.changeover_ms(order)
+            if (0, 0, least_ms, change, order) >= best.rank:
                 continue  # whatever comes of it, it is no better
             if order not in runs:
                 if sum(one.steps for one in runs.values()) > MOST_STEPS:
@@ -90,6 +99,8 @@ class Proposing:
             orders.count,
             is_whole,
             best.unknown,
+            present.changeover_ms / 1000,
+            best.changeover_ms / 1000,
         )
 
     def _begun(self) -> RunOn:
@@ -110,7 +121,10 @@ class Proposing:
             ends_s = run.ends_s()
             unknown = {one: run.unknown(one) for one in run.state.jobs}
         late_ms = sum(too_late_ms(ends_s[one], due_s) for one, due_s in self._due(ends_s))
-        return _Run(len(unknown), late_ms, change, order, ends_s, unknown, run.steps)
+        changeover_ms = round(run.changeover_s * 1000)
+        return _Run(
+            len(unknown), late_ms, changeover_ms, change, order, ends_s, unknown, run.steps
+        )
 
     def _due(self, ends_s: Mapping[str, float]) -> Iterator[tuple[str, float]]:
         for one in (*self._line, *self._queue):
@@ -129,7 +143,39 @@ class Proposing:
             name = one.job.id
             due_s = _due_s(one) if name in ends_s else math.inf
             priority, is_free = one.job.terms.priority, not _stays(one)
-            yield Waiting(priority, is_free, due_s, _start_s(one), work_s.get(name, 0.0))
+            yield Waiting(
+                priority, is_free, due_s, _start_s(one), work_s.get(name, 0.0), self._needs(one)
+            )
+
+    def _setups_of(self, run: RunOn) -> dict[tuple[str, str], str]:
+        """Return the setups that the jobs on the line leave, as far as they are known."""
+        setups = {
+            (component, setup): one.value
+            for component, known in run.state.setups.items()
+            for setup, one in known.items()
+        }
+        for job in self._line:
+            setups |= {which: value for which, (value, _) in self._needs(job).items()}
+        return setups
+
+    def _change_by_themselves(self) -> bool:
+        """Tell whether a script changes a setup itself: it may leave any value."""
+        return any(
+            task.change is not None and not task.is_implied
+            for job in (*self._line, *self._queue)
+            for task in job.job.script.tasks.values()
+        )
+
+    def _needs(self, job: JobState) -> dict[tuple[str, str], tuple[str, float]]:
+        """Return the values of setups that a job begins with, and the seconds of each change."""
+        return {
+            (one.component, one.change.setup): (
+                one.change.value,
+                self._cell.components[one.component].duration_s(one.name),
+            )
+            for one in job.job.script.initialization
+            if one.change is not None and one.change.implied and not one.change.on_demand
+        }
 
     def _line_ends_s(self, present: _Run) -> float:
         """Return when the last job on the line ends, as far as that is known."""
@@ -200,26 +246,39 @@ class Waiting(NamedTuple):
     """Before that it does not start."""
     work_s: float = 0.0
     """How long it keeps the line."""
+    needs: Mapping[tuple[str, str], tuple[str, float]] = MappingProxyType({})
+    """By component and setup: the value that it begins with, and the seconds of a change."""
+
+
+_Guess = tuple[int, int, int, Order]
 
 
 class QueueOrders:
     """The orders of a queue in which jobs of a higher priority come first, in free places."""
 
-    def __init__(self, jobs: Sequence[Waiting], begins_s: float = 0.0) -> None:
+    def __init__(
+        self,
+        jobs: Sequence[Waiting],
+        begins_s: float = 0.0,
+        setups: Mapping[tuple[str, str], str] = MappingProxyType({}),
+    ) -> None:
         """Begin.
 
         :param begins_s: when the line has room for the first one
+        :param setups: values then, by component and setup
         """
+        self._setups = setups
         self._jobs = jobs
         self._begins_s = begins_s
-        self._any_waits = any(job.start_s > begins_s for job in jobs)
+        self.any_waits = any(job.start_s > begins_s for job in jobs)
+        """Whether a job may be passed by later ones."""
         self._places = [at for at, job in enumerate(jobs) if job.is_free]
         alike: Mapping[int, list[int]] = defaultdict(list)
         for at in self._places:
             alike[jobs[at].priority].append(at)
         self._alike = [alike[priority] for priority in sorted(alike, reverse=True)]
         """Free jobs of one priority, the highest first."""
-        self._guesses: dict[Order, tuple[int, int, Order]] = {}
+        self._guesses: dict[Order, _Guess] = {}
 
     @property
     def count(self) -> int:
@@ -232,11 +291,11 @@ class QueueOrders:
             for parts in product(*map(permutations, self._alike)):
                 self._guess(self._whole(sum(parts, ())))
         else:
-            _, _, free = min((*self._guess(self._whole(one))[:2], one) for one in self._begins())
+            free = min(self._begins(), key=lambda one: (self._guess(self._whole(one))[:3], one))
             self._improve(free)
             self._look_around()
         best = nsmallest(KEPT if self.count > FEW else FEW, self._guesses.values())
-        return [order for _, _, order in best]
+        return [order for *_, order in best]
 
     def change(self, order: Order) -> int:
         """Return by how many places all jobs together are moved."""
@@ -301,18 +360,29 @@ class QueueOrders:
             yield from permutations(range(begin, begin + len(alike)), 2)
             begin += len(alike)
 
-    def _guess(self, order: Order) -> tuple[int, int, Order]:
-        """Return how bad an order is: milliseconds too late, and change; note it."""
+    def _guess(self, order: Order) -> _Guess:
+        """Return how bad an order is, and note it: late, and of changeover, in ms, and change."""
         known = self._guesses.get(order)
         if known is None:
-            guess = (self._late_ms(order), self.change(order), order)
+            changeover_ms = self.changeover_ms(order)
+            guess = (self._late_ms(order), changeover_ms, self.change(order), order)
             known = self._guesses[order] = guess
         return known
+
+    def changeover_ms(self, order: Order) -> int:
+        """Return the time of all changes of setups, if jobs start in an order."""
+        setups, seconds = dict(self._setups), 0.0
+        for at in order:
+            for which, (value, change_s) in self._jobs[at].needs.items():
+                if setups.get(which) != value:
+                    setups[which] = value
+                    seconds += change_s
+        return round(seconds * 1000)
 
     def _late_ms(self, order: Order) -> int:
         now_s, late_ms = self._begins_s, 0
         waiting = [self._jobs[at] for at in order]
-        if not self._any_waits:
+        if not self.any_waits:
             for job in waiting:
                 now_s += job.work_s
                 late_ms += too_late_ms(now_s, job.due_s)

@@ -56,7 +56,7 @@ class RunOn:
         :param now_s: the moment on the clock of the state
         :param sinks: get the events of the run
         """
-        self._log = _Log()
+        self._log = _Log(cell)
         self.steps = 0
         """So often something has happened: what the run has cost, on any machine."""
         self._left_out: Mapping[str, int] = {}
@@ -111,6 +111,11 @@ class RunOn:
     def ends_s(self, by_s: float = math.inf) -> dict[str, float]:
         """Return when each job ended, up to a moment of the run; those unknown are left out."""
         return _stretched(self._log, self._left_out, by_s)
+
+    @property
+    def changeover_s(self) -> float:
+        """Seconds of all changes of setups between jobs, of all components together."""
+        return self._log.changeover_s
 
     def unknown(self, job: str) -> str:
         """Say why a job has not ended where the run came to; empty: it has."""
@@ -177,7 +182,11 @@ def _without_faults(cell: Cell) -> Cell:
 class _Log:
     """When items were packed and jobs ended. Implements `ports.EventSink`."""
 
-    def __init__(self) -> None:
+    def __init__(self, cell: Cell) -> None:
+        self._cell = cell
+        self._changes_s: dict[e.TaskKey, float] = {}
+        """When the changes of setups began that go on."""
+        self.changeover_s = 0.0
         self.packed_s: dict[str, list[float]] = defaultdict(list)
         self.ended_s: dict[str, float] = {}
 
@@ -188,6 +197,17 @@ class _Log:
                 self.packed_s[event.job].append(event.time)
             elif isinstance(event, e.JobCompleted | e.JobAborted):
                 self.ended_s[event.job] = event.time
+            elif isinstance(event, e.TaskEvent) and event.section is None:
+                self._note_change(event)
+
+    def _note_change(self, event: e.TaskEvent) -> None:
+        """Add the time of a change before the first task of a job (semantics 5.3)."""
+        if isinstance(event, e.TaskStarted):
+            setups = self._cell.components[event.component].setups.values()
+            if any(setup.task == event.name for setup in setups):
+                self._changes_s[event.key] = event.time
+        elif isinstance(event, e.TaskSucceeded | e.TaskFailed) and event.key in self._changes_s:
+            self.changeover_s += event.time - self._changes_s.pop(event.key)
 
     def pace_s(self, job: str) -> float:
         """Return the seconds between two items, where the line neither fills nor drains."""

@@ -23,9 +23,10 @@ from bt_orchestrator.view.screen.advice import WHY, Shell
 ARRANGE = REQUESTS['queue.arrange']
 
 DESCRIPTION = f"""\
-Propose an order of the queue: by priority, then by the lateness of all jobs in total, then by the
-present places. Places that a person chose stay, and so do jobs that may not start. Ends are those
-of the engine in virtual time, as in `what-if`. Nothing is asked of the cell without --apply.
+Propose an order of the queue: by priority, then by the lateness of all jobs in total. Equally late
+orders are compared by the time of changes of setups, then by the present places. Places that a
+person chose stay, and so do jobs that may not start. Ends are those of the engine in virtual time,
+as in `what-if`. Nothing is asked of the cell without --apply.
 One request applies it, {ARRANGE.name} ({allowed(ARRANGE)}). It is refused if the queue has
 changed since."""
 
@@ -70,6 +71,10 @@ def lines(found: Proposal, now_s: float, left_out: int = 0) -> Iterator[str]:
     headers = ('job', 'place', 'now', 'priority', 'due in', 'would end in', 'now', 'late', 'now')
     yield from table(headers, [_row(one, now_s) for one in found.jobs])
     yield f'all jobs together: {found.new_late_s:.1f} s late; now {found.late_s:.1f} s'
+    if found.changeover_s or found.new_changeover_s:
+        yield (
+            f'changes of setups: {found.new_changeover_s:.1f} s; now {found.changeover_s:.1f} s'
+        )
     yield how_sure(found)
     if not found.is_new:
         yield 'the queue stays unchanged'

@@ -117,6 +117,19 @@ def test_5_3_a_shared_component_waits_for_an_earlier_job_that_changes_it() -> No
     ]
 
 
+def test_5_3_a_value_that_an_earlier_job_only_passes_through_counts_for_nothing() -> None:
+    """Section 2 has the large gripper for a task of J, and the small one when K comes."""
+    line = gripped(seconds={'a2': 5.0})
+    run = line.begin(BOTH, 1)
+    run.submit('K', line.script(LARGE), 1)
+    run.go()
+    assert run.ended
+    assert not run.all('hold.raised')
+    assert run.starts('a2.gripper.large', job='K') == run.times(
+        'cycle.completed', section=2, job='J'
+    )
+
+
 def test_5_3_changes_in_a_list_are_ordinary_tasks() -> None:
     run = gripped().run(BOTH, 2)
     assert run.ended
@@ -127,9 +140,14 @@ def test_5_3_changes_in_a_list_are_ordinary_tasks() -> None:
 
 def test_5_3_it_comes_behind_the_initialization_of_the_component() -> None:
     line = gripped()
-    run = line.begin('initialization: [{id: ready, @a2.PREPARE}]' + SMALL)
+    run = line.begin(
+        """
+initialization: [{id: home, @belt.HOME}, {id: ready, @a2.PREPARE}]
+initialization_dependencies: [{upstream: home, downstream: ready}]"""
+        + SMALL
+    )
     run.go()
-    assert run.starts('a2.gripper.small') == [1.0]
+    assert run.order('task.succeeded')[:3] == ['home', 'ready', 'a2.gripper.small']
 
 
 def test_5_3_a_change_that_fails_is_held_and_may_be_tried_again() -> None:

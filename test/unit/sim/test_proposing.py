@@ -14,6 +14,7 @@ from fakes.commands import Arrange, ControlJob, MoveJob
 from fakes.line import THREE, Line
 from fakes.operator import engineer
 
+from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
@@ -262,3 +263,99 @@ def test_a_very_long_queue_is_guessed_within_bounds() -> None:
     assert len(told) == KEPT
     assert len(orders._guesses) <= GUESSES + 3, 'and those that it begins with'
     assert all([jobs[at].priority for at in one] == [2] * 33 + [1] * 33 + [0] * 34 for one in told)
+
+
+# --- three products with setups (5.3) ---------------------------------------------------------
+
+TWO_SETUPS = (
+    'setups: {gripper: [small, large], program: [plain, printed]}, durations: {TASK_B: 3.0, '
+    'TASK_C: 12.0}, changes: {gripper: {task: TASK_C, argument: special_argument_1}, '
+    'program: {task: TASK_B, argument: special_argument_1}}'
+)
+PRODUCTS = Line(3, keys={'a2': TWO_SETUPS})
+SET_UP_S = 16.0
+"""By then the first job is set up."""
+SETUP_OF = {
+    'box': '{gripper: small, program: plain}',
+    'crate': '{gripper: large, program: plain}',
+    'gift': '{gripper: large, program: printed}',
+}
+SCRIPTS = {
+    name: PRODUCTS.script(THREE.replace('id: work, @a2', f'id: work, @a2, setup: {setup}'), name)
+    for name, setup in SETUP_OF.items()
+}
+
+
+def product(name: str, script: str, due: float | None = None, priority: int = 0) -> Job:
+    quantity = 6 if name == 'first' else 2
+    return Job(name, SCRIPTS[script], quantity, terms=Terms(priority, due=due))
+
+
+@contextmanager
+def line_of_products(*jobs: Job, until_s: float = SET_UP_S) -> Iterator[Simulation]:
+    """Give a line on which a box is made, with others behind it."""
+    simulation = Simulation(PRODUCTS.cell, TYPES, MemoryStore())
+    simulation.submit([product('first', 'box')])
+    for job in jobs:
+        assert simulation.orchestrator.ask(AddJobs((job,), BY)).accepted
+    go(simulation, until_s)
+    yield simulation
+    simulation.close()
+
+
+def outcome(simulation: Simulation) -> tuple[float, float]:
+    """Run a line to its end; return the seconds of changes since the first job, and the end."""
+    begun: dict[str, float] = {}
+    go(simulation)
+    changes_s = 0.0
+    for event in simulation.orchestrator._store.read():
+        if isinstance(event, e.TaskStarted) and event.name in ('TASK_B', 'TASK_C'):
+            begun[f'{event.job} {event.task}'] = event.time
+        elif isinstance(event, e.TaskSucceeded) and event.job != 'first':
+            changes_s += event.time - begun.pop(f'{event.job} {event.task}', event.time)
+    return changes_s, simulation.clock.now()
+
+
+MIXED = (('A', 'gift'), ('B', 'box'), ('C', 'crate'), ('D', 'box'), ('E', 'gift'))
+
+
+def test_6_7_a_proposal_saves_the_changes_that_the_simulation_then_saves() -> None:
+    jobs = [product(*one) for one in MIXED]
+    with line_of_products(*jobs) as simulation:
+        found = proposed(simulation)
+        assert found.is_best
+        assert list(found.order) == ['B', 'D', 'C', 'A', 'E']
+        now_s, now_ends_s = outcome(simulation)
+    with line_of_products(*jobs) as simulation:
+        answer = simulation.orchestrator.ask(Arrange(found.order, found.queue_digest, BY))
+        assert answer.accepted, answer.message
+        then_s, then_ends_s = outcome(simulation)
+    assert (now_s, then_s) == pytest.approx((69.0, 15.0))
+    assert (found.changeover_s, found.new_changeover_s) == pytest.approx((now_s, then_s))
+    ends_s = max(one.ends_s or 0.0 for one in found.jobs)
+    new_ends_s = max(one.new_ends_s or 0.0 for one in found.jobs)
+    assert ends_s - new_ends_s == pytest.approx(now_ends_s - then_ends_s)
+    assert now_ends_s > then_ends_s
+
+
+def test_6_7_lateness_goes_before_changes() -> None:
+    jobs = [product('A', 'gift', due=20.0), product('B', 'box'), product('C', 'gift')]
+    with line_of_products(*jobs) as simulation:
+        found = proposed(simulation)
+    assert found.new_changeover_s < found.changeover_s
+    assert list(found.order) == ['A', 'C', 'B']
+
+
+def test_6_7_priority_goes_before_changes() -> None:
+    jobs = [product('A', 'gift', priority=1), product('B', 'box'), product('C', 'gift')]
+    with line_of_products(*jobs) as simulation:
+        assert list(proposed(simulation).order) == ['A', 'C', 'B']
+
+
+def test_a_long_queue_is_guessed_with_its_changes() -> None:
+    jobs = [product(f'J{n}', ('gift', 'box', 'crate')[n % 3]) for n in range(7)]
+    with line_of_products(*jobs) as simulation:
+        found = proposed(simulation)
+    assert not found.is_best
+    assert found.new_changeover_s == pytest.approx(15.0)
+    assert found.changeover_s > 60.0

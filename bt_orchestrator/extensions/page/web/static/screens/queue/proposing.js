@@ -22,7 +22,8 @@ export function proposing() {
     say('computing', t('propose.computing'));
     try {
       const found = await post('/api/queue/propose', {}, WITHIN_MS);
-      const how = [lateWords(found), sureWords(found)].join(' ');
+      const said = [lateWords(found), changeoverWords(found), sureWords(found)];
+      const how = said.filter(Boolean).join(' ');
       say(found.offer ? 'new' : 'same', found.offer ? how : `${t('propose.same')} ${how}`);
       if (found.offer) await ask(found.offer, { said: how });
     } catch (refused) {
@@ -45,6 +46,12 @@ export function proposing() {
 function lateWords({ late_s: now, new_late_s: then }) {
   if (!then) return t('propose.none_late');
   return t('propose.late', { then: duration(then), now: duration(now) });
+}
+
+/** Say how long setups are changed; empty: not at all. */
+function changeoverWords({ changeover_s: now, new_changeover_s: then }) {
+  if (!then && !now) return '';
+  return t('propose.changeover', { then: duration(then), now: duration(now) });
 }
 
 /** Say what is known of better orders. */
