@@ -173,6 +173,7 @@ def add_plant_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--plant',
+        type=journal_place,
         metavar='ADDRESS',
         help='database of the plant, as postgresql://plant_reader@dbhost/plant: the page '
         'lists its cells (default: it does not)',
@@ -201,4 +202,4 @@ def cells_of(args: argparse.Namespace) -> PlantCells | None:
         return None
     POSTGRES.demand()
     module = import_module(f'{POSTGRES.room}.overview')
-    return cast('PlantCells', partial(module.cells_of, args.plant))
+    return cast('PlantCells', partial(module.cells_of, str(args.plant)))

@@ -17,6 +17,7 @@ from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.node_options import add_node_options, user_name
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.model.keeping.journal_place import journal_place
 
 if TYPE_CHECKING:  # they need psycopg
     from bt_orchestrator.extensions.postgres.connecting import Connection, Place
@@ -51,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument(
         '--to',
+        type=journal_place,
         required=True,
         metavar='ADDRESS',
         help='the database, for instance postgresql://plant_feed@dbhost/plant, and behind another '
@@ -82,10 +84,10 @@ def run(args: argparse.Namespace) -> int:
     from bt_orchestrator.extensions.postgres.schema import CellRefused
 
     if args.list:
-        return _list(args.to)
+        return _list(str(args.to))
     if args.page is not None and not args.page.startswith(('http://', 'https://')):
         raise WrongUse(f'expected the address of a page, http://HOST:PORT/, found {args.page!r}')
-    feeding = _Feeding(args, place_of(args.to))
+    feeding = _Feeding(args, place_of(str(args.to)))
     with StopSignals() as stop, closing(feeding):
         stopped = threading.Event()
         stop.notify(stopped.set)

@@ -64,6 +64,7 @@ def test_a_gap_is_told_and_is_the_exit_status(
         (('--to', 'nonsense'), "expected the address of a plant's database", 1),
         (('--to', 'postgresql:///plant?host=/nowhere'), 'cannot be reached', 1),
         ((), 'the following arguments are required: --to', 2),
+        (('--to', 'postgresql://a:b@h/p'), 'expected an address without a password', 2),
     ],
 )
 def test_what_is_refused(
