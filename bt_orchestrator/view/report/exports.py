@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from datetime import datetime
-from typing import IO, Any, Protocol, runtime_checkable
+from typing import IO, Protocol, runtime_checkable
 
-from bt_orchestrator.model.codec import from_plain
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
 from bt_orchestrator.view.report.csv_export import LEFT_OUT, CsvExport
+from bt_orchestrator.view.report.tables import shown
 from bt_orchestrator.view.report.xes_export import XesExport
 
 _SHOWN_FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
@@ -76,12 +76,3 @@ OUTPUTS: Mapping[str, Callable[[IO[str]], Output]] = {
     'csv': CsvExport,
     'xes': XesExport,
 }
-
-
-def shown(plain: Any) -> str:
-    """Return a value of a record for a person: `nan` as such, nothing that a terminal obeys."""
-    value = from_plain(Any, plain)
-    if isinstance(value, str) and value and ' ' not in value and value.isprintable():
-        return value
-    text = json.dumps(value, ensure_ascii=False)
-    return text if text.isprintable() else json.dumps(value).replace('\x7f', '\\u007f')

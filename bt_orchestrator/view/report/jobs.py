@@ -24,8 +24,7 @@ from bt_orchestrator.model.jobs.job_record import (
     JobRecord,
 )
 from bt_orchestrator.model.status_words import script_words
-from bt_orchestrator.view.report.exports import shown
-from bt_orchestrator.view.report.tables import table
+from bt_orchestrator.view.report.tables import shown, table
 
 
 class JobFold:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from bt_orchestrator.view.drawing.documents.html import HERE, Html, Times, document, program
 from bt_orchestrator.view.drawing.documents.item_strip import item_strip
 from bt_orchestrator.view.drawing.gantt_page import gantt_svg
-from bt_orchestrator.view.report.exports import shown
 from bt_orchestrator.view.report.item.history import FAILED, ItemHistory
 from bt_orchestrator.view.report.item.story import (
     DECISION,
@@ -22,6 +21,7 @@ from bt_orchestrator.view.report.item.story import (
     wait_words,
     worked_s,
 )
+from bt_orchestrator.view.report.tables import shown
 
 PLOT = 860.0
 """Width of the time line, in pixels: a page of paper shows it whole."""

@@ -10,7 +10,6 @@ from bt_orchestrator.model.by import named
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.hold_words import again_words, why_words
 from bt_orchestrator.model.texts import one_line
-from bt_orchestrator.view.report.exports import shown
 from bt_orchestrator.view.report.intervals import Span, covered_s
 from bt_orchestrator.view.report.item.history import (
     CONTINUED,
@@ -28,6 +27,7 @@ from bt_orchestrator.view.report.item.history import (
     Restart,
     Waited,
 )
+from bt_orchestrator.view.report.tables import shown
 
 TASK, HOLD, DECISION, RESTART, END = 'task', 'hold', 'decision', 'restart', 'end'
 CLOCK = 'clock'

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from bt_orchestrator.view.report.exports import shown
+from bt_orchestrator.view.report.tables import shown
 
 
 @pytest.mark.parametrize(
