@@ -221,7 +221,7 @@ def _good(task: Task) -> Task:
 
 
 def _with_tasks(script: Script, change: Callable[[Task], Task]) -> Script:
-    """Return a script with changed tasks, without initialization and what an order sets."""
+    """Return a script with changed tasks, and no initialization, setups and values of orders."""
     return replace(
         script,
         sections={number: _section(one, change) for number, one in script.sections.items()},
@@ -233,7 +233,10 @@ def _with_tasks(script: Script, change: Callable[[Task], Task]) -> Script:
 
 
 def _section(section: SectionList, change: Callable[[Task], Task]) -> SectionList:
+    def changed(task: Task) -> Task:
+        return replace(change(task), setup={}, change=None)
+
     steps = (
-        Step(tuple(tuple(map(change, track)) for track in one.tracks)) for one in section.steps
+        Step(tuple(tuple(map(changed, track)) for track in one.tracks)) for one in section.steps
     )
     return replace(section, steps=tuple(steps))

@@ -121,13 +121,31 @@ def _try(made: Made, inputs: Inputs, judge: Judge) -> None:
     try:
         again = admitted(made.text, name, inputs.cell, inputs.types)
     except Refused as refused:
-        raise NotVouchedFor(_defect(f'would be refused: {refused.in_short}')) from refused
+        why = _two_setups(made.generated.script) or _defect(
+            f'would be refused: {refused.in_short}'
+        )
+        raise NotVouchedFor(why) from refused
     meant = replace(made.generated.script, made_from=made.made_from)
     apart = (again.made_from, again.likely) == (meant.made_from, meant.likely)
     if digest(again) != digest(meant) or not apart:
         raise NotVouchedFor(_defect('is read as another one'))
     if judge.pace_s(again) is None:
         raise NotVouchedFor(_defect('does not finish in the simulation'))
+
+
+def _two_setups(script: Script) -> str:
+    """Name operations that need different values of a setup of their component (semantics 5.3)."""
+    first: dict[tuple[str, str], tuple[str, str]] = {}
+    for task in script.tasks.values():
+        for setup, value in task.setup.items():
+            other, there = first.setdefault((task.component, setup), (task.id, value))
+            if there != value:
+                return (
+                    f'`{other}` needs {setup} {there} of `{task.component}`, and `{task.id}` '
+                    f'{value}: generated scripts do not change a setup between operations; bind '
+                    'one of them to another component, or write the script by hand'
+                )
+    return ''
 
 
 def _defect(what: str) -> str:

@@ -14,7 +14,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.glue_cell import CELL, RECIPE
 from fakes.shipped import ROOT
 
-from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.base.errors import OrchestratorError, Refused
 from bt_orchestrator.cli.door import instead_of_a_door
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.extensions.recipes.generating.file import NotReplaced
@@ -318,3 +318,60 @@ def test_what_is_likely_is_in_the_script_and_makes_no_other_one(
     # The beat is 3 s with one attempt, and 2 s more with each further one.
     mean_s = 3.0 + 2.0 * (0.2 + 0.04)
     assert expected['per_item_s'] == pytest.approx(mean_s, abs=2 * expected['sure_s'])
+
+
+GRIPPING = """\
+cell: gripping_cell
+release: automatic
+conveyor: {sections: 3, action: /conveyor/index, task: MOVE_ONE_INDEX,
+  type: bt_orchestrator_interfaces/action/Conveyor}
+components:
+  loader:
+    section: 1
+    action: /loader/task
+    type: bt_orchestrator_interfaces/action/UnpackingArm
+    capabilities: {load: {task: PLACE_AT_CONVEYOR, qty_change: 1}}
+  arm:
+    section: 2
+    action: /arm/task
+    type: bt_orchestrator_interfaces/action/Component
+    setups: {gripper: [small, large]}
+    changes: {gripper: {task: TASK_C, argument: special_argument_1}}
+    prepare: {id: ready_arm, task: PREPARE}
+    capabilities:
+      lift: {task: TASK_A, setup: {gripper: large}}
+      press: {task: TASK_B, setup: {gripper: small}}
+  packer:
+    section: 3
+    action: /packer/task
+    type: bt_orchestrator_interfaces/action/PackingArm
+    capabilities: {pack: {task: PICK_AND_PACK, qty_change: -1, runs_for: all}}
+"""
+LIFTED = """\
+recipe: L
+version: 1
+script: lifted
+operations: [{id: load, do: load}, {id: lift, do: lift}, {id: pack, do: pack}]
+"""
+
+
+def test_a_generated_script_has_the_setups_of_its_capabilities() -> None:
+    Path('cell.yaml').write_text(GRIPPING)
+    Path('box.yaml').write_text(LIFTED)
+    assert generated('-o', 'lifted.yaml') == 0
+    text = Path('lifted.yaml').read_text()
+    assert 'task: TASK_A, action: /arm/task, setup: {gripper: large}}' in text
+    assert 'arm.gripper.large' not in text
+    cell = read_cell(Path('cell.yaml'), TYPES)
+    script = admitted(text, 'lifted.yaml', cell, TYPES)
+    assert [task.id for task in script.initialization] == ['ready_arm', 'arm.gripper.large']
+
+
+def test_two_setups_of_one_component_are_named_and_not_planned() -> None:
+    Path('cell.yaml').write_text(GRIPPING)
+    Path('box.yaml').write_text(LIFTED.replace('{id: pack', '{id: press, do: press}, {id: pack'))
+    with pytest.raises(
+        OrchestratorError, match='`lift` needs gripper large of `arm`, and `press`'
+    ):
+        generated('-o', 'lifted.yaml')
+    assert not Path('lifted.yaml').exists()
