@@ -39,7 +39,7 @@ from bt_orchestrator.engine.tree.root import CellRoot
 from bt_orchestrator.engine.tree.section import (
     CompleteCycle,
     CycleOf,
-    Page,
+    ListPage,
     ReleaseConveyor,
     Section,
     detach,
@@ -216,7 +216,7 @@ class CellTree:
         if not self._in_pages(job):
             return compiled(steps)
         return [
-            Page(
+            ListPage(
                 [task for step in part for task in step.tasks],
                 partial(compiled, part),
                 [self._subject(job, section, task) for task in part[-1].tasks],
@@ -247,7 +247,7 @@ class CellTree:
         if not self._in_pages(job):
             return InOrder('in order', compiled(track))
         pages = [
-            Page(part, partial(compiled, part), [self._subject(job, section, part[-1])])
+            ListPage(part, partial(compiled, part), [self._subject(job, section, part[-1])])
             for part in paged(track, lambda _: 1)
         ]
         return InOrder('in order', pages)

@@ -172,7 +172,7 @@ def paged(parts: Sequence[_T], tasks_of: Callable[[_T], int]) -> Iterator[Sequen
         yield page
 
 
-class Page(InOrder):
+class ListPage(InOrder):
     """A part of a long list, with behaviours only while the section works on it.
 
     When the last tasks have succeeded, all tasks before them have too, so they tell whether a page

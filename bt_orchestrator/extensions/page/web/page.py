@@ -12,7 +12,7 @@ from bt_orchestrator.extensions.page.web.access import Access
 from bt_orchestrator.extensions.page.web.account import ShiftWatch
 from bt_orchestrator.extensions.page.web.archive.archive import Archive
 from bt_orchestrator.extensions.page.web.archive.heard import Heard
-from bt_orchestrator.extensions.page.web.book import Book
+from bt_orchestrator.extensions.page.web.board import Board
 from bt_orchestrator.extensions.page.web.parts import parts_of
 from bt_orchestrator.extensions.page.web.people import People
 from bt_orchestrator.extensions.page.web.planning.questions import Questions
@@ -52,7 +52,7 @@ class WebPage(CellClient):
         self.people = People(access)
         self.known = Known()
         self.show: Show = CellShow(self.known)
-        self.book = Book()
+        self.board = Board()
         self.description: CellDescription | None = None
         """The description of the cell; None: not known yet."""
         self._described: tuple[str, int, int] | None = None
@@ -60,20 +60,20 @@ class WebPage(CellClient):
         self._must_describe = True
         """The node may have started anew, with another cell file."""
         self._is_stale = False
-        """The parts in the book are not those of the newest status."""
+        """The parts in the board are not those of the newest status."""
         self._refreshed_at = 0.0
         """On the monotonic clock; 0: never."""
         self._later: asyncio.TimerHandle | None = None
 
     def _newest(self) -> int:
-        return self.book.newest
+        return self.board.newest
 
     def _prepare(self) -> None:
-        self.streams = Streams(self.book, self.doors, self._refresh)
+        self.streams = Streams(self.board, self.doors, self._refresh)
         self.questions = Questions(self.sources.planning, self.doors.moment)
-        heard = Heard(self.book, self.doors)
+        heard = Heard(self.board, self.doors)
         self.archive, own = (
-            Archive(heard, self.sources.open_records, lambda: self.book.history) for _ in range(2)
+            Archive(heard, self.sources.open_records, lambda: self.board.history) for _ in range(2)
         )
         self.shift = ShiftWatch(self.sources.plant, own, self._tell_shift)
         self.tree = TreeWatch(self._following.do)
@@ -101,7 +101,7 @@ class WebPage(CellClient):
     @property
     def status(self) -> CellStatus | None:
         """The newest one; None: nothing was heard."""
-        return self.book.status
+        return self.board.status
 
     # --- what is heard ----------------------------------------------------------------------
 
@@ -110,12 +110,12 @@ class WebPage(CellClient):
             if isinstance(fact, CellStatus):
                 self._take_status(fact)
             elif isinstance(fact, Began):
-                self.book.begin(fact.history, fact.last)
+                self.board.begin(fact.history, fact.last)
                 self.show.begin(fact.history)
                 self._must_describe = True
                 self._refreshed_at = 0.0
             else:
-                self.book.ring.add(fact)
+                self.board.ring.add(fact)
                 if isinstance(fact, Happened):
                     self.show.hear(fact.event)
         if self.streams.readers:
@@ -123,9 +123,9 @@ class WebPage(CellClient):
             self.streams.wake()
 
     def _take_status(self, status: CellStatus) -> None:
-        if status.history != self.book.history:
+        if status.history != self.board.history:
             return  # of a node that is gone
-        self.book.status = status
+        self.board.status = status
         self._is_stale = True
         size = (status.cell, len(status.sections), len(status.components))
         if self._must_describe or size != self._described:
@@ -166,7 +166,7 @@ class WebPage(CellClient):
 
     def _refresh(self) -> None:
         """Bring the parts up to date, but not again and again within a moment."""
-        if not self._is_stale or self._later is not None or self.book.status is None:
+        if not self._is_stale or self._later is not None or self.board.status is None:
             return
         wait_s = self._refreshed_at + REFRESH_S - time.monotonic()
         if wait_s > 0:
@@ -181,12 +181,12 @@ class WebPage(CellClient):
             self.streams.wake()
 
     def _compute(self) -> None:
-        status = self.book.status
+        status = self.board.status
         if status is None:
             return
         self._is_stale = False
         parts = self.show.parts(status, self.description, self.node)
-        self.book.put({**parts, **self.shift.parts()})
+        self.board.put({**parts, **self.shift.parts()})
         self._refreshed_at = time.monotonic()
         if self.show.wants_moment:
             self.show.wants_moment = False

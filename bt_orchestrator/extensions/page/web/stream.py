@@ -17,7 +17,7 @@ from starlette.types import Receive, Scope, Send
 
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.page.web import messages
-from bt_orchestrator.extensions.page.web.book import MOST_IN_ONE, Book, Cursor
+from bt_orchestrator.extensions.page.web.board import MOST_IN_ONE, Board, Cursor
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.ports.doors.doors import Doors
 from bt_orchestrator.ports.doors.following_door import Happened, Lost
@@ -50,7 +50,7 @@ class Reader:
         self.is_over = False
         self.is_beat_due = False
         self.fetch: asyncio.Task[EventPage | None] | None = None
-        """Of older events than the book has, while it is behind."""
+        """Of older events than the board has, while it is behind."""
         self.wake = asyncio.Event()
         self._send = send
         self.may_look: Callable[[], bool] = state.get('may_look', lambda: True)
@@ -85,12 +85,12 @@ class Reader:
 class Streams:
     """All open streams. An ASGI application: each request is one of them."""
 
-    def __init__(self, book: Book, doors: Doors, refresh: Callable[[], object]) -> None:
+    def __init__(self, board: Board, doors: Doors, refresh: Callable[[], object]) -> None:
         """Begin without readers.
 
-        :param refresh: brings the parts of the book up to date; called for a new reader
+        :param refresh: brings the parts of the board up to date; called for a new reader
         """
-        self._book = book
+        self._board = board
         self._doors = doors
         self._refresh = refresh
         self._is_ending = False
@@ -118,7 +118,7 @@ class Streams:
             if reader.is_stuck(SEND_LIMIT_S) or not reader.may_look():
                 reader.cut()
         cursors = [reader.cursor.version for reader in self.readers if reader.cursor]
-        self._book.forget_gone(min(cursors, default=self._book.version))
+        self._board.forget_gone(min(cursors, default=self._board.version))
 
     def end(self) -> None:
         """End all streams, at once."""
@@ -161,7 +161,7 @@ class Streams:
 
     async def _due(self, reader: Reader) -> AsyncIterator[bytes]:
         """Yield what a reader has to get now, and move its cursor on."""
-        if self._book.status is not None:
+        if self._board.status is not None:
             begun = self._begin(reader)
             if begun is not None:
                 yield begun
@@ -171,21 +171,21 @@ class Streams:
                 yield text
         if reader.is_beat_due:
             reader.is_beat_due = False
-            if self._book.status is None:
+            if self._board.status is None:
                 yield messages.WAITING
             yield self._beat
 
     def _begin(self, reader: Reader) -> bytes | None:
         """Let a reader begin, or begin anew with another history."""
-        book, cursor = self._book, reader.cursor
-        if cursor is not None and cursor.history == book.history:
+        board, cursor = self._board, reader.cursor
+        if cursor is not None and cursor.history == board.history:
             return None
-        cursor = reader.cursor = book.start(reader.history, reader.seq)
+        cursor = reader.cursor = board.start(reader.history, reader.seq)
         reader.seq = None
         return messages.begin(
             cursor.history,
             cursor.seq,
-            version=book.version,
+            version=board.version,
             now=round(time.time(), 3),
             node=self._doors.name,
             silent_s=round(self._doors.silent_s, 1),
@@ -194,20 +194,20 @@ class Streams:
     def _news(self, reader: Reader) -> Iterator[bytes]:
         cursor = reader.cursor
         assert cursor is not None
-        if (text := self._book.next_parts(cursor)) is not None:
+        if (text := self._board.next_parts(cursor)) is not None:
             yield text
-        while not self._book.is_behind(cursor):
-            if (text := self._book.next_events(cursor)) is None:
+        while not self._board.is_behind(cursor):
+            if (text := self._board.next_events(cursor)) is None:
                 break
             yield text
 
-    # --- older events than the book has -----------------------------------------------------
+    # --- older events than the board has -----------------------------------------------------
 
     async def _older(self, reader: Reader) -> AsyncIterator[bytes]:
         """Yield what was fetched for a reader that was away for long."""
         cursor = reader.cursor
         assert cursor is not None
-        while self._book.is_behind(cursor) and not (reader.is_over or self._is_ending):
+        while self._board.is_behind(cursor) and not (reader.is_over or self._is_ending):
             if reader.fetch is None:
                 reader.fetch = self._fetch(cursor, reader.look)
             if not reader.fetch.done():
@@ -215,12 +215,12 @@ class Streams:
             page, reader.fetch = reader.fetch.result(), None
             if page is None or page.history != cursor.history:
                 return  # tried again with the next beat
-            found = list(_pieces(page, cursor.seq, self._book.ring.before))
+            found = list(_pieces(page, cursor.seq, self._board.ring.before))
             if not found:
                 return
             for piece in found:
                 cursor.seq = piece.last if isinstance(piece, Lost) else piece[-1].last
-                yield self._book.told(piece)
+                yield self._board.told(piece)
 
     def _fetch(self, cursor: Cursor, wake: Callable[[], object]) -> asyncio.Task[EventPage | None]:
         """Return the fetch of what comes after a cursor; readers at one place share it."""

@@ -24,7 +24,7 @@ from hypothesis import given
 
 from bt_orchestrator.engine.runtime.overview import Overview
 from bt_orchestrator.extensions.opcua.mes import packml
-from bt_orchestrator.extensions.opcua.mes.job_book import JobBook
+from bt_orchestrator.extensions.opcua.mes.followed_jobs import FollowedJobs
 from bt_orchestrator.extensions.opcua.server.job_control.records import item_plain
 from bt_orchestrator.extensions.opcua.server.simple import values as simple_values
 from bt_orchestrator.extensions.page.web.account.endpoints import metrics
@@ -94,11 +94,11 @@ def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
     """Yield what each surface says of each job: name of the surface, job, numbers by word."""
     state, events = run.state, [from_record(one) for one in run.records]
     status = Overview(run.sim.orchestrator).status(run.now)
-    fold, book, counter = JobFold(), JobBook(), packml.Counter()
+    fold, followed, counter = JobFold(), FollowedJobs(), packml.Counter()
     account = AccountFold(Planned.of([(us_of(events[0].time), us_of(run.now) + 1)]), is_whole=True)
     for event in events:
         fold.follow(event)
-        book.follow(event)
+        followed.follow(event)
         if event.event in FOLLOWED:
             account.follow(event)
     shown = figures(account.until(us_of(run.now) + 1), Paces(run.sim.state.cell))
@@ -109,7 +109,7 @@ def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
     for job in status.jobs:
         yield 'status', job.id, {**to_plain(job, whole=True), 'produced': job.produced}
         yield 'response', job.id, quantities(response_of(ListedJob(job)))
-        if (booked := book.get(job.id)) is not None:
+        if (booked := followed.get(job.id)) is not None:
             yield 'response by events', job.id, quantities(response_of(booked))
         alone = _only(status, job.id)
         yield 'OPC UA, Simple', job.id, simple(alone, job.id)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Coroutine
 from dataclasses import replace
 
 from bt_orchestrator.base.errors import CommandRefused, NodeUnreachable
-from bt_orchestrator.extensions.opcua.mes.job_book import JobBook, News
+from bt_orchestrator.extensions.opcua.mes.followed_jobs import FollowedJobs, News
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellStatus, ListedJob
@@ -31,7 +31,7 @@ class Jobs:
         :param tell: called with every change of a job's state, in order
         :param changed: called when more is known of jobs than their status says
         """
-        self.book = JobBook()
+        self.followed = FollowedJobs()
         self._bridge = bridge
         self._tell = tell
         self._changed = changed
@@ -53,14 +53,14 @@ class Jobs:
         except NodeUnreachable as error:
             log.warning('parameters and details of jobs are not known yet: %s', error)
             listed = []
-        self.book.begin(status, listed)
+        self.followed.begin(status, listed)
 
     def forget(self) -> None:
         """Begin anew with the next status: the cell has another journal."""
         if self._task is not None:
             self._task.cancel()
         self._waiting.clear()
-        self.book.begin()
+        self.followed.begin()
         self._asked.clear()
         self._is_behind = True
 
@@ -68,12 +68,12 @@ class Jobs:
         """Take in a status."""
         if self._is_behind:
             self._is_behind = False
-            self._spawn(self._catch_up(is_new=not self.book.seq))
+            self._spawn(self._catch_up(is_new=not self.followed.seq))
             return
         if self._task is not None and not self._task.done():
             return
-        self.book.agree(status)
-        unknown = {job.id for job in status.jobs if self.book.get(job.id) is None}
+        self.followed.agree(status)
+        unknown = {job.id for job in status.jobs if self.followed.get(job.id) is None}
         if self._has_missed or unknown - self._asked:
             self._has_missed = False
             self._asked |= unknown
@@ -88,9 +88,9 @@ class Jobs:
 
     def listed(self, status: CellStatus) -> dict[str, ListedJob]:
         """Return the jobs of a status, and all that ended, with what else is known of them."""
-        found = {one.status.id: one for one in self.book.ended()}
+        found = {one.status.id: one for one in self.followed.ended()}
         for job in status.jobs:
-            known = self.book.get(job.id)
+            known = self.followed.get(job.id)
             found[job.id] = ListedJob(job) if known is None else replace(known, status=job)
         return found
 
@@ -127,11 +127,11 @@ class Jobs:
         self._changed()
 
     async def _catch_up(self, *, is_new: bool) -> None:
-        """Follow what happened between the status that the book began with and now."""
+        """Follow what happened between the status that was taken first and now."""
         if is_new:
-            self.book.begin(self._bridge.status, await self._bridge.doors.read(_all_jobs))
-        while self.book.seq < self._bridge.newest:
-            page = await self._bridge.doors.events_after(self.book.seq)
+            self.followed.begin(self._bridge.status, await self._bridge.doors.read(_all_jobs))
+        while self.followed.seq < self._bridge.newest:
+            page = await self._bridge.doors.events_after(self.followed.seq)
             if page.history != self._bridge.history or not page.events:
                 return
             for event in page.events:
@@ -139,11 +139,11 @@ class Jobs:
 
     async def _learn(self) -> None:
         """Ask for what no event told."""
-        self.book.take(await self._bridge.doors.read(_all_jobs))
+        self.followed.take(await self._bridge.doors.read(_all_jobs))
 
     def _follow(self, event: Event) -> None:
-        self._has_missed |= event.seq > self.book.seq + 1
-        for news in self.book.follow(event):
+        self._has_missed |= event.seq > self.followed.seq + 1
+        for news in self.followed.follow(event):
             self._tell(news)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from asyncua import ua
 
 from bt_orchestrator.base.errors import NodeUnreachable
-from bt_orchestrator.extensions.opcua.mes.job_book import News
+from bt_orchestrator.extensions.opcua.mes.followed_jobs import News
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
 from bt_orchestrator.extensions.opcua.server.job_control.answers import Shown, answer, one
 from bt_orchestrator.extensions.opcua.server.job_control.jobs import Jobs
@@ -160,7 +160,7 @@ class JobControl:
 
     def _show(self, status: CellStatus) -> None:
         self._put(status)
-        self._shown.reached(min(status.seq, self._jobs.book.seq))
+        self._shown.reached(min(status.seq, self._jobs.followed.seq))
 
     def _put(self, status: CellStatus) -> None:
         jobs = chosen(self._jobs.listed(status).values())
@@ -221,12 +221,12 @@ class Results:
         states = states_from(wanted)
         if not are_known(states):
             return answer(ReturnStatus.WRONG_STATE, listed([]))
-        responses = (response_of(job, self._jobs.book.interrupted) for job in self._shown())
+        responses = (response_of(job, self._jobs.followed.interrupted) for job in self._shown())
         found = [one for one in responses if has_all(one.states, states)]
         return answer(ReturnStatus.DONE, listed(list(map(self._structures.response, found))))
 
     def _response(self, job: ListedJob) -> object:
-        return self._structures.response(response_of(job, self._jobs.book.interrupted))
+        return self._structures.response(response_of(job, self._jobs.followed.interrupted))
 
 
 # The work masters: the scripts and recipes that an order can name, with their parameters.

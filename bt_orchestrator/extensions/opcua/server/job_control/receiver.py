@@ -77,7 +77,7 @@ class Receiver:
         return {'orders': (work_order(order, components, recipes),), **held}
 
     async def _with_id(self, method: Method, job: str, comment: str) -> ua.CallMethodResult:
-        fault = order_id_fault(job) if self._jobs.book.get(job) is None else None
+        fault = order_id_fault(job) if self._jobs.followed.get(job) is None else None
         if fault is not None:
             return self._malformed(method, job, f'{job!r} is no job order id: {fault}')
         reason = reason_of(comment, method.name)
@@ -100,7 +100,7 @@ class Receiver:
         try:
             return await self._jobs.ask(job)
         except NodeUnreachable:
-            return self._jobs.book.get(job)
+            return self._jobs.followed.get(job)
 
     def _malformed(self, method: Method, job: str, message: str) -> ua.CallMethodResult:
         return self._refused(method, job, ReturnStatus.MALFORMED, message, (message,))

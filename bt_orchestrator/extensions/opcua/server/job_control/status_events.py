@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from asyncua import ua
 
-from bt_orchestrator.extensions.opcua.mes.job_book import News
+from bt_orchestrator.extensions.opcua.mes.followed_jobs import News
 from bt_orchestrator.extensions.opcua.server.calls import Argument
 from bt_orchestrator.extensions.opcua.server.job_control.structures import Structures
 from bt_orchestrator.extensions.opcua.server.notices import Told, id_of

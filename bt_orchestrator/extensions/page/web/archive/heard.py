@@ -11,7 +11,7 @@ import contextlib
 from collections.abc import Sequence
 
 from bt_orchestrator.base.errors import JournalUnusable, NodeUnreachable
-from bt_orchestrator.extensions.page.web.book import MOST_EVENTS_KEPT, Book
+from bt_orchestrator.extensions.page.web.board import MOST_EVENTS_KEPT, Board
 from bt_orchestrator.model.books import WithoutBooks
 from bt_orchestrator.model.records import (
     Damage,
@@ -104,8 +104,8 @@ def _lost(entry: Lost) -> Damage:
 class Heard:
     """Collects what the door tells. All calls come from the loop's thread."""
 
-    def __init__(self, book: Book, doors: Doors) -> None:
-        self._book = book
+    def __init__(self, board: Board, doors: Doors) -> None:
+        self._board = board
         self._doors = doors
         self._earlier: list[Entry] = []
         self._before = 0
@@ -120,24 +120,24 @@ class Heard:
 
         :raises JournalUnusable: nothing was heard of the node yet
         """
-        book = self._book
-        if not book.history:
+        board = self._board
+        if not board.history:
             raise JournalUnusable(f'nothing was heard of {self._doors.name} yet')
-        if self._history != book.history or self._is_to_do:
-            self._history, self._earlier = book.history, []
-            self._filling = asyncio.ensure_future(self._fill(book.history, book.ring.before))
+        if self._history != board.history or self._is_to_do:
+            self._history, self._earlier = board.history, []
+            self._filling = asyncio.ensure_future(self._fill(board.history, board.ring.before))
         if self._filling is not None and not self._filling.done():
             with contextlib.suppress(TimeoutError, asyncio.TimeoutError):
                 await asyncio.wait_for(asyncio.shield(self._filling), PATIENCE_S)
-        ring = book.ring
+        ring = board.ring
         entries: list[Entry] = ring.entries()
         before = ring.before
-        if self._history == book.history and self._earlier and self._earlier[-1].last == before:
+        if self._history == board.history and self._earlier and self._earlier[-1].last == before:
             entries, before = [*self._earlier, *entries], self._before
         if len(entries) > MOST_EVENTS_KEPT:
             before = entries[-MOST_EVENTS_KEPT - 1].last
             entries = entries[-MOST_EVENTS_KEPT:]
-        return HeardRecords(book.history, before, entries)
+        return HeardRecords(board.history, before, entries)
 
     @property
     def _is_to_do(self) -> bool:

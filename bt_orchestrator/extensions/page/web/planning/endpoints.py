@@ -163,7 +163,7 @@ class PageQueue:
     @property
     def queued(self) -> int:
         """Length of the queue, as far as is known."""
-        status = self._page.book.status
+        status = self._page.board.status
         return status.queued if status else 0
 
     async def page(self, after: str, most: int) -> QueuePage:
@@ -176,7 +176,7 @@ class PageQueue:
 
     def shown(self, jobs: Sequence[JobStatus]) -> Sequence[object]:
         """Return jobs as the page shows those of the status."""
-        status = self._page.book.status
+        status = self._page.board.status
         if status is None:
             return ()
         alone: CellStatus = changed(status, jobs=tuple(jobs), sections=(), holds=(), components=())

@@ -12,7 +12,7 @@ from contract.written_events import events
 
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.page.web.archive.heard import Heard, HeardRecords
-from bt_orchestrator.extensions.page.web.book import MOST_EVENTS_KEPT, Book
+from bt_orchestrator.extensions.page.web.board import MOST_EVENTS_KEPT, Board
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Extent, RecordPage, Wanted
 from bt_orchestrator.ports import EventPage
@@ -62,11 +62,11 @@ def heard(node: Node, begun: int, *later: Happened | Lost) -> tuple[Extent, Reco
     """Return what a page knows that began after an event."""
 
     async def look() -> HeardRecords:
-        book = Book()
-        book.begin('a', begun)
+        board = Board()
+        board.begin('a', begun)
         for entry in later:
-            book.ring.add(entry)
-        known = Heard(book, cast('Doors', cast('Any', node)))
+            board.ring.add(entry)
+        known = Heard(board, cast('Doors', cast('Any', node)))
         await known.records()
         return await known.records()
 
@@ -99,9 +99,9 @@ def test_a_node_that_was_silent_is_asked_again() -> None:
     node = Node(events(1, 30), is_there=False)
 
     async def looks() -> list[Extent]:
-        book = Book()
-        book.begin('a', 30)
-        known = Heard(book, cast('Doors', cast('Any', node)))
+        board = Board()
+        board.begin('a', 30)
+        known = Heard(board, cast('Doors', cast('Any', node)))
         first = (await known.records()).extent()
         node.is_there = True
         return [first, (await known.records()).extent(), (await known.records()).extent()]
@@ -123,14 +123,14 @@ def test_no_more_than_the_last_events_are_kept() -> None:
 
 
 async def _many(count: int) -> HeardRecords:
-    book = Book()
-    book.begin('a', count)
+    board = Board()
+    board.begin('a', count)
     node = Node(events(1, count))
     for event in events(count + 1, count + 3):
-        book.ring.add(Happened(event))
+        board.ring.add(Happened(event))
     global_page = AT_ONCE * 1000
     node.events_after = _large(node, global_page)  # type: ignore[method-assign]
-    known = Heard(book, cast('Doors', cast('Any', node)))
+    known = Heard(board, cast('Doors', cast('Any', node)))
     return await known.records()
 
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.extensions.page.web import book as book_module
-from bt_orchestrator.extensions.page.web.book import MOST_IN_ONE, Ring
+from bt_orchestrator.extensions.page.web import board as book_module
+from bt_orchestrator.extensions.page.web.board import MOST_IN_ONE, Ring
 from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.ports.doors.following_door import Happened, Lost
 

@@ -1,4 +1,4 @@
-"""Streams whose readers need older events than the book has; the fetch may take its time."""
+"""Streams whose readers need older events than the board has; the fetch may take its time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from fakes.statuses import status
 
-from bt_orchestrator.extensions.page.web.book import Book
+from bt_orchestrator.extensions.page.web.board import Board
 from bt_orchestrator.extensions.page.web.stream import Streams
 from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.ports import EventPage
@@ -36,17 +36,17 @@ class SlowDoors:
 
 
 class Scene:
-    """A book that begins after event 9, and streams of it."""
+    """A board that begins after event 9, and streams of it."""
 
     def __init__(self) -> None:
-        self.book = Book()
+        self.board = Board()
         self.begin('one', 9)
         self.doors = SlowDoors()
-        self.streams = Streams(self.book, cast('Any', self.doors), lambda: None)
+        self.streams = Streams(self.board, cast('Any', self.doors), lambda: None)
 
     def begin(self, history: str, last: int) -> None:
-        self.book.begin(history, last)
-        self.book.status = replace(status(), seq=last, history=history)
+        self.board.begin(history, last)
+        self.board.status = replace(status(), seq=last, history=history)
 
 
 class Reader:
@@ -129,7 +129,7 @@ def test_what_was_fetched_of_another_history_is_not_told() -> None:
         await reader.until(lambda: ('begin', 8) in [(k, d.get('after')) for k, d in reader.got])
         scene.doors.may_answer.set()
         await reader.until(lambda: not scene.streams._fetches)
-        scene.book.ring.add(Happened(JobHeld(seq=9, job='K')))
+        scene.board.ring.add(Happened(JobHeld(seq=9, job='K')))
         scene.streams.wake()
         await reader.until(lambda: reader.seqs)
         assert reader.seqs == [9]

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from bt_orchestrator.extensions.opcua.mes.job_book import JobBook
+from bt_orchestrator.extensions.opcua.mes.followed_jobs import FollowedJobs
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import known_event, to_text
 from bt_orchestrator.model.jobs.order import RecipeChoice, Terms
@@ -76,10 +76,10 @@ def listed(order: JobOrder) -> ListedJob:
     )
     read = known_event(json.loads(to_text(queued)))
     assert read is not None
-    book = JobBook()
-    book.begin()
-    book.follow(read)
-    found = book.get('WO-7')
+    followed = FollowedJobs()
+    followed.begin()
+    followed.follow(read)
+    found = followed.get('WO-7')
     assert found is not None
     return found
 

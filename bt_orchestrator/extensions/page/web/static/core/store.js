@@ -5,13 +5,13 @@
  * 'none' has come yet. `<body data-…>` says the same for tests.
  */
 
-import { Book } from './book.js';
+import { Board } from './board.js';
 import { follow } from './stream.js';
 
 const SILENT_S = 3;
 const KEPT_EVENTS = 1000;
 
-const book = new Book();
+const board = new Board();
 const listeners = new Set();
 const freshness = { kind: 'none', heard: null, refused: false, full: false };
 const events = [];
@@ -21,12 +21,12 @@ let clockAhead = 0;
 
 /** A part by key, for instance part('section/3'); undefined: there is none. */
 export function part(key) {
-  return book.parts.get(key);
+  return board.parts.get(key);
 }
 
 /** The parts whose key begins so, by key. */
 export function partsOf(prefix) {
-  return [...book.parts].filter(([key]) => key.startsWith(prefix));
+  return [...board.parts].filter(([key]) => key.startsWith(prefix));
 }
 
 /** The newest events that were seen here, oldest first. */
@@ -36,7 +36,7 @@ export function recentEvents() {
 
 /** History and number of the newest event, and spans of events that did not come. */
 export function position() {
-  return { history: book.history, seq: book.seq, gaps: book.gaps };
+  return { history: board.history, seq: board.seq, gaps: board.gaps };
 }
 
 /** How fresh the news are: kind, when the cell was last heard (seconds), refused, full. */
@@ -67,7 +67,7 @@ export function subscribe(prefix, callback) {
 
 /** Follow the cell from now on. */
 export function startFollowing() {
-  stream = follow(() => book.cursor, take);
+  stream = follow(() => board.cursor, take);
   setInterval(judge, 500);
 }
 
@@ -78,19 +78,19 @@ export function followAgain() {
 
 const TAKES = {
   opened() {
-    book.opened();
+    board.opened();
     return [];
   },
   begin(data) {
-    if (book.begin(data)) events.length = 0;
+    if (board.begin(data)) events.length = 0;
     freshness.refused = false;
     freshness.full = false;
     if (data.now !== undefined) beat(data);
     return ['news'];
   },
-  parts: (data) => [...book.take(data)],
+  parts: (data) => [...board.take(data)],
   happened(data) {
-    const fresh = book.happened(data);
+    const fresh = board.happened(data);
     for (const record of fresh) {
       record.named = data.names?.[record.seq] ?? '';
       document.body.dataset.seq = record.seq;
@@ -100,7 +100,7 @@ const TAKES = {
     return fresh.length ? ['event'] : [];
   },
   gap(data) {
-    book.lost(data);
+    board.lost(data);
     return ['news'];
   },
   beat(data) {
@@ -119,9 +119,9 @@ const TAKES = {
 };
 
 function take(kind, data) {
-  const gapsBefore = book.gaps.length;
+  const gapsBefore = board.gaps.length;
   const changed = TAKES[kind](data);
-  if (book.gaps.length !== gapsBefore) changed.push('news');
+  if (board.gaps.length !== gapsBefore) changed.push('news');
   mark();
   tell(changed);
   judge();
@@ -130,7 +130,7 @@ function take(kind, data) {
 function beat({ silent_s: silent, now }) {
   lastBeat = performance.now();
   clockAhead = now - Date.now() / 1000;
-  freshness.heard = book.history ? now - silent : null;
+  freshness.heard = board.history ? now - silent : null;
   freshness.silent = silent >= SILENT_S;
 }
 
@@ -151,12 +151,12 @@ function kindNow() {
 function mark() {
   /** @type {Object<string, *>} */
   const marks = document.body.dataset;
-  marks.history = book.history;
-  marks.first = book.first;
-  marks.seq = book.seq;
-  marks.version = book.version;
-  marks.twice = book.twice;
-  marks.gaps = book.gaps.map(({ first, last }) => `${first}-${last}`).join(' ');
+  marks.history = board.history;
+  marks.first = board.first;
+  marks.seq = board.seq;
+  marks.version = board.version;
+  marks.twice = board.twice;
+  marks.gaps = board.gaps.map(({ first, last }) => `${first}-${last}`).join(' ');
   marks.news = freshness.kind;
 }
 

@@ -3,33 +3,33 @@
  * seventh tab with a stream of its own would hang, and the sixth could give no command.
  */
 
-import { Book } from './book.js';
+import { Board } from './board.js';
 import { openStream } from './source.js';
 
-const book = new Book();
+const board = new Board();
 const tabs = new Set();
 let stream = null;
 
 function tell(kind, data) {
-  if (kind === 'opened') book.opened();
-  else if (kind === 'begin') book.begin(data);
-  else if (kind === 'parts') book.take(data);
-  else if (kind === 'happened') book.happened(data);
-  else if (kind === 'gap') book.lost(data);
+  if (kind === 'opened') board.opened();
+  else if (kind === 'begin') board.begin(data);
+  else if (kind === 'parts') board.take(data);
+  else if (kind === 'happened') board.happened(data);
+  else if (kind === 'gap') board.lost(data);
   for (const tab of tabs) tab.postMessage({ kind, data });
 }
 
 /** A tab that comes later is told what is known, as if its stream began now. */
 function catchUp(tab) {
-  if (!book.history) return;
-  const { history, seq, version, node } = book;
+  if (!board.history) return;
+  const { history, seq, version, node } = board;
   tab.postMessage({
     kind: 'begin',
     data: { history, after: seq, version, node, is_catching_up: true },
   });
   tab.postMessage({
     kind: 'parts',
-    data: { version, set: Object.fromEntries(book.parts), gone: [] },
+    data: { version, set: Object.fromEntries(board.parts), gone: [] },
   });
 }
 
@@ -50,5 +50,5 @@ self.addEventListener('connect', (/** @type {MessageEvent} */ event) => {
   tab.postMessage({ kind: 'joined', data: {} });
   catchUp(tab);
   tabs.add(tab);
-  stream ??= openStream(() => book.cursor, tell);
+  stream ??= openStream(() => board.cursor, tell);
 });

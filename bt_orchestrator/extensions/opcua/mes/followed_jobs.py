@@ -58,7 +58,7 @@ class _Entry:
         self.set(good=good_of(self.job.status.packed, self.job.status.nonconforming))
 
 
-class JobBook:
+class FollowedJobs:
     """Begins with the jobs that a cell lists, then follows its events.
 
     A status leaves out states that last for a moment; the events have them all.

@@ -38,7 +38,7 @@ class _Part:
     version: int
 
 
-class Book:
+class Board:
     """All calls come from the loop's thread."""
 
     def __init__(self) -> None:

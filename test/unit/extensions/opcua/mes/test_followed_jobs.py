@@ -1,4 +1,4 @@
-"""The book of jobs beside the engine: after every settle both say the same of every job."""
+"""The followed of jobs beside the engine: after every settle both say the same of every job."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fakes.profiles import examples
 from fakes.virtual_run import BY, VirtualRun
 from hypothesis import given
 
-from bt_orchestrator.extensions.opcua.mes.job_book import JobBook, News
+from bt_orchestrator.extensions.opcua.mes.followed_jobs import FollowedJobs, News
 from bt_orchestrator.model.events import ItemNonconforming, ItemRemoved
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
@@ -35,20 +35,20 @@ COUNTED = tuple(vars(Counts()))
 
 
 class BookedRun(VirtualRun):
-    """A run that is followed in a book."""
+    """A run whose jobs are followed."""
 
     def __init__(self, *args: Any, **more: Any) -> None:
-        self.book = JobBook()
-        self.book.begin()
+        self.followed = FollowedJobs()
+        self.followed.begin()
         self.news: list[News] = []
         super().__init__(*args, **more)
 
     def _check(self) -> None:
         super()._check()
-        for event in self.store.read(after=self.book.seq):
-            self.news += self.book.follow(event)
+        for event in self.store.read(after=self.followed.seq):
+            self.news += self.followed.follow(event)
         for job in (*self.state.jobs.values(), *self.state.ended.values()):
-            booked = self.book.get(job.job.id)
+            booked = self.followed.get(job.job.id)
             assert booked is not None
             status = booked.status
             assert status.state is job_word(self.state, job)
@@ -62,7 +62,7 @@ class BookedRun(VirtualRun):
             assert of == (job.recipe, job.recipe_version)
             found = {name: getattr(status, name) for name in COUNTED}
             assert found == {name: getattr(job.progress, name) for name in COUNTED}
-        assert [one.status.id for one in self.book.ended()] == list(self.state.ended)
+        assert [one.status.id for one in self.followed.ended()] == list(self.state.ended)
 
     def told(self, job: str = 'J') -> list[JobWord]:
         """Return the states of a job that were told."""
@@ -87,11 +87,11 @@ def test_a_job_that_nothing_stops() -> None:
 def test_a_job_that_was_cleared_unheard_is_forgotten() -> None:
     run = begin(Line())
     run.go()
-    (ended,) = run.book.ended()
-    run.book.take([ended])
-    assert run.book.ended() == [ended]
-    run.book.take([])
-    assert run.book.get('J') is None
+    (ended,) = run.followed.ended()
+    run.followed.take([ended])
+    assert run.followed.ended() == [ended]
+    run.followed.take([])
+    assert run.followed.get('J') is None
 
 
 def test_queued_jobs_are_held_released_changed_and_removed() -> None:
@@ -101,7 +101,7 @@ def test_queued_jobs_are_held_released_changed_and_removed() -> None:
     for verb in ('release', 'hold', 'cancel'):
         run.control(verb, 'K')
     assert run.told('K') == [NOT_ALLOWED, QUEUED, NOT_ALLOWED]
-    assert run.book.get('K') is None
+    assert run.followed.get('K') is None
     run.go()
 
 
@@ -170,22 +170,22 @@ def test_items_that_fail_are_counted() -> None:
     run.go()
     run.answer('skip')
     run.go()
-    job = run.book.get('J')
+    job = run.followed.get('J')
     assert job is not None
     assert job.status.nonconforming == 1
 
 
 def test_a_nonconforming_item_is_counted_once_as_it_leaves() -> None:
-    book = JobBook()
-    book.begin(listed=[ListedJob(JobStatus('J', 'small', JobWord.RUNNING, started_at=1.0))])
+    followed = FollowedJobs()
+    followed.begin(listed=[ListedJob(JobStatus('J', 'small', JobWord.RUNNING, started_at=1.0))])
     for seq, task in enumerate(('weigh', 'look'), start=1):
-        book.follow(
+        followed.follow(
             ItemNonconforming(seq=seq, job='J', item='J/1', task=task, reason='by eye it is good')
         )
-    assert book.get('J').status.nonconforming == 0  # type: ignore[union-attr]
+    assert followed.get('J').status.nonconforming == 0  # type: ignore[union-attr]
     for seq, item in enumerate(('J/1', 'J/2'), start=3):
-        book.follow(ItemRemoved(seq=seq, job='J', item=item, section=3, how='packed'))
-    job = book.get('J')
+        followed.follow(ItemRemoved(seq=seq, job='J', item=item, section=3, how='packed'))
+    job = followed.get('J')
     assert job is not None
     assert (job.status.packed, job.status.nonconforming, job.status.good) == (2, 1, 1)
 
@@ -197,7 +197,7 @@ def test_the_recipe_of_a_job_is_booked_with_every_change() -> None:
     assert run.release(newer).accepted
     run.add(('K', line.script(THREE)))
     assert run.ask(UpdateJob(Job('K', newer, 1), BY)).accepted
-    booked = run.book.get('K')
+    booked = run.followed.get('K')
     assert booked is not None
     assert (booked.status.recipe, booked.status.recipe_version) == ('P-1', 2)
     run.go()
@@ -217,11 +217,11 @@ def test_a_job_that_is_aborted_before_its_start_waits_for_it_no_more() -> None:
     run = begin(line)
     early = Job('K', line.script(THREE), 1, {}, terms=Terms(start=1e5))
     assert run.ask(AddJobs((early,), BY)).accepted
-    booked = run.book.get('K')
+    booked = run.followed.get('K')
     assert booked is not None
     assert booked.status.awaits_start
     assert run.control('abort', 'K').accepted
-    booked = run.book.get('K')
+    booked = run.followed.get('K')
     assert booked is not None
     assert not booked.status.awaits_start
     run.go()
@@ -230,9 +230,9 @@ def test_a_job_that_is_aborted_before_its_start_waits_for_it_no_more() -> None:
 def test_a_book_that_begins_later_goes_on_alike() -> None:
     run = begin(Line(faults={'a2': '#2=abort'}), quantity=3)
     run.go(until=3.0)
-    later = JobBook()
+    later = FollowedJobs()
     later.begin(run.sim.status())
-    assert later.seq == run.book.seq
+    assert later.seq == run.followed.seq
     run.control('pause', 'J')
     run.control('resume', 'J')
     run.go()
@@ -240,7 +240,7 @@ def test_a_book_that_begins_later_goes_on_alike() -> None:
     run.go()
     news = [one for event in run.store.read(after=0) for one in later.follow(event)]
     assert [one.job.status.state for one in news] == run.told()[-len(news) :]
-    mine, theirs = later.get('J'), run.book.get('J')
+    mine, theirs = later.get('J'), run.followed.get('J')
     assert mine is not None
     assert theirs is not None
     assert [getattr(mine.status, name) for name in COUNTED] == [
@@ -251,7 +251,7 @@ def test_a_book_that_begins_later_goes_on_alike() -> None:
 def test_what_was_heard_before_is_heard_once() -> None:
     run = begin(Line())
     run.go()
-    assert not [one for event in run.store.read() for one in run.book.follow(event)]
+    assert not [one for event in run.store.read() for one in run.followed.follow(event)]
 
 
 def test_the_book_agrees_with_the_engine_on_every_line(monkeypatch: pytest.MonkeyPatch) -> None:

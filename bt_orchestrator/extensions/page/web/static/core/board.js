@@ -3,7 +3,7 @@
  *
  * The worker and each tab keep one; a tab that opens later gets the worker's as one piece.
  */
-export class Book {
+export class Board {
   constructor() {
     this.parts = new Map();
     this.history = '';
