@@ -21,6 +21,7 @@ PACKAGE = 'bt_orchestrator'
 TESTS = (
     'test/unit/rules',
     'test/unit/engine/runtime',
+    'test/unit/extensions/postgres',
     'test/unit/extensions/recipes/planning',
     'test/unit/sim',
 )
