@@ -11,6 +11,7 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.jobs.setups import known
+from bt_orchestrator.view.screen.words import setup_words, status_lines
 
 GRIPPER = (
     'setups: {gripper: [small, large]}, '
@@ -294,8 +295,15 @@ def test_5_3_a_setup_is_unknown_from_the_start_of_a_change() -> None:
 
 
 def test_5_3_the_set_up_state_is_told() -> None:
-    run = gripped().run(SMALL)
-    assert run.state.setups['a2']['gripper'].value == 'small'
+    run = gripped().begin(SMALL)
+    run.go(until=0.5)
+    shown = {one.name: one for one in run.sim.status().components if one.setups}
+    assert [(name, setup_words(one)) for name, one in shown.items()] == [
+        ('a2', 'gripper not known')
+    ]
+    run.go()
+    lines = list(status_lines(run.sim.status(), None))
+    assert '  setup of a2: gripper small' in lines
 
 
 def test_5_3_a_setup_is_unknown_when_its_controller_was_started_anew() -> None:
