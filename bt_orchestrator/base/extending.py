@@ -114,7 +114,7 @@ def of_others(kind: str) -> Mapping[str, EntryPoint]:
     """
     from importlib.metadata import entry_points
 
-    return {one.name: one for one in entry_points(group=f'bt_orchestrator.{kind}')}
+    return {point.name: point for point in entry_points(group=f'bt_orchestrator.{kind}')}
 
 
 def _is_missing(module: str) -> bool:

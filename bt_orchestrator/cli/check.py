@@ -155,7 +155,7 @@ def _read(args: argparse.Namespace, types: ActionTypes) -> _Checked:
     jobs = [one.job for one in bound[1]]
     found = warnings(args.cell, cell, given, folders, types)
     ordered = of_scripts(job.script for job in jobs if job.script not in scripts)
-    kinds = chain(chain.from_iterable(of_recipe(one, cell) for one in recipes), ordered)
+    kinds = chain(chain.from_iterable(of_recipe(recipe, cell) for recipe in recipes), ordered)
     found += timeless(args.cell, cell, kinds)
     return _Checked(cell, scripts, recipes, jobs, found, Pacing(cell, types, args.journal))
 
@@ -181,7 +181,7 @@ def _plain_checked(checked: _Checked) -> dict[str, Any]:
         'findings': [],
         'warnings': _plain(checked.warnings),
         'paces': [checked.pacing.of(script).plain() for script in paced],
-        'recipes': [_plain_recipe(one, cell) for one in checked.recipes],
+        'recipes': [_plain_recipe(recipe, cell) for recipe in checked.recipes],
         'orders': [_plain_order(job) for job in checked.jobs],
     }
 
@@ -226,7 +226,11 @@ def _recipe_line(recipe: Recipe, cell: Cell) -> str:
 
 def _plain_recipe(recipe: Recipe, cell: Cell) -> dict[str, Any]:
     able = [
-        sum(name in one.capabilities for one in cell.components.values() for name in operation.do)
+        sum(
+            name in component.capabilities
+            for component in cell.components.values()
+            for name in operation.do
+        )
         for operation in recipe.operations
     ]
     return {

@@ -153,8 +153,12 @@ def _cell(path: Path | None) -> tuple[Cell | None, list[Check]]:
     except Refused as refused:
         mistakes = refused.findings
         return None, [
-            fail('cell file', f'{one.file}:{one.line}:{one.column}: {one.what}', one.hint)
-            for one in mistakes
+            fail(
+                'cell file',
+                f'{mistake.file}:{mistake.line}:{mistake.column}: {mistake.what}',
+                mistake.hint,
+            )
+            for mistake in mistakes
         ]
     types = {component.type for component in cell.components.values()}
     installed = ok('cell file', f'{path}: cell {cell.name}, {len(types)} types installed')

@@ -89,7 +89,7 @@ def answer_within_s(request: Asked) -> float | None:
     """
     given = request.arguments
     orders: Any = given.get('orders', ())
-    is_ordered = bool(given.get('recipe')) or any(one.recipe for one in orders)
+    is_ordered = bool(given.get('recipe')) or any(order.recipe for order in orders)
     return GENERATING_S if is_ordered or request.request.method is REQUEUE else None
 
 

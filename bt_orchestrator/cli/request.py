@@ -71,9 +71,9 @@ def run(args: argparse.Namespace) -> int:
 def described(request: Request) -> Iterator[str]:
     """Yield a request and its arguments, a line each."""
     yield f'{request.name:<25}{in_one_line(request)}'
-    for one in request.parameters:
-        needed = ' (required)' if one.is_required else ''
-        yield f'  {one.name}={_FORMS[one.kind]}: {one.meaning}{needed}'
+    for parameter in request.parameters:
+        needed = ' (required)' if parameter.is_required else ''
+        yield f'  {parameter.name}={_FORMS[parameter.kind]}: {parameter.meaning}{needed}'
 
 
 def arguments_from(request: Request, words: Sequence[str]) -> dict[str, Any]:

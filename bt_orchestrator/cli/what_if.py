@@ -140,8 +140,13 @@ def lines(found: Consequence, left_out: int = 0) -> Iterator[str]:
 
 
 def _rows(found: Consequence) -> Iterator[tuple[str, ...]]:
-    for one in found.changes:
-        yield one.job, _end(one.before, 'new'), _end(one.after, 'not at all'), _change(one)
+    for change in found.changes:
+        yield (
+            change.job,
+            _end(change.before, 'new'),
+            _end(change.after, 'not at all'),
+            _change(change),
+        )
 
 
 def _end(job: ExpectedJob | None, none: str) -> str:

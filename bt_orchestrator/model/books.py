@@ -74,9 +74,9 @@ class Books:
             history,
             reached,
             is_last,
-            [KeptSlot(*one) for one in slots],
-            [KeptState(*one) for one in states],
-            [KeptScript(*one) for one in scripts],
+            [KeptSlot(*slot) for slot in slots],
+            [KeptState(*state) for state in states],
+            [KeptScript(*script) for script in scripts],
         )
 
 

@@ -147,7 +147,7 @@ def raise_hold(state: CellState, key: e.TaskKey, task: Task) -> e.HoldRaised:
 def worded(state: CellState, hold: e.HoldRaised) -> e.HoldRaised:
     """Return a hold with its message, as its facts say it."""
     words = message_words(state, hold)
-    return changed(hold, message='; '.join(one.text() for one in words))
+    return changed(hold, message='; '.join(word.text() for word in words))
 
 
 def message_words(state: CellState, hold: e.HoldRaised) -> tuple[Words, ...]:

@@ -35,7 +35,7 @@ class Wanted:
             self.job in (None, job)
             and (self.since is None or time >= self.since)
             and (self.until is None or time <= self.until)
-            and (not self.events or any(fnmatchcase(event, one) for one in self.patterns))
+            and (not self.events or any(fnmatchcase(event, pattern) for pattern in self.patterns))
         )
 
     def past(self, seq: int) -> Wanted:

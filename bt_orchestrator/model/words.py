@@ -175,9 +175,9 @@ def text_of(facts: Sequence[Words], otherwise: str, sentences: Mapping[str, str]
 
     :param otherwise: the same in English, where the language lacks a sentence
     """
-    if not facts or not {one.kind for one in facts} <= sentences.keys():
+    if not facts or not {fact.kind for fact in facts} <= sentences.keys():
         return otherwise
-    return AND.join(one.text(sentences, or_) for one in facts)
+    return AND.join(fact.text(sentences, or_) for fact in facts)
 
 
 def sentence(kind: str, **values: object) -> str:

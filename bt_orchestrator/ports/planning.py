@@ -138,12 +138,12 @@ class Proposal(NamedTuple):
     @property
     def order(self) -> Sequence[str]:
         """The queue in the order that is proposed."""
-        return [one.job for one in self.jobs if one.place]
+        return [job.job for job in self.jobs if job.place]
 
     @property
     def is_new(self) -> bool:
         """Whether it differs from the present order."""
-        return any(one.place != one.new_place for one in self.jobs)
+        return any(job.place != job.new_place for job in self.jobs)
 
 
 class WrongField(NamedTuple):

@@ -47,7 +47,7 @@ class ComponentReader:
             self._shared(),
             sections=own,
             durations_s=self._durations(),
-            capabilities={one.name: one for one in reader.capabilities()},
+            capabilities={capability.name: capability for capability in reader.capabilities()},
             workspaces=reader.workspaces(own),
             setups=setups.setups(),
         )

@@ -50,7 +50,7 @@ def _yaml(text: str) -> object:
     report = Report('arguments')
     node = compose(text, report)
     if report.findings or node is None:
-        told = '. '.join(f'{one.what}; {one.hint}' for one in report.findings[:3])
+        told = '. '.join(f'{finding.what}; {finding.hint}' for finding in report.findings[:3])
         raise CommandRefused(f'{_EXPECTED}; {told or "found nothing"}')
     return as_data(node)
 
@@ -78,7 +78,7 @@ def given_results(text: str, action: ActionType) -> dict[str, Any]:
     elif node is not None:
         raise CommandRefused(f'results are a mapping, {{field: value, ...}}; found {found(node)}')
     if report.findings:
-        told = [f'{one.what}; {one.hint}' for one in report.findings[:_TOLD]]
+        told = [f'{finding.what}; {finding.hint}' for finding in report.findings[:_TOLD]]
         raise CommandRefused('results: ' + '. '.join(told))
     return values
 

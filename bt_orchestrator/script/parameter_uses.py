@@ -75,9 +75,9 @@ def _misfitting_bounds(
     bounds = (compared.at_least, compared.at_most)
     given = [_bound(bound, params) for bound in bounds]
     named = [
-        (one.name, value)
+        (reference.name, value)
         for bound, value in zip(bounds, given, strict=True)
-        for one in references(bound)
+        for reference in references(bound)
     ]
     for name, value in named:
         problem = misfit(value, type_) if type_ is not None and value is not None else None
@@ -91,7 +91,7 @@ def _misfitting_bounds(
 
 def _bound(bound: Any, params: Mapping[str, Any]) -> Any:
     """Return a bound as the order has it; None if there is none."""
-    return next((params.get(one.name) for one in references(bound)), bound)
+    return next((params.get(reference.name) for reference in references(bound)), bound)
 
 
 def _value_type(

@@ -108,7 +108,7 @@ def _alike(name: str, known: tuple[str, ...]) -> list[str]:
     begins, ends = _in_order(known)
     around = MOST_COMPARED // 4
     at, at_end = bisect(begins, name), bisect(ends, name[::-1])
-    near_ends = (one[::-1] for one in ends[max(0, at_end - around) : at_end + around])
+    near_ends = (end[::-1] for end in ends[max(0, at_end - around) : at_end + around])
     return [*begins[max(0, at - around) : at + around], *near_ends]
 
 

@@ -98,7 +98,9 @@ class _ScriptReader:
     def _script(self, name: str, quantity: int | None, relations: _Relations) -> Script:
         draft = self._draft
         sections = {n: self._section(draft.sections[n]) for n in sorted(draft.sections)}
-        conditions = {task.id: task.condition for one in sections.values() for task in one.tasks}
+        conditions = {
+            task.id: task.condition for section in sections.values() for task in section.tasks
+        }
         return Script(
             name=name,
             sections=sections,

@@ -27,7 +27,7 @@ class TaskReader:
         self._cell = cell
         self._types = types
         self._report = report
-        self._by_action = {one.action: one for one in cell.components.values()}
+        self._by_action = {component.action: component for component in cell.components.values()}
         self._known_types: dict[str, ActionType | None] = {}
 
     def listed(self, fields: Fields, default_id: str, position: Position) -> TaskDraft:

@@ -50,7 +50,7 @@ def add_faults(
             mistakes.append(f'--fail {option}: {error}')
             continue
         reasons = list(_reasons(fault, component, types))
-        mistakes += [f'--fail {option}: {one.what}; {one.hint}' for one in reasons]
+        mistakes += [f'--fail {option}: {reason.what}; {reason.hint}' for reason in reasons]
         if not reasons:
             chosen[component.name] = replace(component, faults=(*component.faults, fault))
     return mistakes

@@ -207,7 +207,7 @@ def _refuse_unfit(state: CellState) -> None:
     :raises NotKept: it is another one, in more than its durations
     """
     cell = state.cell
-    places = {place for one in state.scripts.values() for place in one.places_of_work}
+    places = {place for script in state.scripts.values() for place in script.places_of_work}
     for component, section in places:
         if component not in cell.components or (section or 0) > cell.conveyor.sections:
             raise NotKept(
@@ -232,7 +232,7 @@ class _Shifted:
 
     def publish(self, events: Sequence[e.Event]) -> None:
         if self._by_s:
-            events = [one.stamped(one.seq, one.time + self._by_s) for one in events]
+            events = [event.stamped(event.seq, event.time + self._by_s) for event in events]
         self._sink.publish(events)
 
 

@@ -84,8 +84,8 @@ class PaceJudge:
         """
         fill = script.sink - script.source + 1
         items = min(MOST_DRAWN, MOST_TASKS // len(script.tasks))
-        runs = {one.task: one.share for one in rates if one.what == RUNS}
-        fails = {one.task: one.share for one in rates if one.what == FAILS}
+        runs = {rate.task: rate.share for rate in rates if rate.what == RUNS}
+        fails = {rate.task: rate.share for rate in rates if rate.what == FAILS}
         drawn = _DrawnTasks(script, runs, fails, items + 2 * fill)
         left = _Left()
         simulation = self._simulation(left, robots=partial(_DrawnRobots, fails))
@@ -124,15 +124,15 @@ class _Left:
 
     def publish(self, events: Sequence[e.Event]) -> None:
         """Note it."""
-        for one in events:
-            if isinstance(one, e.ItemRemoved):
-                self.times_s.append(one.time)
-                self.good += one.how == 'packed' and one.item not in self._nonconforming
-            elif isinstance(one, e.TaskContinued):
-                self._nonconforming.add(one.nonconforming)
-            elif isinstance(one, e.ItemNonconforming):
-                self._nonconforming.add(one.item)
-            elif isinstance(one, e.HoldRaised):
+        for event in events:
+            if isinstance(event, e.ItemRemoved):
+                self.times_s.append(event.time)
+                self.good += event.how == 'packed' and event.item not in self._nonconforming
+            elif isinstance(event, e.TaskContinued):
+                self._nonconforming.add(event.nonconforming)
+            elif isinstance(event, e.ItemNonconforming):
+                self._nonconforming.add(event.item)
+            elif isinstance(event, e.HoldRaised):
                 self.holds += 1
 
 
@@ -237,6 +237,6 @@ def _section(section: SectionList, change: Callable[[Task], Task]) -> SectionLis
         return replace(change(task), setup={}, change=None)
 
     steps = (
-        Step(tuple(tuple(map(changed, track)) for track in one.tracks)) for one in section.steps
+        Step(tuple(tuple(map(changed, track)) for track in step.tracks)) for step in section.steps
     )
     return replace(section, steps=tuple(steps))

@@ -71,7 +71,9 @@ class JournalPast:
     def _next_event(self, seq: int) -> float:
         """Return the time of the event after another one; infinity: there is none."""
         page = self._records.page(Wanted(after_seq=seq), 1)
-        return next((from_record(json.loads(one.text)).time for one in page.records), math.inf)
+        return next(
+            (from_record(json.loads(record.text)).time for record in page.records), math.inf
+        )
 
 
 def _rest(rest_s: float, event: e.Event, state: CellState) -> float:

@@ -85,7 +85,7 @@ class Proposing:
             if (0, 0, least_ms, change, order) >= best.rank:
                 continue  # whatever comes of it, it is no better
             if order not in runs:
-                if sum(one.steps for one in runs.values()) > MOST_STEPS:
+                if sum(run.steps for run in runs.values()) > MOST_STEPS:
                     is_whole = False
                     break
                 runs[order] = self._run(order, change)
@@ -119,7 +119,7 @@ class Proposing:
                 assert answer.accepted, answer.message
             run.go_on(math.inf)
             ends_s = run.ends_s()
-            unknown = {one: run.unknown(one) for one in run.state.jobs}
+            unknown = {job: run.unknown(job) for job in run.state.jobs}
         late_ms = sum(too_late_ms(ends_s[one], due_s) for one, due_s in self._due(ends_s))
         changeover_ms = round(run.changeover_s * 1000)
         return _Run(

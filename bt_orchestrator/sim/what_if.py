@@ -174,8 +174,10 @@ class EngineWhatIf:
         script = desk.made(made) if isinstance(made, MadeScript) else made
         if isinstance(script, Script):
             return script
-        if all(one.key for one in script.findings):
-            wrong = [WrongField(one.key, one.what, one.hint) for one in script.findings]
+        if all(finding.key for finding in script.findings):
+            wrong = [
+                WrongField(finding.key, finding.what, finding.hint) for finding in script.findings
+            ]
             return _with_mistakes(wrong)
         return CheckedOrder(False, f'the recipe is {script.in_short}')
 
@@ -228,7 +230,7 @@ class _Node:
 
     def publish(self, events: Sequence[e.Event]) -> None:
         """Note what the node refused itself."""
-        refused = (one for one in events if isinstance(one, e.OperatorRefused))
+        refused = (event for event in events if isinstance(event, e.OperatorRefused))
         self.not_anew |= {one.job: one.message for one in refused if one.who == WHO and one.job}
 
     def hear(self, requests: Sequence[Asked]) -> None:

@@ -31,7 +31,7 @@ def journal_folder(folder: Path) -> Check:
     """Try everything that a journal does with its folder; leaves nothing behind."""
     if not folder.is_dir():
         # As the journal itself would, which makes it.
-        return journal_folder(next(one for one in folder.parents if one.is_dir()))
+        return journal_folder(next(parent for parent in folder.parents if parent.is_dir()))
     try:
         with tempfile.TemporaryDirectory(prefix='.bt_orchestrator-', dir=folder) as scratch:
             return _tried(folder, Path(scratch))

@@ -68,13 +68,15 @@ def _declare(request: Request, parser: argparse.ArgumentParser) -> None:
     options: argparse._ActionsContainer = parser
     if request.name in _EITHER:
         options = parser.add_mutually_exclusive_group(required=_EITHER[request.name])
-    for one in request.parameters:
-        flag, settings = TYPED.get(f'{request.name}.{one.name}', ('', {}))
-        settings = {'help': one.meaning, **_by_kind(one), **settings}
-        if one.is_required:
-            parser.add_argument(one.name, **settings)
+    for parameter in request.parameters:
+        flag, settings = TYPED.get(f'{request.name}.{parameter.name}', ('', {}))
+        settings = {'help': parameter.meaning, **_by_kind(parameter), **settings}
+        if parameter.is_required:
+            parser.add_argument(parameter.name, **settings)
         else:
-            options.add_argument(flag or f'--{one_word(one.name)}', dest=one.name, **settings)
+            options.add_argument(
+                flag or f'--{one_word(parameter.name)}', dest=parameter.name, **settings
+            )
     add_answer_options(parser, request)
 
 
@@ -113,7 +115,7 @@ def run_request(request: Request, args: argparse.Namespace) -> int:
 
 def given(request: Request, args: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments of a request that were typed."""
-    values = {one: getattr(args, one.name) for one in request.parameters}
+    values = {parameter: getattr(args, parameter.name) for parameter in request.parameters}
     typed = {one: value for one, value in values.items() if not _is_none(one, value)}
     return {
         one.name: dict(value) if one.kind is Kind.VALUES else value for one, value in typed.items()

@@ -26,7 +26,7 @@ def _update(args: argparse.Namespace) -> int:
 
 
 def _options() -> list[str]:
-    names = [one.name for one in _UPDATE.parameters if not one.is_required]
+    names = [parameter.name for parameter in _UPDATE.parameters if not parameter.is_required]
     return [TYPED[f'{_UPDATE.name}.{name}'][0] or f'--{name}' for name in names]
 
 

@@ -144,7 +144,7 @@ class DemoShow(Ignoring):
 
     def _of_job(self) -> JobStatus | None:
         """Return how the job stands; None: the node has not said so yet."""
-        return next((one for one in self._status.jobs if one.id == self._job), None)
+        return next((job for job in self._status.jobs if job.id == self._job), None)
 
 
 # The person in front of a demo: what is asked, which keys answer it, and what came of that.

@@ -66,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
         first = records.extent().first_seq
     if first > 1:
         say_damage(f'events 1 to {first - 1} were removed from the journal, with their alarms')
-    wanted = [one for one in fold.alarms if _is_wanted(one, args)]
+    wanted = [alarm for alarm in fold.alarms if _is_wanted(alarm, args)]
     with opened(args.output) as file:
         _write(wanted, fold.now_us, args, file)
     return 1 if reading.lost else 0
@@ -88,7 +88,7 @@ def _write(alarms: list[Alarm], now_us: int, args: argparse.Namespace, file: IO[
         write_alarms_csv(alarms, now_us, file)
         return
     if args.json:
-        lines: Iterator[str] = (json_of(alarm_plain(one, now_us)) for one in alarms)
+        lines: Iterator[str] = (json_of(alarm_plain(alarm, now_us)) for alarm in alarms)
     elif args.count:
         lines = often_lines(often(alarms, now_us))
     elif alarms:

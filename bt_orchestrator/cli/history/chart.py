@@ -177,7 +177,7 @@ def with_items(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[
     for job in jobs:
         items = {name: item for name, item in job.items.items() if _is_meant(item, args)}
         if items:
-            failures = [one for one in job.failures if one.item in items]
+            failures = [failure for failure in job.failures if failure.item in items]
             yield replace(job, items=items, failures=failures)
 
 

@@ -115,7 +115,7 @@ def _title(args: argparse.Namespace, names: Sequence[str]) -> str:
 def _lines(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[str]:
     if args.b2mml:
         responses = map(response_of_record, jobs)
-        return (json_of(b2mml(one)) for one in responses if one is not None)
+        return (json_of(b2mml(response)) for response in responses if response is not None)
     return _json(jobs, args) if args.json else job_text(jobs, with_items=args.items)
 
 

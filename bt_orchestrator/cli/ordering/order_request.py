@@ -114,14 +114,14 @@ def _ask(args: argparse.Namespace, orders: list[WorkOrder], given: dict[str, Any
 
 def _show(answer: Answer, *, as_json: bool) -> int:
     if as_json:
-        for one in answer.orders:
-            plain = {'accepted': answer.accepted, 'job': one.job, 'message': one.message}
-            print(json.dumps({**plain, 'findings': one.findings}))
+        for order in answer.orders:
+            plain = {'accepted': answer.accepted, 'job': order.job, 'message': order.message}
+            print(json.dumps({**plain, 'findings': order.findings}))
     elif answer.accepted:
         print(answer.message)
     else:
-        for one in answer.orders:
-            print('\n'.join([one.message, *one.findings]), file=sys.stderr)
+        for order in answer.orders:
+            print('\n'.join([order.message, *order.findings]), file=sys.stderr)
     if not answer.orders:
         print(answer.message, file=sys.stderr)
     return 0 if answer.accepted else 1

@@ -117,7 +117,7 @@ def _plain(found: Proposal) -> dict[str, object]:
     """Return what JSON can carry."""
     return {
         **found._asdict(),
-        'jobs': [one._asdict() for one in found.jobs],
+        'jobs': [job._asdict() for job in found.jobs],
         'order': list(found.order),
         'is_new': found.is_new,
         'unknown': dict(found.unknown),

@@ -223,9 +223,9 @@ def _diff(
     if not new:
         yield f'# the durations of {args.cell} are what was measured; there is nothing to change'
         return
-    for one in found.tasks:
-        if one.kind.name in new.get(one.kind.component, {}):
-            yield f'# {sentence(one, found)}'
+    for task in found.tasks:
+        if task.kind.name in new.get(task.kind.component, {}):
+            yield f'# {sentence(task, found)}'
     name, text = str(args.cell), read_text(args.cell)
     after = with_durations(text, name, new)
     _check(parse_cell(after, name, types), new, name)

@@ -86,9 +86,9 @@ def change_lines(before: Run, after: Run) -> Iterator[str]:
             yield ''
     yield from comparison_lines(before.forecast, after.forecast)
     for name, done in (('before', before), ('after', after)):
-        for one in done.paces:
-            of_script = f'{one.script}: ' if len(done.paces) > 1 else ''
-            yield f'{name}, {of_script}{one.pace or "the line gets stuck"}'
+        for pace in done.paces:
+            of_script = f'{pace.script}: ' if len(done.paces) > 1 else ''
+            yield f'{name}, {of_script}{pace.pace or "the line gets stuck"}'
 
 
 def plain_change(before: Run, after: Run) -> dict[str, Any]:

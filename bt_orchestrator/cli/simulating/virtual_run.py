@@ -151,7 +151,7 @@ def run_jobs(
             sections, names = cell.conveyor.sections, list(cell.components)
             _draw(gantt.chart(cell.name, sections, waits, now_s, names), options.gantt)
         pacing = Pacing(cell, types, options.journal)
-        paces = map(pacing.of, {one.name: one for one in scripts}.values())
+        paces = map(pacing.of, {script.name: script for script in scripts}.values())
         return _result(simulation, outcome, fold.forecast(cell, waits), operator, tuple(paces))
 
 
@@ -242,5 +242,5 @@ def plain(done: Run) -> dict[str, Any]:
         'waits': [{'part': wait.part, **to_plain(wait.wait)} for wait in done.waits],
         'holds': [dataclasses.asdict(hold) for hold in done.holds],
         'complaints': list(done.complaints),
-        'paces': [one.plain() for one in done.paces],
+        'paces': [pace.plain() for pace in done.paces],
     }

@@ -50,7 +50,7 @@ def prepares(*requests: Request) -> Callable[[Prepare], Prepare]:
     """Make a function prepare some requests."""
 
     def register(prepare: Prepare) -> Prepare:
-        PREPARES.update((one.name, prepare) for one in requests)
+        PREPARES.update((request.name, prepare) for request in requests)
         return prepare
 
     return register
@@ -78,7 +78,7 @@ def asked_by_name(name: str, by: By, given: Arguments, state: CellState) -> Aske
     if request is None and about == About.HOLD.value:
         offering(state, str(given.get(about, '')), cut(word, 60), by.role)
     parameters = request.parameters if request is not None else ()
-    values = [one.name for one in parameters if one.kind is Kind.VALUES]
+    values = [parameter.name for parameter in parameters if parameter.kind is Kind.VALUES]
     texts = {name: given[name] for name in values if isinstance(given.get(name), str)}
     return ask(name, by, **{**given, **{name: arguments_of(texts[name]) for name in texts}})
 

@@ -153,7 +153,11 @@ class RequestHandler:
     async def _update(self, asked: Asked) -> Answer:
         check_sender(asked)
         if len(asked.arguments) < 2:
-            names = ', '.join(one.name for one in UPDATE.parameters if one is not UPDATE.subject)
+            names = ', '.join(
+                parameter.name
+                for parameter in UPDATE.parameters
+                if parameter is not UPDATE.subject
+            )
             raise CommandRefused(f'say what to change: {names}')
         return await self._change(change_of(asked.arguments), asked)
 

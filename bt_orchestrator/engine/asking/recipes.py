@@ -43,7 +43,7 @@ class RecipeOrders:
         made: MadeScripts = ()
         while True:
             async with self._orders.read(_with(made, wanted)) as reading:
-                choices = [one for one in reading.choices if one is not None]
+                choices = [choice for choice in reading.choices if choice is not None]
                 if not choices:
                     yield reading
                     return

@@ -41,7 +41,7 @@ def restarted(state: CellState, servers: Servers) -> list[e.Event]:
         for name, setups in state.setups.items()
         for present in (servers.server(name),)
         if present is not None
-        and any(one.server not in (None, present) for one in setups.values())
+        and any(setup.server not in (None, present) for setup in setups.values())
     ]
 
 

@@ -29,7 +29,7 @@ def decides(*requests: Request) -> Callable[[Decider], Decider]:
     """Make a function the decider of some requests."""
 
     def register(decider: Decider) -> Decider:
-        DECIDERS.update((one.name, decider) for one in requests)
+        DECIDERS.update((request.name, decider) for request in requests)
         return decider
 
     return register

@@ -79,7 +79,8 @@ class Housekeeping:
         )
         self._stamp = stamp(state.cell)
         self._saved_seq = max(
-            (one.seq for one in journal.snapshots() if one.stamp == self._stamp), default=0
+            (snapshot.seq for snapshot in journal.snapshots() if snapshot.stamp == self._stamp),
+            default=0,
         )
         self._noted: set[str] = set()
         self._not_looked_after = 0

@@ -69,7 +69,7 @@ def _add(state: CellState, command: AddJobs, now: float) -> Decided:
 def _how(queued: e.JobQueued) -> str:
     how = ' and held' if queued.held else ''
     unreleased = queued.digest if queued.awaits_release else ''
-    lacks = ''.join(f'; {one}' for one in lacks_words(unreleased, queued.unavailable))
+    lacks = ''.join(f'; {word}' for word in lacks_words(unreleased, queued.unavailable))
     early = f'; {_AWAITS} {terms_of(queued).start_words}' if queued.awaits_start else ''
     return f'{queued.job} is queued{how}{early}{lacks}'
 
@@ -110,7 +110,7 @@ def _how_rest(queued: e.JobQueued) -> str:
     what = f'{queued.job} is queued first, with {counted(queued.quantity, "item")}'
     anew = f', {queued.anew.words}' if queued.anew else ''
     unreleased = queued.digest if queued.awaits_release else ''
-    lacks = ''.join(f'; {one}' for one in lacks_words(unreleased, queued.unavailable))
+    lacks = ''.join(f'; {word}' for word in lacks_words(unreleased, queued.unavailable))
     return f'{what}{anew}{lacks}'
 
 

@@ -169,7 +169,7 @@ class Overview:
             contested=contested.words(component.action) if contested else '',
             contested_words=contested.facts(component.action) if contested else None,
             state='' if reading.value is None else str(reading.value),
-            setups={one: known(state, name, one) or '' for one in component.setups},
+            setups={setup: known(state, name, setup) or '' for setup in component.setups},
             task=str(key) if key else '',
             feedback=feedback_of(engine.flights, progress.goal if progress else None),
         )
@@ -197,14 +197,14 @@ def description_of(cell: Cell) -> CellDescription:
         conveyor=cell.conveyor.component.name,
         components=tuple(
             ComponentDescription(
-                name=one.name,
-                action=one.action,
-                type=one.type,
-                sections=one.sections,
-                durations_s=one.durations_s,
-                default_duration_s=one.default_duration_s,
+                name=component.name,
+                action=component.action,
+                type=component.type,
+                sections=component.sections,
+                durations_s=component.durations_s,
+                default_duration_s=component.default_duration_s,
             )
-            for one in cell.components.values()
+            for component in cell.components.values()
         ),
     )
 

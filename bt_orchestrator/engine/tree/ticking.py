@@ -157,10 +157,10 @@ class FirstOf(_Composite, composites.Selector):
 
 def invalidate(behaviours: Iterable[Ticked]) -> None:
     """Stop branches that are not ticked now."""
-    for one in behaviours:
-        if one.status is INVALID:
+    for behaviour in behaviours:
+        if behaviour.status is INVALID:
             continue
-        if one.children:
-            one.stop(INVALID)
+        if behaviour.children:
+            behaviour.stop(INVALID)
         else:
-            one.status = INVALID
+            behaviour.status = INVALID

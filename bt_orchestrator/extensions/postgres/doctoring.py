@@ -131,7 +131,7 @@ def _cell(connection: Connection, place: Place) -> Check:
     if not place.cell:
         return fail(CELL, f'{place} names no cell', 'add /CELL to the address')
     try:
-        found = next((one for one in cells(connection) if one.name == place.cell), None)
+        found = next((cell for cell in cells(connection) if cell.name == place.cell), None)
     except JournalUnusable:
         found = None
     if found is None:

@@ -153,7 +153,7 @@ class Feed:
         The first time, the histories from which it goes on come first: each has the events that
         are its own, and those that were copied before are not copied again.
         """
-        known = {one.history: one for one in stretches(self._connection, self._cell)}
+        known = {stretch.history: stretch for stretch in stretches(self._connection, self._cell)}
         current = known.get(extent.history)
         if current is None:
             parent: Stretch | None = None
@@ -225,7 +225,7 @@ class Feed:
             if batch.history != self._history:
                 break  # a node has begun another one meanwhile: that is the next turn's
             if reached > at:
-                records = [one for one in batch.records if one.seq <= reached]
+                records = [record for record in batch.records if record.seq <= reached]
                 gaps = list(_gaps(at, reached, records, batch.first_seq))
                 with self._connection.transaction():
                     self._write_events(stretch, records, gaps)
@@ -308,7 +308,7 @@ class Feed:
 
 def _gaps(at: int, reached: int, records: Sequence[Record], first_seq: int) -> Iterator[Gap]:
     """Yield what is missing after an event and up to another one."""
-    for seq in (*(one.seq for one in records), reached + 1):
+    for seq in (*(record.seq for record in records), reached + 1):
         removed, last = min(seq, first_seq) - 1, seq - 1
         if at < removed:
             yield Gap(at + 1, removed, 'removed')

@@ -64,7 +64,7 @@ class PostgresRecords(KeptRecords):
         try:
             with speaking_of(self._place):
                 cell = cell_named(connection, self._place)
-                known = {one.history: one for one in stretches(connection, cell)}
+                known = {stretch.history: stretch for stretch in stretches(connection, cell)}
                 current = known.get(cell.history)
                 if current is None:
                     raise JournalUnusable(

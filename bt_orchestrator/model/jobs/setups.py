@@ -206,5 +206,5 @@ def _has_begun(state: CellState, section: SectionState, job: JobState) -> bool:
         return True
     if section.number == job.job.script.source:
         return job.progress.started > 0
-    to_come = sum(is_ahead(state, section, one.section, job) for one in job.items.values())
+    to_come = sum(is_ahead(state, section, item.section, job) for item in job.items.values())
     return to_come < job.progress.started

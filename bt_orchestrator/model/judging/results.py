@@ -54,7 +54,9 @@ def found_words(condition: Condition, scope: Scope) -> str:
     :raises MissingResult: the scope lacks a value
     """
     named = dict.fromkeys(
-        reference for one in condition.comparisons for reference in references(one.value)
+        reference
+        for comparison in condition.comparisons
+        for reference in references(comparison.value)
     )
     values = {f'${{{one}}}': as_text(look_up(one, scope)) for one in named}
     if len(values) == 1:

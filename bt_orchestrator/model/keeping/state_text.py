@@ -79,7 +79,7 @@ class StateText:
     def _check(self, near: CellState) -> None:
         # Scripts never change, are also in their events, and are large.
         scripts = [*near.scripts.values(), *near.released_scripts.values()]
-        known = {self._writer.place_of(type(one), one): one for one in scripts}
+        known = {self._writer.place_of(type(script), script): script for script in scripts}
         again = vars(state_from_plain(near.cell, json.loads(self.text), known))
         differ = [
             name

@@ -22,17 +22,17 @@ class Precedence:
 
         Scripts that share a flag have the same counts for it (semantics 4.1).
         """
-        self.operations = [operation for one in scripts for operation in one.all]
-        self.turns = [turn for one in scripts for turn in one.turns.values()]
-        self.first = min(one.source for one in scripts)
+        self.operations = [operation for script in scripts for operation in script.all]
+        self.turns = [turn for script in scripts for turn in script.turns.values()]
+        self.first = min(script.source for script in scripts)
         """The first section with work."""
-        self.length = max(one.sink for one in scripts) - self.first
+        self.length = max(script.sink for script in scripts) - self.first
         """Number of moves from there to the last section with work."""
         self.after: Mapping[Operation, list[Relation]] = defaultdict(list)
         """By operation: the relations to what must come later."""
         self.before: Mapping[Operation, list[Relation]] = defaultdict(list)
         """By operation: the relations to what must come earlier."""
-        lists = (relation for one in scripts for relation in one.order)
+        lists = (relation for script in scripts for relation in script.order)
         for relation in (*lists, *_of_cycles(scripts), *_of_flags(scripts)):
             self.after[relation.before].append(relation)
             self.before[relation.after].append(relation)
@@ -135,7 +135,7 @@ class Operations:
         self.of_task: dict[str, Operation] = {}
         self.order: list[Relation] = []
         """The order required by the lists, for one item."""
-        self.flags = {one.flag: one for one in script.dependencies}
+        self.flags = {dependency.flag: dependency for dependency in script.dependencies}
         self._first_number = first_number
         self._flagged = {*script.upstream_of, *script.downstream_of}
         for section in sorted(script.sections):

@@ -32,8 +32,8 @@ def slowest_circle(nodes: int, arcs: Sequence[Arc]) -> list[Arc]:
     :param nodes: how many; they are numbered from 0
     """
     # Arcs in an order in which a way that seldom turns back is followed to its end at once.
-    forth = sorted((one for one in arcs if one.start <= one.end), key=lambda one: one.start)
-    back = sorted((one for one in arcs if one.start > one.end), key=lambda one: -one.start)
+    forth = sorted((arc for arc in arcs if arc.start <= arc.end), key=lambda one: one.start)
+    back = sorted((arc for arc in arcs if arc.start > arc.end), key=lambda one: -one.start)
     ordered, far = (*forth, *back), [0] * nodes
     slowest: list[Arc] = []
     scale = 1

@@ -113,7 +113,11 @@ def refusal(request: Request, by: By, given: Collection[str] = ()) -> str | None
 
     :param given: the parameters that it comes with
     """
-    restricted = [one for one in request.parameters if one.roles is not None and one.name in given]
+    restricted = [
+        parameter
+        for parameter in request.parameters
+        if parameter.roles is not None and parameter.name in given
+    ]
     for name, roles in (
         (request.name, request.roles),
         *((f'{request.name} with {one.name}', one.roles or request.roles) for one in restricted),

@@ -120,7 +120,7 @@ class Request:
     @property
     def takes_orders(self) -> bool:
         """Whether work orders are among its arguments."""
-        return any(one.kind is Kind.ORDERS for one in self.parameters)
+        return any(parameter.kind is Kind.ORDERS for parameter in self.parameters)
 
 
 NAMED = {

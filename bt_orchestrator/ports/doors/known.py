@@ -93,8 +93,8 @@ class Known:
 
         :param digests: of all scripts that are shown now; of the others the oldest are forgotten
         """
-        shown = {one for one in digests if one}
-        for old in [one for one in self.scripts if one not in shown][:-MOST_SCRIPTS]:
+        shown = {digest for digest in digests if digest}
+        for old in [script for script in self.scripts if script not in shown][:-MOST_SCRIPTS]:
             del self.scripts[old]
         new = shown - self.scripts.keys() - self._looked_for
         self._looked_for |= new

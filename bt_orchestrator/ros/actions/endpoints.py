@@ -25,7 +25,7 @@ def endpoint_id(endpoint: TopicEndpointInfo) -> str:
 
 def owners(endpoints: Sequence[TopicEndpointInfo]) -> tuple[str, ...]:
     """Return the full names of the nodes; where names are equal, with the ids of the endpoints."""
-    found = sorted((_owner(one), endpoint_id(one)) for one in endpoints)
+    found = sorted((_owner(endpoint), endpoint_id(endpoint)) for endpoint in endpoints)
     count = Counter(name for name, _ in found)
     return tuple(name if count[name] == 1 else f'{name} (id {id_})' for name, id_ in found)
 

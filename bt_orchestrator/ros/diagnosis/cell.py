@@ -23,7 +23,7 @@ def cell_on_graph(graph: Graph, cell: Cell, timeout_s: float, elsewhere: str) ->
     :param elsewhere: what is known about other domains, for the hints
     """
     components = cell.components.values()
-    graph.wait(lambda: all(_is_there(graph, one) for one in components), timeout_s)
+    graph.wait(lambda: all(_is_there(graph, component) for component in components), timeout_s)
     graph.settle()
     for component in components:
         yield _server(graph, component, elsewhere)

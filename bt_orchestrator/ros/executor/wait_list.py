@@ -65,9 +65,9 @@ class WaitList:
         self._nodes = list(nodes)
         self._members = frozenset(members)
         self._gathered = [(live, list(live)) for n in nodes for live in _lists(n)]
-        self._groups = {one.entity.callback_group: one.entity for one in members}
-        self._waitables = [one for one in members if one.kind == WAITABLE]
-        self._guards = [one.entity for one in members if one.kind == GUARD]
+        self._groups = {member.entity.callback_group: member.entity for member in members}
+        self._waitables = [member for member in members if member.kind == WAITABLE]
+        self._guards = [member.entity for member in members if member.kind == GUARD]
         self._simple: dict[int, Member] = {}
         self._parted: dict[int, tuple[Member, Part]] = {}
         self._adds: list[tuple[Any, Callable[[], Any]]] = []
@@ -76,8 +76,8 @@ class WaitList:
         self._waits = threading.RLock()
         self._context: Any = context.handle
         self._set = _wait_set(members, len(own), self._context)
-        for one in members:
-            self._take_in(one)
+        for member in members:
+            self._take_in(member)
         for guard in own:
             self._hold(None, guard.handle, partial(self._set.add_guard_condition, guard.handle))
 
@@ -165,9 +165,9 @@ class WaitList:
         for one, parts in parted.items():
             one.entity.note_ready(parts)
         others = [
-            one
-            for one in self._waitables
-            if one.entity.callback_group not in busy and one.entity.is_ready(self._set)
+            waitable
+            for waitable in self._waitables
+            if waitable.entity.callback_group not in busy and waitable.entity.is_ready(self._set)
         ]
         return [*parted, *others, *simple]
 
@@ -194,13 +194,13 @@ def _kind(entity: Any, kind: str) -> str:
 
 
 def _wait_set(members: Sequence[Member], guards: int, context: Any) -> Any:
-    kinds = Counter(one.kind for one in members)
+    kinds = Counter(member.kind for member in members)
     count = NumberOfEntities(
         kinds[SUBSCRIPTION], kinds[GUARD] + guards, kinds[TIMER], kinds[CLIENT], kinds[SERVICE]
     )
-    for one in members:
-        if one.kind in (WAITABLE, PARTED):
-            count += one.entity.get_num_entities()
+    for member in members:
+        if member.kind in (WAITABLE, PARTED):
+            count += member.entity.get_num_entities()
     with context:
         return _rclpy.WaitSet(
             count.num_subscriptions,

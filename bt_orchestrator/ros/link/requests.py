@@ -40,7 +40,7 @@ def call_of(asked: Asked) -> Call:
 
 def _has_orders(asked: Asked) -> bool:
     orders = asked.arguments.get('orders', ())
-    return asked.request.takes_orders and all(isinstance(one, WorkOrder) for one in orders)
+    return asked.request.takes_orders and all(isinstance(order, WorkOrder) for order in orders)
 
 
 def _sign(request: Any, by: By) -> None:

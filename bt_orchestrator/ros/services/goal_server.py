@@ -146,7 +146,9 @@ class GoalServer:
         return response
 
     def _publish_status(self) -> None:
-        each = [GoalStatus(goal_info=one.info, status=one.status) for one in self._goals.values()]
+        each = [
+            GoalStatus(goal_info=goal.info, status=goal.status) for goal in self._goals.values()
+        ]
         self._status.publish(GoalStatusArray(status_list=each))
 
     def _forget_old(self) -> None:

@@ -95,7 +95,7 @@ class OrderReader:
         """
         await self._turn()
         try:
-            live = {name_of(one): one for one in self._state.scripts.values()}
+            live = {name_of(script): script for script in self._state.scripts.values()}
             held = {**self._scripts, **live}
             question = self._question(wanted() if callable(wanted) else wanted, held)
             asked = _Asked(question, held, Reply())

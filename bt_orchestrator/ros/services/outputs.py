@@ -179,16 +179,24 @@ class Diagnostics:
 
     def _servers(self) -> DiagnosticStatus:
         components = tuple(self._overview.components())
-        contested = {one.name: one.contested for one in components if one.contested}
+        contested = {
+            component.name: component.contested for component in components if component.contested
+        }
         if contested:
-            text = '; '.join(component_trouble(one) for one in components if one.contested)
+            text = '; '.join(
+                component_trouble(component) for component in components if component.contested
+            )
             return self._status('action servers', DiagnosticStatus.ERROR, text, contested)
         out = {
-            one.name: f'out of service, {one.out_of_service}'
-            for one in components
-            if one.out_of_service_since is not None
+            component.name: f'out of service, {component.out_of_service}'
+            for component in components
+            if component.out_of_service_since is not None
         }
-        gone = [one for one in components if not (one.available or one.name in out)]
+        gone = [
+            component
+            for component in components
+            if not (component.available or component.name in out)
+        ]
         if not gone:
             text = f'all {len(components)} action servers are there'
             if out:

@@ -33,7 +33,10 @@ def _fields(name: str, message: Any) -> tuple[str, dict[str, Any]]:
     """Return a request with those fields of a message that it takes and that say something."""
     request = of_name(name)
     told = (
-        {one.name: getattr(message, one.name, None) for one in request.parameters}
+        {
+            parameter.name: getattr(message, parameter.name, None)
+            for parameter in request.parameters
+        }
         if request
         else {}
     )

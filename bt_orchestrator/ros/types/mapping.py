@@ -162,7 +162,7 @@ def _form(hint: Any, ros: str, scope: dict[str, Any]) -> _Form:
     """Return how a value of an annotated type stands in a message field of some type."""
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if type(None) in arguments:
-        hint = next(one for one in arguments if one is not type(None))
+        hint = next(argument for argument in arguments if argument is not type(None))
         stands = _optional if _member(ros) == ros else _at_most_one
         return stands(hint, ros, scope)
     if origin in {tuple, list}:

@@ -167,8 +167,8 @@ def _plain(value: Any) -> Any:
         return to_plain(value)
     if hasattr(value, 'tolist'):
         numbers = value.tolist()
-        has_nan = any(isinstance(one, float) and math.isnan(one) for one in numbers)
-        return [_plain(one) for one in numbers] if has_nan else numbers
+        has_nan = any(isinstance(number, float) and math.isnan(number) for number in numbers)
+        return [_plain(number) for number in numbers] if has_nan else numbers
     if isinstance(value, Iterable):
         return [_plain(member) for member in value]
     return value  # nothing that a field can hold, which `check` tells

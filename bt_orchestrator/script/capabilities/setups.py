@@ -32,7 +32,7 @@ class SetupReader:
     def offered(self) -> Mapping[str, Collection[str]]:
         """Every setup with its values, as far as they are written."""
         return {
-            entry.key.text: [one.text for one in entry.value.items if isinstance(one, Scalar)]
+            entry.key.text: [item.text for item in entry.value.items if isinstance(item, Scalar)]
             for entry in _entries(self._fields, 'setups')
             if isinstance(entry.value, ListNode)
         }

@@ -125,7 +125,7 @@ class _Balance:
     def _check_rejected(self, task: TaskDraft) -> None:
         takers = [one for one in self._taking if one.task.runs_for.includes(rejected=True)]
         beside = [one for one in self._taking if one.is_beside(task)]
-        behind = [one for one in takers if task.precedes(one)]
+        behind = [taker for taker in takers if task.precedes(taker)]
         if beside:
             what = f'`{task.id}` may reject the item while `{beside[0].id}` takes it out'
             hint = 'run them one after the other'
@@ -140,7 +140,7 @@ class _Balance:
         self._report.add(task.place('on_failure'), what, hint)
 
     def _missing_taker_hint(self, task: TaskDraft, takers: list[TaskDraft]) -> str:
-        early = [one for one in takers if one is not task]
+        early = [taker for taker in takers if taker is not task]
         if early:
             return f'move `{early[-1].id}` behind it'
         later = [one for one in self._taking if task.precedes(one)]

@@ -156,7 +156,7 @@ def _left_on_the_belt(task: Task, script: Script) -> Iterator[tuple[str, str]]:
         for one in script.tasks.values()
         if one.qty_change < 0 and one.runs_for.includes(rejected=True)
     ]
-    if any(_is_at_or_behind(places[one.id], places[task.id]) for one in takers):
+    if any(_is_at_or_behind(places[taker.id], places[task.id]) for taker in takers):
         return
     behind = f' behind `{takers[-1].id}`' if takers else ''
     what = (

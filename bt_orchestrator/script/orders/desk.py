@@ -339,8 +339,10 @@ def _in_order(refused: Refused, places: OrderPlaces) -> Refused:
     """Return mistakes, with those in a key of the order where it stands."""
     return Refused(
         [
-            places.finding(Wrong(one.key, one.what, one.hint)) if one.key else one
-            for one in refused.findings
+            places.finding(Wrong(finding.key, finding.what, finding.hint))
+            if finding.key
+            else finding
+            for finding in refused.findings
         ]
     )
 

@@ -113,6 +113,6 @@ def _by_field(findings: Sequence[Finding], fields: Sequence[_Field]) -> tuple[Wr
     """Name the key of each mistake: the last one that begins in its line, or above."""
     lines = [field.line for field in fields]
     return tuple(
-        WrongField(fields[bisect(lines, one.line) - 1].path, one.what, one.hint)
-        for one in findings
+        WrongField(fields[bisect(lines, finding.line) - 1].path, finding.what, finding.hint)
+        for finding in findings
     )

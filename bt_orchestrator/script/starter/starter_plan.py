@@ -101,9 +101,11 @@ def plan_cell(sections: int, found: Iterable[FoundServer], types: ActionTypes) -
     :raises UnknownActionType: the types of the examples are not installed
     """
     devices, unusable = _usable(found, types)
-    example = _Examples(types, {one.name for one in devices} | {one.action for one in devices})
+    example = _Examples(
+        types, {device.name for device in devices} | {device.action for device in devices}
+    )
     belt = _belt(devices)
-    others = [one for one in devices if one is not belt]
+    others = [device for device in devices if device is not belt]
     source = next((one for one in others if one.first(_PLACING)), None)
     sink = next((one for one in others if one.first(_TAKING) and one is not source), None)
     rest = [one for one in others if one not in (source, sink)]
@@ -186,8 +188,10 @@ def _component_name(action: str, taken: Collection[str]) -> str:
 
 def _belt(devices: Sequence[Device]) -> Device | None:
     """Return what looks most like the conveyor: by a task, else by a name."""
-    indexing = (one for one in devices if one.first(_INDEX_WORDS[:1]))
-    named = (one for one in devices if _BELT_WORDS & _parts(f'{one.action} {one.type.name}'))
+    indexing = (device for device in devices if device.first(_INDEX_WORDS[:1]))
+    named = (
+        device for device in devices if _BELT_WORDS & _parts(f'{device.action} {device.type.name}')
+    )
     return next(indexing, None) or next(named, None)
 
 

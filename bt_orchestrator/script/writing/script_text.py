@@ -68,7 +68,7 @@ class _ScriptWriter:
             yield from entry('made_from', _given(script.made_from), '')
         if script.quantity is not None:
             yield from entry('quantity', script.quantity, '')
-        params = {one.name: _parameter_row(one) for one in script.params.values()}
+        params = {param.name: _parameter_row(param) for param in script.params.values()}
         yield from _named('params', params, {})
         if script.lots:
             yield from entry('lots', script.lots, '')

@@ -135,7 +135,7 @@ class FilesInUse:
         """
         folder = os.stat(self._folder)  # noqa: PTH116 - a Path takes twice as long
         state = folder.st_dev, folder.st_ino, folder.st_ctime_ns
-        sizes = [one.file.seek(0, os.SEEK_END) for one in self._files]
+        sizes = [file.file.seek(0, os.SEEK_END) for file in self._files]
         if state != self._proven or any(map(lt, sizes, self._sizes)):
             for one, size, known in zip(self._files, sizes, self._sizes, strict=True):
                 how = self._what_happened(one, size, known)
@@ -149,8 +149,8 @@ class FilesInUse:
 
     def release(self) -> None:
         """Note that the files are closed; this process may open them in another way."""
-        for one in self._files:
-            one.file.close()
+        for file in self._files:
+            file.file.close()
         no_longer_written(self._path)
 
     def _what_happened(self, one: _Opened, size: int, known: int) -> str:

@@ -236,7 +236,10 @@ def last_round(sheet: Sheet, tasks: Sequence[Task]) -> Label:
     judged = [task for task in tasks if task.fails_unless is not None]
     policies = dict.fromkeys(task.on_failure for task in judged)
     if len(policies) == 1:
-        said = [say('after the last round: {policy}', policy=say(POLICY[one])) for one in policies]
+        said = [
+            say('after the last round: {policy}', policy=say(POLICY[policy]))
+            for policy in policies
+        ]
     else:
         said = [
             say(

@@ -103,8 +103,8 @@ class _Drawing:
             self._frame('initialization', words, box, [self._say(INITIALIZATION)])
             self._cards(page.initialization)
         boxes = {one.task.id: one.box for one in page.initialization}
-        for one in self._sheet.script.initialization_dependencies:
-            self._arrow(boxes[one.upstream], boxes[one.downstream])
+        for dependency in self._sheet.script.initialization_dependencies:
+            self._arrow(boxes[dependency.upstream], boxes[dependency.downstream])
         words = self._say('Belt, after every beat')
         self._frame('belt', words, page.belt_frame, [self._say(BELT_MOVES)])
         self._cards([page.move])
@@ -151,8 +151,8 @@ class _Drawing:
 
     def flags(self) -> None:
         """Draw the flags from task to task."""
-        for one in self._page.flags():
-            self._flag(one)
+        for flag in self._page.flags():
+            self._flag(flag)
 
     def _belt_stroke(self) -> Stroke:
         state = self._sheet.state
@@ -170,7 +170,9 @@ class _Drawing:
 
     def _about(self, number: int) -> Sequence[str]:
         components = self._sheet.cell.components.values()
-        here = ', '.join(one.name for one in components if number in one.sections)
+        here = ', '.join(
+            component.name for component in components if number in component.sections
+        )
         names = here or self._say('none')
         return [self._heading(number), self._say('components: {names}', names=names)]
 
@@ -196,10 +198,10 @@ class _Drawing:
         )
 
     def _cards(self, cards: Iterable[Placed]) -> None:
-        for one in cards:
-            name = self._names[one.box] = f'task.{one.task.id}'
-            about = details(self._sheet, one.task, one.belt)
-            self._canvas.label(name, one.card, one.box, about)
+        for card in cards:
+            name = self._names[card.box] = f'task.{card.task.id}'
+            about = details(self._sheet, card.task, card.belt)
+            self._canvas.label(name, card.card, card.box, about)
 
     def _slot(self, column: Column) -> None:
         words = self._say('slot {number}', number=column.number)

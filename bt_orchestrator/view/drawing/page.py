@@ -55,7 +55,10 @@ class PageLayout:
         self._place = {
             one.number: (r, p) for r, row in enumerate(rows) for p, one in enumerate(row)
         }
-        self._flags = [(one, self._route(sheet, one)) for one in sheet.script.dependencies]
+        self._flags = [
+            (dependency, self._route(sheet, dependency))
+            for dependency in sheet.script.dependencies
+        ]
         self._turns = [
             self._lanes.route((r, len(row) - 1), (r + 1, 0)) for r, row in enumerate(rows[:-1])
         ]
@@ -211,8 +214,8 @@ def _spread(boxes: Sequence[Box], distance: float) -> list[float]:
 
 
 def _around(tasks: Sequence[Placed]) -> Box:
-    right = max(one.box.right for one in tasks)
-    bottom = max(one.box.bottom for one in tasks)
+    right = max(task.box.right for task in tasks)
+    bottom = max(task.box.bottom for task in tasks)
     return Box(0, 0, right + PADDING, bottom + PADDING)
 
 

@@ -99,7 +99,7 @@ class Column:
             slot=move(self.slot),
             cards=tuple(replace(one, box=move(one.box)) for one in self.cards),
             groups=tuple(map(move, self.groups)),
-            loops=tuple(one.moved(right, down) for one in self.loops),
+            loops=tuple(loop.moved(right, down) for loop in self.loops),
             release=None if self.release is None else move(self.release),
             joins=tuple(map(move, self.joins)),
             arrows=tuple((move(one), move(other)) for one, other in self.arrows),
@@ -272,6 +272,8 @@ def _levels(sheet: Sheet) -> Mapping[str, int]:
     """Count how many tasks come one after the other before each; dependencies have no circle."""
     levels = {task.id: 0 for task in sheet.script.initialization}
     for _ in levels:
-        for one in sheet.script.initialization_dependencies:
-            levels[one.downstream] = max(levels[one.downstream], levels[one.upstream] + 1)
+        for dependency in sheet.script.initialization_dependencies:
+            levels[dependency.downstream] = max(
+                levels[dependency.downstream], levels[dependency.upstream] + 1
+            )
     return levels

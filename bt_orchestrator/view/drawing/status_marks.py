@@ -249,7 +249,9 @@ def reasons(waits: Iterable[Wait], wording: Wording = ENGLISH) -> str:
 
 def _passed(tasks: Iterable[PassedTask], wording: Wording) -> dict[str, TaskMark]:
     """Return how each task stands that was passed."""
-    return {one.id: TaskMark(_ENDS[one.end], reason=wording.passed(one.reason)) for one in tasks}
+    return {
+        task.id: TaskMark(_ENDS[task.end], reason=wording.passed(task.reason)) for task in tasks
+    }
 
 
 NEW = TaskMark(Mark.NEW)

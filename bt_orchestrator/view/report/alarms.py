@@ -270,7 +270,7 @@ def alarm_plain(alarm: Alarm, now_us: int) -> dict[str, Any]:
 
 def write_alarms_csv(alarms: Iterable[Alarm], now_us: int, file: IO[str]) -> None:
     """Write a line for each alarm; empty: not yet, or none."""
-    rows = [alarm_plain(one, now_us) for one in alarms]
+    rows = [alarm_plain(alarm, now_us) for alarm in alarms]
     writer = csv.writer(file)
     head = alarm_plain(Alarm(Kind.HOLD, '', '', 0, 0.0), 0)
     writer.writerow(head)

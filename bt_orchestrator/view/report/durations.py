@@ -89,7 +89,7 @@ def _task(kind: Kind, buckets: Buckets, cell: Cell | None, since: datetime) -> T
     lately = [s for begin, one in buckets.items() if begin >= since for s in one.seconds]
     return TaskTimes(
         kind,
-        sum(one.count for one in buckets.values()),
+        sum(bucket.count for bucket in buckets.values()),
         nominal,
         statistics.median(lately) if lately else None,
         drift_of(buckets),
@@ -103,10 +103,10 @@ def proposals(found: Durations, cell: Cell) -> Mapping[str, Mapping[str, float]]
     """
     new: dict[str, dict[str, float]] = {}
     conveyor = cell.conveyor
-    for one in found.tasks:
-        of_belt = one.kind.component == conveyor.component.name
-        if one.proposed_s is not None and (not of_belt or one.kind.name == conveyor.task):
-            new.setdefault(one.kind.component, {})[one.kind.name] = one.proposed_s
+    for task in found.tasks:
+        of_belt = task.kind.component == conveyor.component.name
+        if task.proposed_s is not None and (not of_belt or task.kind.name == conveyor.task):
+            new.setdefault(task.kind.component, {})[task.kind.name] = task.proposed_s
     return new
 
 
@@ -133,30 +133,30 @@ def lines(found: Durations) -> Iterator[str]:
     """Yield the durations as text."""
     if not found.tasks:
         yield 'no task succeeded in this time: there are no durations'
-    for one in found.tasks:
-        yield f'{sentence(one, found)}; done {counted(one.count, "time")}'
+    for task in found.tasks:
+        yield f'{sentence(task, found)}; done {counted(task.count, "time")}'
 
 
 def plain(found: Durations) -> list[dict[str, Any]]:
     """Return the durations as data that JSON can carry."""
     return [
         {
-            'component': one.kind.component,
-            'task': one.kind.name,
-            'count': one.count,
-            'nominal_s': one.nominal_s,
-            'lately_s': one.lately_s,
-            'now_s': one.now_s,
-            'proposed_s': one.proposed_s,
+            'component': task.kind.component,
+            'task': task.kind.name,
+            'count': task.count,
+            'nominal_s': task.nominal_s,
+            'lately_s': task.lately_s,
+            'now_s': task.now_s,
+            'proposed_s': task.proposed_s,
             'drift': None
-            if one.drift is None
+            if task.drift is None
             else {
-                'since': one.drift.since.astimezone().isoformat(),
-                'before_s': one.drift.before_s,
-                'after_s': one.drift.after_s,
+                'since': task.drift.since.astimezone().isoformat(),
+                'before_s': task.drift.before_s,
+                'after_s': task.drift.after_s,
             },
         }
-        for one in found.tasks
+        for task in found.tasks
     ]
 
 
@@ -221,7 +221,7 @@ def drift_of(buckets: Buckets) -> Drift | None:
 
 
 def _all(samples: Iterable[Samples]) -> Sequence[float]:
-    return [seconds for one in samples for seconds in one.seconds]
+    return [seconds for sample in samples for seconds in sample.seconds]
 
 
 def _spread(medians: Sequence[tuple[float, int]]) -> float:

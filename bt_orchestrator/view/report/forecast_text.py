@@ -72,9 +72,9 @@ def bottleneck_words(bottleneck: Bottleneck) -> str:
 
 def _full_line(paces: Sequence[ScriptPace]) -> Iterator[str]:
     """Yield how fast the line is with each script once it is full, which needs no run."""
-    for one in paces:
-        of_script = f'of {one.script}: ' if len(paces) > 1 else ''
-        for number, line in enumerate(one.lines()):
+    for pace in paces:
+        of_script = f'of {pace.script}: ' if len(paces) > 1 else ''
+        for number, line in enumerate(pace.lines()):
             text = line.removeprefix('pace: ')
             yield f'{"" if number else "pace":<13}  {"" if number else of_script}{text}'
 
@@ -119,7 +119,7 @@ def job_lines(forecast: Forecast) -> Iterator[str]:
 
 
 def _job(job: JobForecast, losses: Sequence[str]) -> tuple[str, ...]:
-    counts = (job.quantity, job.packed, *(getattr(job, one) for one in losses))
+    counts = (job.quantity, job.packed, *(getattr(job, loss) for loss in losses))
     return (job.job, job.script, *map(str, counts), _seconds(job.per_item_s), _finish(job))
 
 

@@ -132,7 +132,7 @@ def _task_done(job: JobRecord, event: e.TaskSucceeded | e.TaskMarkedDone) -> Non
 
 
 def _task_failed(job: JobRecord, event: e.TaskFailed) -> None:
-    names = [one.name for one in dataclasses.fields(FailureRecord)]
+    names = [field.name for field in dataclasses.fields(FailureRecord)]
     job.failures.append(FailureRecord(**{name: getattr(event, name) for name in names}))
 
 

@@ -43,7 +43,7 @@ class Expected:
         if good and self.per_good_s is not None:
             good = f', {self.per_good_s:.2f} s per good item'
         yield f'expected: {self.per_item_s:.2f} s per item (± {self.sure_s:.2f} s){good}'
-        drawn = _named([str(one) for one in self.rates])
+        drawn = _named([str(rate) for rate in self.rates])
         yield f'  over {counted(self.items, "item")} in virtual time: {drawn}'
         if self.always:
             yield f'  no `likely`, so counted as always run: {_named(self.always)}'
@@ -52,7 +52,7 @@ class Expected:
 
     def plain(self) -> dict[str, Any]:
         """Return it as data that JSON can carry."""
-        rates = [vars(one) for one in self.rates]
+        rates = [vars(rate) for rate in self.rates]
         return {
             **vars(self),
             'per_good_s': self.per_good_s,

@@ -90,7 +90,7 @@ class RatesSeen:
         """Return how often a task failed, or its verdict refused; None: seen too few times."""
         reasons = _REPORTED if task.fails_unless is None else (Reason.RESULT_REFUSED,)
         done, *failed = self._of(
-            script, task, e.TaskSucceeded.event, *(one.value for one in reasons)
+            script, task, e.TaskSucceeded.event, *(reason.value for reason in reasons)
         )
         return _rate(task, FAILS, sum(failed), done + sum(failed))
 

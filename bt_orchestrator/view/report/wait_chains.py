@@ -48,17 +48,17 @@ def links_of(status: CellStatus) -> Links:
 class _Reader:
     def __init__(self, status: CellStatus) -> None:
         self._status = status
-        self._sections = {one.number for one in status.sections}
+        self._sections = {section.number for section in status.sections}
         self._held = {hold.component: hold for hold in status.holds if hold.component}
         self._at_work = dict(self._in_flight())
 
     def links(self) -> Links:
         status = self._status
         found = {
-            section_part(one.number): tuple(
-                self._of(section_part(one.number), one.waits, one.running)
+            section_part(section.number): tuple(
+                self._of(section_part(section.number), section.waits, section.running)
             )
-            for one in status.sections
+            for section in status.sections
         }
         belt, running = status.belt, [task for job in status.jobs for task in job.running]
         found[BELT] = tuple(self._of(BELT, belt.waits, belt.running))

@@ -88,12 +88,12 @@ class WaitLog:
 
 def _causes(state: CellState, waits: Sequence[PartWait]) -> dict[_Row, tuple[Cause, ...]]:
     """Return what each row waits for; those that work are left out."""
-    belt = [one.wait for one in waits if one.part == BELT]
+    belt = [wait.wait for wait in waits if wait.part == BELT]
     working = {(_PART, _part(key)) for key in state.running}
     found: dict[_Row, dict[Cause, None]] = defaultdict(dict)
-    for one in waits:
-        cause = cause_of(one.wait, belt)
-        for row in _rows(one):
+    for wait in waits:
+        cause = cause_of(wait.wait, belt)
+        for row in _rows(wait):
             found[row][cause] = None
     busy = {(_COMPONENT, name) for name, key in state.reserved.items() if key in state.running}
     idle = found.keys() - busy - working

@@ -152,7 +152,9 @@ def alike_lines(status: CellStatus, shell: Shell) -> list[str]:
 def next_lines(status: CellStatus, shell: Shell) -> list[str]:
     """Return what can be typed next, with what it does."""
     return [
-        f'{one.who} may: {command}   {one.effect}' if one.who else f'{command}   {one.effect}'
-        for one in next_choices(status)
-        for command in (shell.command(one.text()),)
+        f'{choice.who} may: {command}   {choice.effect}'
+        if choice.who
+        else f'{command}   {choice.effect}'
+        for choice in next_choices(status)
+        for command in (shell.command(choice.text()),)
     ]

@@ -114,7 +114,7 @@ class FollowedJobs:
 
     def ended(self) -> list[ListedJob]:
         """Return the jobs that ended and were not cleared, in the order in which they ended."""
-        return [one.job for one in self._entries.values() if one.job.status.state in OVER]
+        return [entry.job for entry in self._entries.values() if entry.job.status.state in OVER]
 
     @property
     def interrupted(self) -> str:

@@ -241,8 +241,8 @@ class Orderable:
         return self.looked_at is None or time.monotonic() >= self.looked_at + seconds
 
     def _read(self) -> tuple[Mapping[str, Declared], Mapping[str, DeclaredRecipe]]:
-        scripts = {one.name: one for one in self._files.scripts()}
-        return scripts, {one.name: one for one in self._files.recipes()}
+        scripts = {script.name: script for script in self._files.scripts()}
+        return scripts, {recipe.name: recipe for recipe in self._files.recipes()}
 
 
 # The work of each part of the server: the flat one, job control, PackML, holds.

@@ -102,9 +102,9 @@ def check_revoked(
     """
     key = issuer.public_key()
     lists = [
-        one
-        for one in revocations
-        if one.issuer == issuer.subject and one.is_signature_valid(key)  # type: ignore[arg-type]
+        revocation
+        for revocation in revocations
+        if revocation.issuer == issuer.subject and revocation.is_signature_valid(key)  # type: ignore[arg-type]
     ]
     if not lists:
         raise Untrusted(

@@ -139,7 +139,7 @@ class ConditionMethods:
     def _refresh(self, given: list[ua.Variant]) -> ua.CallMethodResult:
         """Tell one subscription, or one of its monitors, of every condition again."""
         numbers = [one.Value for one in given]
-        if not 1 <= len(numbers) <= 2 or not all(type(one) is int for one in numbers):
+        if not 1 <= len(numbers) <= 2 or not all(type(number) is int for number in numbers):
             return with_status(ua.StatusCodes.BadInvalidArgument)
         subscription, item = numbers[0], numbers[1] if len(numbers) == 2 else None
         monitors = self._space.notices.monitors(subscription, CALLER.get().session)

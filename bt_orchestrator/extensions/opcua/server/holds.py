@@ -218,7 +218,9 @@ async def _make_sources(space: Space, bridge: Bridge) -> None:
     sections = {
         f'Sections/{n}': 'a position of the belt' for n in range(1, description.sections + 1)
     }
-    components = {f'Components/{one.name}': one.action for one in description.components}
+    components = {
+        f'Components/{component.name}': component.action for component in description.components
+    }
     for path, meaning in {**sections, **components}.items():
         node = await space.object(path, meaning)
         await node.set_event_notifier([ua.EventNotifier.SubscribeToEvents])

@@ -212,7 +212,7 @@ class Shown:
 
     def _put_belt(self, status: CellStatus) -> None:
         """Show the belt and its event in one value: they belong together."""
-        slots = ', '.join(f'{one.number}={_standing(one)}' for one in status.sections)
+        slots = ', '.join(f'{section.number}={_standing(section)}' for section in status.sections)
         shown = f'{status.seq}: {slots}' if status.state is PackmlState.ABORTED else ''
         self._put('Belt', shown, status.stamp)
 

@@ -41,7 +41,7 @@ REASON = Argument('Reason', TEXT, 'why, for the record')
 
 
 def _words(requests: Iterable[Request]) -> str:
-    return ', '.join(one.word for one in requests)
+    return ', '.join(request.word for request in requests)
 
 
 SUBMIT_ORDER = (

@@ -118,7 +118,7 @@ class Space:
             self._name(path),
             answering(call, inputs),
             [one.declared for one in inputs],
-            [one.declared for one in outputs],
+            [output.declared for output in outputs],
         )
         return await self.described(node, meaning)
 
@@ -129,15 +129,15 @@ class Space:
         made = await self.server.get_node(base).add_object_type(
             self.id(name), ua.QualifiedName(name, self.idx)
         )
-        for one in fields:
-            value = [] if one.is_list else ua.get_default_value(one.type)
+        for field in fields:
+            value = [] if field.is_list else ua.get_default_value(field.type)
             node = await made.add_property(
-                self.id(f'{name}/{one.name}'),
-                ua.QualifiedName(one.name, self.idx),
-                ua.Variant(value, one.type, is_array=one.is_list),
+                self.id(f'{name}/{field.name}'),
+                ua.QualifiedName(field.name, self.idx),
+                ua.Variant(value, field.type, is_array=field.is_list),
             )
             await node.set_modelling_rule(True)
-            await self.described(node, one.meaning)
+            await self.described(node, field.meaning)
         return await self.described(made, meaning)
 
     async def instance(

@@ -143,9 +143,9 @@ class Values:
             if data_type == _ENUMERATION:
                 return ua.VariantType.Int32
             data_type = next(
-                one.NodeId
-                for one in self._space[data_type].references
-                if one.ReferenceTypeId == _HAS_SUBTYPE and not one.IsForward
+                reference.NodeId
+                for reference in self._space[data_type].references
+                if reference.ReferenceTypeId == _HAS_SUBTYPE and not reference.IsForward
             )
         return ua.VariantType(data_type.Identifier)
 

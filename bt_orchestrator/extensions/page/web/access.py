@@ -148,7 +148,7 @@ class Access:
         if wanted in {
             'localhost',
             self.host.lower(),
-            *(one.lower() for one in self.allowed_hosts),
+            *(host.lower() for host in self.allowed_hosts),
         }:
             return True
         address = address_in(wanted)

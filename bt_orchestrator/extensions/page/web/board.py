@@ -149,7 +149,7 @@ class Board:
 
 def _names(events: Iterable[Event]) -> dict[str, str]:
     """Return the names for display of those who decided something, by sequence number."""
-    decided = (one for one in events if isinstance(one, OperatorDecided) and one.who)
+    decided = (event for event in events if isinstance(event, OperatorDecided) and event.who)
     return {str(one.seq): named(one.who, one.known) for one in decided}
 
 

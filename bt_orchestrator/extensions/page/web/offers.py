@@ -112,7 +112,9 @@ def _job_offers(job: str, now: JobNow) -> Sequence[Offer]:
 def back_for(job: JobStatus, status: CellStatus) -> list[str]:
     """Return the components that a job was made without, and that are in service again."""
     without = job.anew.without if job.anew is not None else ()
-    there = (one.name for one in status.components if one.out_of_service_since is None)
+    there = (
+        component.name for component in status.components if component.out_of_service_since is None
+    )
     return [name for name in there if name in without]
 
 
@@ -158,15 +160,15 @@ def _offer(
 
 
 def _parameters(request: Request, given: set[str]) -> Iterator[dict[str, object]]:
-    for one in request.parameters:
-        if one.name not in given:
+    for parameter in request.parameters:
+        if parameter.name not in given:
             yield {
-                'name': one.name,
-                'kind': one.kind.value,
-                'meaning': one.meaning,
-                'is_required': one.is_required,
-                'choices': list(one.choices),
-                'roles': _roles(one.roles or request.roles),
+                'name': parameter.name,
+                'kind': parameter.kind.value,
+                'meaning': parameter.meaning,
+                'is_required': parameter.is_required,
+                'choices': list(parameter.choices),
+                'roles': _roles(parameter.roles or request.roles),
             }
 
 

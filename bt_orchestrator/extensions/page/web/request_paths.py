@@ -104,7 +104,11 @@ def body_at(path: str) -> Body:
     """Return what is posted to a path."""
     place, in_path, requests = PLACES[path], _IN_PATH.findall(path), _requests_at(path)
     words = {'type': 'boolean'} if place.says else {'type': 'string', 'enum': _words_at(path)}
-    parameters = {one.name: _schema(one) for request in requests for one in request.parameters}
+    parameters = {
+        parameter.name: _schema(parameter)
+        for request in requests
+        for parameter in request.parameters
+    }
     body = {name: one for name, one in {place.key: words, **parameters}.items() if name}
     needed = set.intersection(*map(_needed, requests)) | ({place.key} if not place.says else set())
     return Body(
@@ -138,7 +142,7 @@ def _words_at(path: str) -> Sequence[str]:
 
 def _needed(request: Request) -> set[str]:
     """Return the members without which a request does not go."""
-    needed = {one.name for one in request.parameters if one.is_required}
+    needed = {parameter.name for parameter in request.parameters if parameter.is_required}
     return needed | ({'reason'} if request.why is Why.FIRST else set())
 
 

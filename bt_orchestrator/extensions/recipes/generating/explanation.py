@@ -48,8 +48,8 @@ def explanation(made: Made, prices: Prices) -> Iterator[str]:
     headers = ('operation', 'section', 'component', 'capability', 'why')
     facts = [one for one in made.generated.made.values() if one.capability]
     rows = [
-        (one.operation, str(one.section), one.component, one.capability, _why(one, prices))
-        for one in facts
+        (fact.operation, str(fact.section), fact.component, fact.capability, _why(fact, prices))
+        for fact in facts
     ]
     widths = [max(map(len, column)) for column in zip(headers, *rows, strict=True)]
     for row in (headers, *rows):
@@ -82,7 +82,7 @@ def plain(
     }
     if prices:
         found['prices'] = {
-            name: [{**vars(one), 'words': one.words} for one in ways]
+            name: [{**vars(way), 'words': way.words} for way in ways]
             for name, ways in prices.items()
         }
     if kept is not None:

@@ -183,7 +183,7 @@ def origin_remark(made: Fact) -> str:
 
 def reason_remark(made: Fact) -> str:
     """Say why a component does an operation."""
-    others = [one for one in made.alternatives if one != made.component]
+    others = [alternative for alternative in made.alternatives if alternative != made.component]
     if made.why is Why.ONLY or not others:
         return made.why.value
     return f'{made.why.value}; {", ".join(others)} could too'
@@ -246,7 +246,7 @@ def outages(
 
 def _only_at(component: str, whole: Generated) -> tuple[str, ...]:
     facts = (one for one in whole.made.values() if one.capability and not one.alternatives)
-    return tuple(one.operation for one in facts if one.component == component)
+    return tuple(fact.operation for fact in facts if fact.component == component)
 
 
 def moved(old: Script, now: Generated) -> tuple[str, ...]:

@@ -146,7 +146,7 @@ class _Answers:
             return b''
         choices, without = asked
         try:
-            return pickle.dumps(tuple(self._maker.script(one, without) for one in choices))
+            return pickle.dumps(tuple(self._maker.script(choice, without) for choice in choices))
         except MemoryError:
             why = 'generating this takes more memory than a request may have; give fewer orders'
         except Exception as error:  # noqa: BLE001 - told to the client, and the next one is made

@@ -100,9 +100,9 @@ def named_results(
 ) -> Iterator[tuple[str, tuple[str, ...]]]:
     """Yield the results that the values of an operation name: whose, and the path in it."""
     options = {**operation.options, **overrides.options.get(operation.id, {})}
-    conditions = [one for one in options.values() if isinstance(one, Condition)]
+    conditions = [option for option in options.values() if isinstance(option, Condition)]
     named = [*references(operation.parameters)]
-    named += [one for condition in conditions for one in condition.references]
+    named += [reference for condition in conditions for reference in condition.references]
     if 'identifies' in options:
         named.append(Reference('results', operation.id, options['identifies']))
     for one in named:

@@ -103,7 +103,7 @@ class Reasons:
             task.id: Made(task.id, '', task.component, 0, Why.ONLY)
             for task in script.initialization
         }
-        for task in (task for one in script.sections.values() for task in one.tasks):
+        for task in (task for section in script.sections.values() for task in section.tasks):
             one = found[task.id]
             facts[task.id] = Made(
                 operation=task.id,

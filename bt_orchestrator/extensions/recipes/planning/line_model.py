@@ -46,7 +46,7 @@ class LineModel(LineRows):
     # --- the aim ----------------------------------------------------------------------------
 
     def _spread_terms(self) -> Counter[int]:
-        least = sum(min(one.us for one in ways) for ways in self._plans.choices)
+        least = sum(min(way.us for way in ways) for ways in self._plans.choices)
         share = self._units(least) // len(self._here)
         terms = self._work(self._keys)
         for section in sorted(self._here):
@@ -166,7 +166,7 @@ class LineModel(LineRows):
         return (
             not self._plans.shared
             and not self._plans.held
-            and all(one.is_alone for one in choices)
+            and all(choice.is_alone for choice in choices)
         )
 
     def exclude(self, plan: Plan) -> None:

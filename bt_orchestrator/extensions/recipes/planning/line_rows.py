@@ -69,7 +69,7 @@ class LineRows:
         for piece in range(len(ways)):
             self._model.equal({self._chosen[key]: 1 for key in self._in(piece, bool)}, 1)
         for first, second in dict.fromkeys(
-            (one.first, one.second) for one in self._plans.reach.links
+            (link.first, link.second) for link in self._plans.reach.links
         ):
             for section in sorted({one.section for one in ways[second]}):
                 self._none_before(first, second, section)

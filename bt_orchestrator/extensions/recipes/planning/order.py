@@ -26,7 +26,7 @@ class Ends:
 
 def ends(candidates: Mapping[str, Sequence[Candidate]]) -> tuple[Ends | None, list[str]]:
     """Find the ends of the line, or say why there are none."""
-    changes = {name: {one.qty_change for one in ways} for name, ways in candidates.items()}
+    changes = {name: {way.qty_change for way in ways} for name, ways in candidates.items()}
     faults = [
         f'`{name}` changes the number of items with one component, and not with another one'
         for name, found in changes.items()
@@ -45,14 +45,14 @@ def ends(candidates: Mapping[str, Sequence[Candidate]]) -> tuple[Ends | None, li
         faults.append(f'{len(good)} operations take a good item out: {quoted(good)}')
     if faults:
         return None, faults
-    rejecting = any(one.may_reject for ways in candidates.values() for one in ways)
+    rejecting = any(way.may_reject for ways in candidates.values() for way in ways)
     is_taken = any(_runs_for(candidates[name], rejected=True) for name in takes)
     widened = good[0] if rejecting and not is_taken else ''
     return Ends(places[0], tuple(takes), good[0], widened), []
 
 
 def _runs_for(ways: Sequence[Candidate], *, rejected: bool) -> bool:
-    return any(one.runs_for.includes(rejected) for one in ways)
+    return any(way.runs_for.includes(rejected) for way in ways)
 
 
 def quoted(names: Iterable[str]) -> str:
@@ -72,7 +72,7 @@ class Order:
     ) -> None:
         self._line = line
         self._candidates = candidates
-        self.before: dict[str, set[str]] = {one.id: set() for one in recipe.operations}
+        self.before: dict[str, set[str]] = {operation.id: set() for operation in recipe.operations}
         """The operations directly before each one."""
         for before, after in _written(recipe, overrides):
             if before in self.before and after in self.before and before != after:

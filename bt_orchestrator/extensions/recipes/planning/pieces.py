@@ -32,29 +32,29 @@ class Choice:
     @cached_property
     def us(self) -> int:
         """Microseconds of all its members."""
-        return sum(one.us for one in self.members)
+        return sum(member.us for member in self.members)
 
     @cached_property
     def needs_belt(self) -> bool:
         """Tell whether the belt has to rest."""
-        return any(one.needs_belt for one in self.members)
+        return any(member.needs_belt for member in self.members)
 
     @cached_property
     def may_reject(self) -> bool:
         """Tell whether the item may be rejected by it."""
-        return any(one.may_reject for one in self.members)
+        return any(member.may_reject for member in self.members)
 
     @cached_property
     def is_alone(self) -> bool:
         """Tell whether nothing may run beside it in its section."""
         return self.repeats or any(
-            one.qty_change or not one.component.workspaces for one in self.members
+            member.qty_change or not member.component.workspaces for member in self.members
         )
 
     @cached_property
     def spaces(self) -> frozenset[str]:
         """The things that no other may use at the same time."""
-        return frozenset().union(*(one.spaces for one in self.members))
+        return frozenset().union(*(member.spaces for member in self.members))
 
 
 class Pieces:
@@ -77,7 +77,7 @@ class Pieces:
             self.before[number] = sorted(found - {number})
             for other in self.before[number]:
                 self.behind[other].append(number)
-        repeated = {name for one in recipe.reworks for name in one.operations}
+        repeated = {name for rework in recipe.reworks for name in rework.operations}
         self.choices = [
             _choices([candidates[name] for name in names], names[0] in repeated)
             for names in self.members
@@ -107,8 +107,12 @@ def _closed(next_to: Sequence[Sequence[int]], numbers: range) -> list[int]:
 
 def _grouped(recipe: Recipe) -> list[tuple[str, ...]]:
     """Return the ids of each piece, in the order written."""
-    together = {name: one.operations for one in recipe.reworks for name in one.operations}
-    return list(dict.fromkeys(together.get(one.id, (one.id,)) for one in recipe.operations))
+    together = {name: rework.operations for rework in recipe.reworks for name in rework.operations}
+    return list(
+        dict.fromkeys(
+            together.get(operation.id, (operation.id,)) for operation in recipe.operations
+        )
+    )
 
 
 def _sorted(
@@ -137,6 +141,6 @@ def _choices(candidates: Sequence[Sequence[Candidate]], repeats: bool) -> list[C
     sections = {one.section for one in candidates[0]}
     found: list[Choice] = []
     for section in sorted(sections):
-        here = [[one for one in ways if one.section == section] for ways in candidates]
+        here = [[way for way in ways if way.section == section] for ways in candidates]
         found += [Choice(members, repeats) for members in product(*here)][:MOST_CHOICES]
     return found

@@ -108,7 +108,7 @@ def prices(
     return {
         name: tuple(
             prices.of(name, other)
-            for other in dict.fromkeys(one.component.name for one in ways)
+            for other in dict.fromkeys(way.component.name for way in ways)
             if other != made.made[name].component
         )
         for name, ways in able.of.items()

@@ -88,7 +88,7 @@ class PlanWriter:
 
     def _repeats(self) -> Iterator[Repeat]:
         """Yield the repeats, along the belt."""
-        times = {one.operations[0]: one.times for one in self._recipe.reworks}
+        times = {rework.operations[0]: rework.times for rework in self._recipe.reworks}
         for one in self._listed():
             names = tuple(member.operation.id for member in one.choice.members)
             if one.choice.repeats:
@@ -163,7 +163,7 @@ class PlanWriter:
 
 def chosen(plan: Plan, plans: Plans) -> dict[str, Candidate]:
     """Return the candidate of each operation, in the order of the recipe."""
-    return {one.operation.id: one for choice in plans.of(plan) for one in choice.members}
+    return {member.operation.id: member for choice in plans.of(plan) for member in choice.members}
 
 
 # The values of a task: what a recipe names, in the names of the component that was chosen.
@@ -210,7 +210,9 @@ class Values:
         match value:
             case Template(parts):
                 return Template(
-                    tuple(one if isinstance(one, str) else self._in_result(one) for one in parts)
+                    tuple(
+                        part if isinstance(part, str) else self._in_result(part) for part in parts
+                    )
                 )
             case Condition():
                 return replace(
@@ -270,17 +272,17 @@ class Plans:
         self.held = reach.held
         self.move_us = move_us
         self.choices = [
-            [one for one in ways if one.section in within]
+            [way for way in ways if way.section in within]
             for ways, within in zip(self.pieces.choices, reach.sections, strict=True)
         ]
-        self.moved = [[moved(one) for one in ways] for ways in self.choices]
+        self.moved = [[moved(way) for way in ways] for ways in self.choices]
         self.shared = self._find_shared()
         """The things that components of several sections may use; the closed form is a bound then.
         """
 
     def _find_shared(self) -> list[str]:
         where: dict[str, set[int]] = {CONVEYOR: {0}}
-        for choice in (one for ways in self.choices for one in ways):
+        for choice in (way for ways in self.choices for way in ways):
             for name in choice.spaces:
                 where.setdefault(name, set()).add(choice.section)
         return sorted(name for name, sections in where.items() if len(sections) > 1)

@@ -52,7 +52,7 @@ class OperationDraft(TaskDraft):
     @property
     def identifies(self) -> bool:
         """Tell whether its result may have the serial: it says so, or one that can do it does."""
-        able = (one.capability.options for one in self.candidates)
+        able = (candidate.capability.options for candidate in self.candidates)
         return super().identifies or any('identifies' in options for options in able)
 
     def precedes(self, other: TaskDraft) -> bool:
@@ -88,7 +88,7 @@ def given_by_all(candidates: Sequence[Candidate], does: Sequence[str]) -> Action
     """Return what every candidate tells, as the type of an action; None if there is none."""
     if not candidates:
         return None
-    first, *others = (one.given for one in candidates)
+    first, *others = (candidate.given for candidate in candidates)
     fields = {name: type_ for name, type_ in first.items() if all(name in o for o in others)}
     name = ' or '.join(f'`{one}`' for one in does)
     return ActionType(name, MessageType(name, {}), MessageType(name, fields))

@@ -51,10 +51,16 @@ class OperationReader:
     def __init__(self, draft: RecipeDraft, cell: Cell, types: ActionTypes, report: Report) -> None:
         self._draft = draft
         self._report = report
-        self._components = [one for one in cell.components.values() if one.capabilities]
-        self._types = {one.name: types.action(one.type) for one in self._components}
+        self._components = [
+            component for component in cell.components.values() if component.capabilities
+        ]
+        self._types = {
+            component.name: types.action(component.type) for component in self._components
+        }
         self._prepared = {
-            one.prepare.id: one.name for one in cell.components.values() if one.prepare
+            component.prepare.id: component.name
+            for component in cell.components.values()
+            if component.prepare
         }
         self._listed: dict[str, _Listed] = {}
         """By id; those without one of their own by a name that no id can be."""
@@ -78,9 +84,9 @@ class OperationReader:
         self._check_circles(after)
         for number, one in enumerate(self._listed.values()):
             self._add(one, number, after[one.id], before[one.id])
-        drafts = {one.id: one for one in self._draft.operations}
+        drafts = {operation.id: operation for operation in self._draft.operations}
         for members, times, place in self._repeats:
-            tasks = tuple(drafts[one] for one in members)
+            tasks = tuple(drafts[member] for member in members)
             self._draft.repeats.append(RepeatDraft(tasks, times, place))
 
     # --- the list ---------------------------------------------------------------------------
@@ -229,7 +235,7 @@ def _agreed(candidates: Sequence[Candidate]) -> dict[str, object]:
     """Return the options that hold whoever does it."""
     if not candidates:
         return {}
-    first, *others = (one.capability.options for one in candidates)
+    first, *others = (candidate.capability.options for candidate in candidates)
     return {
         name: value
         for name, value in first.items()

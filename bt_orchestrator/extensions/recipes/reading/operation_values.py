@@ -51,7 +51,7 @@ class OperationValues:
 
     def _parameter(self, entry: Entry) -> Any:
         name, candidates = entry.key.text, self._operation.candidates
-        having = [one for one in candidates if name in one.capability.parameters]
+        having = [candidate for candidate in candidates if name in candidate.capability.parameters]
         if not having:
             check_references(entry.value, self._references)
             if candidates:
@@ -111,17 +111,21 @@ class OperationValues:
 
     def _check_given(self, entry: Entry, giver: OperationDraft) -> None:
         name = entry.key.text
-        takers = [one for one in self._operation.candidates if name in one.capability.needs]
+        takers = [
+            candidate
+            for candidate in self._operation.candidates
+            if name in candidate.capability.needs
+        ]
         if self._operation.candidates and not takers:
             self._unknown(entry, 'needs', 'does not need', 'it needs')
-        for one in giver.candidates:
-            if name in one.given or name in one.capability.holds:
+        for candidate in giver.candidates:
+            if name in candidate.given or name in candidate.capability.holds:
                 for taker in takers:
-                    self._check_pair(entry, one, taker)
+                    self._check_pair(entry, candidate, taker)
             else:
-                told = [*one.given, *one.capability.holds]
+                told = [*candidate.given, *candidate.capability.holds]
                 otherwise = f'it gives {listing(told)}' if told else 'it gives nothing'
-                what = f'{one}, which does `{giver.id}`, does not give `{name}`'
+                what = f'{candidate}, which does `{giver.id}`, does not give `{name}`'
                 self._report.add(entry.value.place, what, did_you_mean(name, told, otherwise))
         if giver.task.on_failure is OnFailure.CONTINUE and giver.fields.is_sure('on_failure'):
             what = (
@@ -148,7 +152,11 @@ class OperationValues:
             self._report.add(entry.value.place, what, 'let both be of one type')
 
     def _report_missing_need(self, candidate: Candidate, name: str) -> None:
-        before = [one for one in self._draft.operations if one.precedes(self._operation)]
+        before = [
+            operation
+            for operation in self._draft.operations
+            if operation.precedes(self._operation)
+        ]
         giving = [
             one.id
             for one in before
@@ -165,7 +173,7 @@ class OperationValues:
 
     def _unknown(self, entry: Entry, key: str, lacks: str, has: str) -> None:
         """Report a name that no capability of the operation knows."""
-        each = (getattr(one.capability, key) for one in self._operation.candidates)
+        each = (getattr(candidate.capability, key) for candidate in self._operation.candidates)
         known = list(dict.fromkeys(name for names in each for name in names))
         does = ' or '.join(f'`{one}`' for one in self._operation.does)
         otherwise = f'{has} {listing(known)}' if known else 'remove it'

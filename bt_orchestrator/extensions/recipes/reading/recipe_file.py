@@ -57,8 +57,8 @@ def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> R
     draft = RecipeDraft(fields)
     read_parameters(draft, report)
     OperationReader(draft, cell, types, report).read()
-    operations = tuple(_operation(draft, one, report) for one in draft.operations)
-    conditions = {one.id: one.options.get('condition') for one in operations}
+    operations = tuple(_operation(draft, operation, report) for operation in draft.operations)
+    conditions = {operation.id: operation.options.get('condition') for operation in operations}
     check_balance(draft, report)
     check_repeats(draft, report)
     check_serials(draft.operations, report)
@@ -69,7 +69,8 @@ def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> R
         operations=operations,
         params=draft.params,
         reworks=tuple(
-            Rework(tuple(one.id for one in repeat.tasks), repeat.times) for repeat in draft.repeats
+            Rework(tuple(task.id for task in repeat.tasks), repeat.times)
+            for repeat in draft.repeats
         ),
         lots=read_lots(draft, report),
         likely=read_likely(draft.operations, conditions, report),
@@ -93,9 +94,9 @@ def _operation(draft: RecipeDraft, operation: OperationDraft, report: Report) ->
 
 def check_balance(recipe: RecipeDraft, report: Report) -> None:
     """Report what would leave an item unplaced or on the belt, or move it twice (3.2)."""
-    agreed = [_check_agreement(one, report) for one in recipe.operations]
-    placing = [one for one in recipe.operations if one.task.qty_change > 0]
-    taking = [one for one in recipe.operations if one.task.qty_change < 0]
+    agreed = [_check_agreement(operation, report) for operation in recipe.operations]
+    placing = [operation for operation in recipe.operations if operation.task.qty_change > 0]
+    taking = [operation for operation in recipe.operations if operation.task.qty_change < 0]
     for one in placing:
         check_placing(one, report)
     for one in taking:
@@ -125,7 +126,10 @@ def check_balance(recipe: RecipeDraft, report: Report) -> None:
 
 def _check_agreement(operation: OperationDraft, report: Report) -> bool:
     """Tell whether all that can do it move the item alike; report it if not."""
-    changes = {one.capability.options.get('qty_change', 0): one for one in operation.candidates}
+    changes = {
+        candidate.capability.options.get('qty_change', 0): candidate
+        for candidate in operation.candidates
+    }
     if len(changes) > 1:
         first, second = list(changes.values())[:2]
         what = f'{first} and {second} change the quantity differently'

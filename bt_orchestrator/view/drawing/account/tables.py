@@ -70,7 +70,7 @@ def _signed(one: Bar) -> str:
 
 def stops(sheet: Html, shown: Figures) -> None:
     """Write the Pareto of the stops: how long, how often, the share of them and all above."""
-    found = [one for one in shown.times.stops if one.is_shown]
+    found = [stop for stop in shown.times.stops if stop.is_shown]
     if not found:
         return
     columns = (Column(''), BAR, *_numbers('time', 'times', 'so far'))
@@ -148,13 +148,13 @@ def repairs(sheet: Html, shown: Figures) -> None:
         return
     columns = (Column('component'), *_numbers('failures', 'down', 'MTBF', 'MTTR'))
     body = add_table(sheet, 'Components that failed', columns)
-    for one in shown.times.repairs:
+    for repair in shown.times.repairs:
         times: tuple[Fraction | int, ...] = (
-            one.down_us,
-            shown.mtbf_us(one),
-            shown.mttr_us(one),
+            repair.down_us,
+            shown.mtbf_us(repair),
+            shown.mttr_us(repair),
         )
-        texts = (one.component, str(one.failures), *map(duration, times))
+        texts = (repair.component, str(repair.failures), *map(duration, times))
         add_row(body, map(TableCell, texts), columns)
 
 

@@ -146,7 +146,7 @@ def _tiles(sheet: Html, item: ItemHistory) -> None:
     if item.started is not None and item.ended is not None:
         _tile(tiles, duration(item.ended - item.started), 'on the line')
     _tile(tiles, duration(worked_s(item)), 'worked on')
-    attempts = [one for one in item.tasks if one.started is not None]
+    attempts = [task for task in item.tasks if task.started is not None]
     _tile(tiles, str(len(attempts)), 'attempts')
     failed = _failed(item)
     _tile(tiles, str(failed), 'of them failed', is_bad=bool(failed))
@@ -193,7 +193,7 @@ def _times(sheet: Html, item: ItemHistory) -> None:
 
 
 def _failed(item: ItemHistory) -> int:
-    return sum(one.outcome == FAILED for one in item.tasks)
+    return sum(task.outcome == FAILED for task in item.tasks)
 
 
 # --- the story ----------------------------------------------------------------------------------

@@ -126,9 +126,9 @@ class Account:
         if shown.lack is not None:
             said.append(LACKS[shown.lack])
         said += [
-            f'orders waited for {duration(one.us)}: {one.detail}'
-            for one in shown.times.stops
-            if one.loss is Loss.ORDERS_WAIT and is_seen(one.us)
+            f'orders waited for {duration(stop.us)}: {stop.detail}'
+            for stop in shown.times.stops
+            if stop.loss is Loss.ORDERS_WAIT and is_seen(stop.us)
         ]
         if shown.unpaced:
             named = ', '.join(shown.unpaced)
@@ -246,11 +246,11 @@ def _by_summary(reading: Reading, job: str, journal: str) -> Period:
 
     :raises NothingToReport: there are none
     """
-    known = next((one for one in reading.summaries() if one.job == job), None)
+    known = next((summary for summary in reading.summaries() if summary.job == job), None)
     if known is not None and known.started is not None and known.ended is not None:
         steady = steady_time(reading)
         moments = [us_of(known.started), us_of(known.ended)]
-        shown = Planned.of(steady.when_shown((one, one + 1) for one in moments)).pieces
+        shown = Planned.of(steady.when_shown((moment, moment + 1) for moment in moments)).pieces
         begin, end = shown[0][0], shown[-1][1] - 1
         if next(booked(reading, begin, end), None) is not None:
             return Period.all_planned(f'job {job}', begin, end, steady)

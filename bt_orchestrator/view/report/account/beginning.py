@@ -142,7 +142,7 @@ class _Beginning:
         self._used = [*(self._used[:1] or [begin]), self._now]
 
     def _within(self, begin: int, until: int) -> list[int]:
-        return [one for one in self._borders if begin < one < until]
+        return [border for border in self._borders if begin < border < until]
 
     def _add_parts(self, slot: Slot) -> None:
         """Add a steady slot, a part of it for each stretch of planned or other time."""

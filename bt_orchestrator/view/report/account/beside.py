@@ -77,7 +77,7 @@ class Group(NamedTuple):
     @property
     def has_targets(self) -> bool:
         """Tell whether the plant wants something of any row."""
-        return any(one.target is not None for one in self.rows)
+        return any(row.target is not None for row in self.rows)
 
 
 class Column(NamedTuple):
@@ -111,7 +111,7 @@ class Beside:
     @property
     def known(self) -> tuple[Column, ...]:
         """The columns with an account."""
-        return tuple(one for one in self.columns if one.account is not None)
+        return tuple(column for column in self.columns if column.account is not None)
 
     def groups(self, by: By | None) -> tuple[Group, ...]:
         """Return all rows."""
@@ -132,7 +132,7 @@ class Beside:
 
     @property
     def _figures(self) -> list[Figures]:
-        return [one.account.figures for one in self.columns if one.account is not None]
+        return [column.account.figures for column in self.columns if column.account is not None]
 
     def _row(self, figure: Figure) -> Row:
         def value(made: Account | None) -> Fraction | None:
@@ -143,7 +143,7 @@ class Beside:
             figure.name,
             figure.title,
             figure.unit,
-            tuple(value(one.account) for one in self.columns),
+            tuple(value(column.account) for column in self.columns),
             value(self.together),
             self.together.period.targets.get(figure.name),
         )
@@ -176,10 +176,12 @@ class Beside:
         return tuple(
             Largest(
                 bar,
-                tuple(one for one in shown.times.stops if one.loss is bar.loss and one.is_shown),
+                tuple(
+                    stop for stop in shown.times.stops if stop.loss is bar.loss and stop.is_shown
+                ),
                 tuple(
                     sorted(
-                        (one for one in shown.times.holds if one.loss is bar.loss),
+                        (hold for hold in shown.times.holds if hold.loss is bar.loss),
                         key=lambda one: -one.lost_us,
                     )
                 ),

@@ -49,8 +49,8 @@ def _one_column(report: Beside, by: By | None) -> Iterator[str]:
         return
     titles = [row.title for row in groups[0].rows]
     rows = [
-        (one.name, *(row.unit.words(row.together) or UNKNOWN for row in one.rows))
-        for one in groups
+        (group.name, *(row.unit.words(row.together) or UNKNOWN for row in group.rows))
+        for group in groups
     ]
     yield from table(('', *titles), rows)
 
@@ -58,7 +58,7 @@ def _one_column(report: Beside, by: By | None) -> Iterator[str]:
 def titles(report: Beside, group: Group) -> tuple[str, ...]:
     """Return the heads of a group's table, beside that of its first column."""
     target = ('target',) if group.has_targets else ()
-    return (*(one.title for one in report.columns), 'together', 'trend', *target)
+    return (*(column.title for column in report.columns), 'together', 'trend', *target)
 
 
 def texts(row: Row, group: Group) -> tuple[str, ...]:
@@ -77,7 +77,7 @@ def judged(report: Beside) -> Iterator[str]:
             yield f'{row.title} reached its target of {target} in {row.reached} of {of}'
     extremes = report.extremes()
     if extremes is not None:
-        best, worst = (f'{one.title} ({percent(_first(one))})' for one in extremes)
+        best, worst = (f'{extreme.title} ({percent(_first(extreme))})' for extreme in extremes)
         yield f'best {best}, worst {worst}'
 
 
@@ -110,13 +110,13 @@ def causes(report: Beside, loss: Largest) -> Iterator[str]:
 def beside_plain(report: Beside, by: By | None) -> dict[str, Any]:
     """Return the report as JSON carries it; times in seconds, null: not known."""
     extremes = report.extremes()
-    best, worst = (None, None) if extremes is None else (one.title for one in extremes)
+    best, worst = (None, None) if extremes is None else (extreme.title for extreme in extremes)
     period = report.together.period
     return {
         'cell': report.together.figures.times.cell or None,
         'by': None if by is None else by.value,
-        'columns': [_column(one) for one in report.columns],
-        'groups': [_group(one) for one in report.groups(by)],
+        'columns': [_column(column) for column in report.columns],
+        'groups': [_group(group) for group in report.groups(by)],
         'best': best,
         'worst': worst,
         'largest_losses': [
@@ -146,7 +146,7 @@ def _column(column: Column) -> dict[str, Any]:
 
 
 def _group(group: Group) -> dict[str, Any]:
-    return {'name': group.name or None, 'rows': [_row(one) for one in group.rows]}
+    return {'name': group.name or None, 'rows': [_row(row) for row in group.rows]}
 
 
 def _row(row: Row) -> dict[str, Any]:

@@ -139,7 +139,7 @@ def day_columns(
 def shift_columns(shifts: Shifts, last: date, count: int, now: float) -> list[tuple[str, Period]]:
     """Return the shifts of days in a row that have begun, each with a short title."""
     turns = turns_on(shifts, _days_to(last, count), zone_of(shifts))
-    begun = [one for one in turns if one.period.begin_us < us_of(now)]
+    begun = [turn for turn in turns if turn.period.begin_us < us_of(now)]
     return [
         (
             f'{one.shift} {one.day:%m-%d}',

@@ -83,7 +83,7 @@ class ItemsAtWork:
 
     def plain(self) -> dict[str, Any]:
         """Return what it knows, as JSON carries it."""
-        jobs = [to_plain(one) for one in self._jobs.values()]
+        jobs = [to_plain(job) for job in self._jobs.values()]
         return {'jobs': jobs, 'nonconforming': sorted(self._nonconforming)}
 
     def go_on_from(self, plain: Mapping[str, Any]) -> None:

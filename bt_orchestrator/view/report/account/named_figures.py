@@ -119,10 +119,10 @@ def _of_made(name: str, by: By) -> tuple[Figure, ...]:
 
 def _of_component(name: str) -> tuple[Figure, ...]:
     def stops(shown: Figures) -> list[Stop]:
-        return [one for one in shown.times.stops if one.component == name and one.is_shown]
+        return [stop for stop in shown.times.stops if stop.component == name and stop.is_shown]
 
     def repairs(shown: Figures) -> Repairs | None:
-        return next((one for one in shown.times.repairs if one.component == name), None)
+        return next((repair for repair in shown.times.repairs if repair.component == name), None)
 
     def mtbf(shown: Figures) -> Fraction | None:
         failed = repairs(shown)
@@ -140,8 +140,10 @@ def _of_component(name: str) -> tuple[Figure, ...]:
         return sum(one.times for one in shown.times.failing if one.component == name)
 
     return (
-        Figure('lost', 'lost', Unit.SECONDS, lambda shown: sum(one.us for one in stops(shown))),
-        Figure('stops', 'stops', Unit.COUNT, lambda shown: sum(one.times for one in stops(shown))),
+        Figure('lost', 'lost', Unit.SECONDS, lambda shown: sum(stop.us for stop in stops(shown))),
+        Figure(
+            'stops', 'stops', Unit.COUNT, lambda shown: sum(stop.times for stop in stops(shown))
+        ),
         Figure('failures', 'failures', Unit.COUNT, failures),
         Figure('mtbf', 'MTBF', Unit.SECONDS, mtbf),
         Figure('mttr', 'MTTR', Unit.SECONDS, mttr),

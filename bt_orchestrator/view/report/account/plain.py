@@ -34,14 +34,14 @@ def account_plain(account: Account) -> dict[str, Any]:
         'waterfall': [_bar(bar) for bar in shown.waterfall()],
         'losses': {bar.loss.value: seconds_of(bar.us) for bar in shown.waterfall() if bar.loss},
         'jobs': [_job(shown, number) for number in range(len(times.made))],
-        'stops': [{**summed(one), 'loss': one.loss.value} for one in times.stops],
+        'stops': [{**summed(stop), 'loss': stop.loss.value} for stop in times.stops],
         'holds': [held_plain(held, account.period) for held in times.holds],
         'holds_left_out': {
             'count': times.holds_left_out,
             'seconds': {loss.value: seconds_of(us) for loss, us in times.left_out_us.items()},
         },
         'failed_attempts': [summed(one) for one in times.failing],
-        'components': [_component(shown, one) for one in times.repairs],
+        'components': [_component(shown, repair) for repair in times.repairs],
     }
 
 

@@ -75,7 +75,7 @@ class Slot:
     @property
     def is_one_stop(self) -> bool:
         """Tell whether the line stood all the time for what had stopped it before."""
-        return not self.producing_us and [(one.begun, one.goes_on) for one in self.stops] == [
+        return not self.producing_us and [(stop.begun, stop.goes_on) for stop in self.stops] == [
             (0, True)
         ]
 
@@ -87,16 +87,16 @@ class Slot:
         is_first = begin == self.begin_us
         stops = (
             one if is_first else replace(one, begun=0, goes_on=True)
-            for one in (replace(one, us=us) for one in self.stops)
+            for one in (replace(stop, us=us) for stop in self.stops)
         )
         holds = (
             replace(
-                one,
-                stood_us=us if one.stood_us == whole else 0,
-                lost_us=us if one.lost_us == whole else 0,
-                down_us=us if one.down_us == whole else 0,
+                hold,
+                stood_us=us if hold.stood_us == whole else 0,
+                lost_us=us if hold.lost_us == whole else 0,
+                down_us=us if hold.down_us == whole else 0,
             )
-            for one in self.holds
+            for hold in self.holds
         )
         return replace(
             self,

@@ -180,10 +180,10 @@ class OpenSlot:
     def go_on_from(self, slot: Slot) -> None:
         """Know what a slot that was not complete has added up."""
         self.now, self._producing = slot.until_us, slot.producing_us
-        self._stops = {(one.loss, one.detail, one.component): one for one in slot.stops}
-        self._released = [one for one in slot.holds if one.released_us is not None]
-        self._held = {one.hold: one for one in slot.holds if one.released_us is None}
-        self._before = {one.hold for one in slot.holds if one.raised_us <= slot.begin_us}
+        self._stops = {(stop.loss, stop.detail, stop.component): stop for stop in slot.stops}
+        self._released = [hold for hold in slot.holds if hold.released_us is not None]
+        self._held = {hold.hold: hold for hold in slot.holds if hold.released_us is None}
+        self._before = {hold.hold for hold in slot.holds if hold.raised_us <= slot.begin_us}
         self._made = {(one.job, one.digest): one for one in slot.made}
         for one in slot.failed:
             key = (one.component, one.task, one.reason)
@@ -211,13 +211,13 @@ class OpenSlot:
             stop.begun += not stretch.goes_on
             stop.goes_on |= stretch.goes_on and is_first
         busy = is_busy(cause)
-        for one in holds:
-            held = self._held.get(one.hold) or self._stands(one, is_first=is_first)
+        for hold in holds:
+            held = self._held.get(hold.hold) or self._stands(hold, is_first=is_first)
             held.stood_us += us
-            if cause is not None and cause.hold == one.hold:
+            if cause is not None and cause.hold == hold.hold:
                 held.loss = cause.loss
                 held.lost_us += us
-            if one.component and busy:
+            if hold.component and busy:
                 held.down_us += us
 
     def _stands(self, held: Held, *, is_first: bool) -> Held:
@@ -268,9 +268,9 @@ class OpenSlot:
 
         :param open_holds: that stand, as they are told by now
         """
-        for one in open_holds:
-            if one.hold in self._held:
-                self._held[one.hold].told_as(one)
+        for hold in open_holds:
+            if hold.hold in self._held:
+                self._held[hold.hold].told_as(hold)
         holds, rest = self._told()
         return Slot(
             self.begin,

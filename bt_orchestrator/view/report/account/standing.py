@@ -52,17 +52,19 @@ class OrdersAtHand:
     @property
     def any(self) -> bool:
         """Tell whether there is work (as `CellState.has_work`)."""
-        return any(one.is_at_hand for one in self._orders.values())
+        return any(order.is_at_hand for order in self._orders.values())
 
     @property
     def waits_for(self) -> str:
         """The obstacles to the start of all orders; empty: there is no order."""
-        return '; '.join(sorted({why for one in self._orders.values() for why in one.waits_for}))
+        return '; '.join(
+            sorted({why for order in self._orders.values() for why in order.waits_for})
+        )
 
     @property
     def all_paused(self) -> bool:
         """Tell whether there are jobs on the line, and an operator has paused all of them."""
-        line = [one.paused for one in self._orders.values() if one.started]
+        line = [order.paused for order in self._orders.values() if order.started]
         return bool(line) and all(line)
 
     def follow(self, event: e.Event) -> None:
@@ -262,7 +264,7 @@ class Standing:
         """Return what it knows, as JSON carries it."""
         return {
             'spans': [to_record(one) for one in self.spans.open()],
-            'holds': [to_record(one) for one in self.holds.values()],
+            'holds': [to_record(hold) for hold in self.holds.values()],
             'state': to_plain(self._state),
             'stop_reason': to_plain(self._stop_reason),
             'stop_words': self._stop_words,

@@ -60,7 +60,7 @@ class SteadyTime:
         self._ahead_us = ahead_us
         self.since = self.known = since
         """Steps up to this event are known."""
-        self.steps = [Step(*one) for one in steps]
+        self.steps = [Step(*step) for step in steps]
         self._wall: int | None = None
         """The clock's time at the last event that was taken in."""
         self._wall_before: int | None = None

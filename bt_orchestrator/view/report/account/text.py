@@ -82,12 +82,12 @@ def stop_lines(times: Times) -> Iterator[str]:
     """Yield the stops that cost most."""
     rows = [
         (
-            ', '.join(filter(None, (WORDS[one.loss].title, one.about))),
-            str(one.times),
-            duration(one.us),
+            ', '.join(filter(None, (WORDS[stop.loss].title, stop.about))),
+            str(stop.times),
+            duration(stop.us),
         )
-        for one in times.stops
-        if one.is_shown
+        for stop in times.stops
+        if stop.is_shown
     ]
     yield from _pareto(('', 'times', 'time'), rows)
 

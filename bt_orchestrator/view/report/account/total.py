@@ -194,8 +194,8 @@ class Total:
     def _sorted_stops(self) -> tuple[Stop, ...]:
         """Return the stops, the longest first."""
         found = (
-            Stop(one.loss, one.detail, one.component, one.begun, one.us)
-            for one in self._stops.values()
+            Stop(stop.loss, stop.detail, stop.component, stop.begun, stop.us)
+            for stop in self._stops.values()
         )
         return tuple(
             sorted(found, key=lambda one: (-one.us, one.loss.value, one.detail, one.component))

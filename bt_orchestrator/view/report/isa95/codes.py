@@ -61,7 +61,7 @@ def has_all(states: Sequence[State], wanted: Sequence[State]) -> bool:
 
     A state is known by its number, or by its text where that is 0.
     """
-    return all(any(_is(one, other) for one in states) for other in wanted)
+    return all(any(_is(state, other) for state in states) for other in wanted)
 
 
 def are_known(wanted: Sequence[State]) -> bool:

@@ -132,7 +132,7 @@ def changes(
 
 def _other_source(order: JobOrder, now: ListedJob, read: _Reading) -> dict[str, object]:
     """Return what names the script or recipe of a job, if it is to be another one."""
-    name, was = next((one.id for one in order.work_masters), ''), now.choice
+    name, was = next((master.id for master in order.work_masters), ''), now.choice
     if not read.of_recipe:
         is_same = not name or (was is None and name == now.status.script)
         return {} if is_same else {'script': name}
@@ -146,7 +146,7 @@ def _other_source(order: JobOrder, now: ListedJob, read: _Reading) -> dict[str, 
 
 def reason_in(order: JobOrder) -> str:
     """Return the reason that an order carries as a parameter; empty: none."""
-    found = (one.value for one in order.parameters if one.id == REASON)
+    found = (parameter.value for parameter in order.parameters if parameter.id == REASON)
     return next((one.text if isinstance(one, Text) else str(one) for one in found), '')
 
 
@@ -164,7 +164,7 @@ def _read(
     :param was: what the job that it changes was made from
     :raises Unfit: with every finding
     """
-    name = next((one.id for one in order.work_masters), '')
+    name = next((master.id for master in order.work_masters), '')
     of_recipe = name in recipes
     if was is not None:
         of_recipe = of_recipe or not name or name in was.recipes
@@ -266,26 +266,26 @@ class _Reading:
 
     def _read_params(self, where: str, parameters: Iterable[Parameter]) -> Iterator[Finding]:
         """Read parameters of the script; the cell knows which those are."""
-        for one in parameters:
-            value = _scalar(one.value)
-            place = f'{where}.{one.id}'
-            if not one.id:
+        for parameter in parameters:
+            value = _scalar(parameter.value)
+            place = f'{where}.{parameter.id}'
+            if not parameter.id:
                 yield Finding(where, 'a parameter has no ID', _MALFORMED)
-            elif one.parts:
+            elif parameter.parts:
                 yield Finding(place, 'a parameter of a script has no sub-parameters')
             elif value is None:
                 expected = 'expected a boolean, a number or a text'
-                yield Finding(place, f'{expected}, found {one.value!r}', _MALFORMED)
-            elif one.id in self.params and self.params[one.id] != value:
-                yield Finding(place, f'is given twice: {self.params[one.id]!r}, {value!r}')
+                yield Finding(place, f'{expected}, found {parameter.value!r}', _MALFORMED)
+            elif parameter.id in self.params and self.params[parameter.id] != value:
+                yield Finding(place, f'is given twice: {self.params[parameter.id]!r}, {value!r}')
             else:
-                self.params[one.id] = value
+                self.params[parameter.id] = value
 
     def _read_resources(self) -> Iterator[Finding]:
         for name, attribute in RESOURCES.items():
             resources = getattr(self.order, attribute)
             if resources:
-                self.details[name] = [dict(one) for one in resources]
+                self.details[name] = [dict(resource) for resource in resources]
         for one in self.order.equipment:
             id_ = one.get('ID')
             if self.components and id_ not in self.components:
@@ -306,9 +306,9 @@ class _Reading:
 def _with_first(parameters: Iterable[Parameter]) -> Iterator[tuple[Parameter, bool]]:
     """Yield parameters, and whether they are the first of their name."""
     before: set[str] = set()
-    for one in parameters:
-        yield one, one.id not in before
-        before.add(one.id)
+    for parameter in parameters:
+        yield parameter, parameter.id not in before
+        before.add(parameter.id)
 
 
 def _scalar(value: object) -> str | int | float | bool | None:

@@ -177,7 +177,7 @@ def b2mml(response: JobResponse) -> dict[str, object]:
     for name, moment in (('StartTime', response.start), ('EndTime', response.end)):
         if moment is not None:
             plain[name] = iso_time(moment)
-    plain['JobState'] = '/'.join(one.text for one in response.states)
+    plain['JobState'] = '/'.join(state.text for state in response.states)
     if response.lots:
         plain['MaterialActual'] = [_material(*lot) for lot in response.lots]
     plain['JobResponseData'] = [

@@ -73,7 +73,7 @@ def named_to_plain(parameter: Parameter) -> object:
     if parameter.unit:
         plain['EngineeringUnits'] = parameter.unit
     if parameter.parts:
-        plain['Subparameters'] = {one.id: named_to_plain(one) for one in parameter.parts}
+        plain['Subparameters'] = {part.id: named_to_plain(part) for part in parameter.parts}
     return plain
 
 

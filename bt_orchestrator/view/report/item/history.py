@@ -192,9 +192,9 @@ class ItemHistory:
     def work(self) -> list[Span]:
         """The times in which its tasks ran."""
         return [
-            Span(one.started, one.ended)
-            for one in self.tasks
-            if one.started is not None and one.ended is not None
+            Span(task.started, task.ended)
+            for task in self.tasks
+            if task.started is not None and task.ended is not None
         ]
 
 

@@ -140,7 +140,7 @@ def time_uses(history: ItemHistory) -> list[TimeUse]:
     taken = history.work
     worked_s = covered_s(taken)
     waited: dict[tuple[str, str], float] = {}
-    told = {*history.idle, *(waited for one in history.tasks for waited in one.waited)}
+    told = {*history.idle, *(waited for task in history.tasks for waited in task.waited)}
     for one in sorted(told, key=lambda w: w.start):
         span = Span(one.start, one.end)
         more_s = covered_s([*taken, span]) - covered_s(taken)

@@ -111,7 +111,7 @@ class Retrospect:
         """Yield how long each component worked; those with the largest differences first."""
         runs = self.forecast.busy_us, self.real.busy_us
         pairs = [
-            Pair(name, *(one.get(name, 0) for one in runs)) for name in {**runs[0], **runs[1]}
+            Pair(name, *(run.get(name, 0) for run in runs)) for name in {**runs[0], **runs[1]}
         ]
         yield from sorted(pairs, key=lambda pair: (-abs(pair.more), pair.what))
 
@@ -131,7 +131,7 @@ class Retrospect:
 
     def first_deviation(self) -> Deviation | None:
         """Return the first attempt that failed, was not forecast, or ended early or late."""
-        return next((one for one in self._pairs() if self._deviates(one)), None)
+        return next((pair for pair in self._pairs() if self._deviates(pair)), None)
 
     def worst_deviation(self) -> Deviation | None:
         """Return the attempt that ended earliest or latest against its forecast."""

@@ -81,13 +81,13 @@ def _tasks(found: Retrospect) -> Iterator[str]:
     pairs = list(found.tasks())
     rows = [
         (
-            f'{one.component} {one.name}',
-            str(one.times),
-            _each(one.forecast_us, one.times),
-            _each(one.real_us, one.times),
-            _more(one.more_us),
+            f'{pair.component} {pair.name}',
+            str(pair.times),
+            _each(pair.forecast_us, pair.times),
+            _each(pair.real_us, pair.times),
+            _more(pair.more_us),
         )
-        for one in pairs[:MOST_TASKS]
+        for pair in pairs[:MOST_TASKS]
     ]
     if rows:
         yield from table(('', 'times', 'forecast each', 'real each', 'difference'), rows)
@@ -169,17 +169,17 @@ def retrospect_plain(found: Retrospect) -> dict[str, Any]:
         'components': [_plain_times(pair) for pair in found.busy()],
         'tasks': [
             {
-                'component': one.component,
-                'task': one.name,
-                'times': one.times,
-                'forecast_s': seconds_of(one.forecast_us),
-                'real_s': seconds_of(one.real_us),
+                'component': task.component,
+                'task': task.name,
+                'times': task.times,
+                'forecast_s': seconds_of(task.forecast_us),
+                'real_s': seconds_of(task.real_us),
             }
-            for one in found.tasks()
+            for task in found.tasks()
         ],
         'first_deviation': _deviation(found, found.first_deviation()),
         'worst_deviation': _deviation(found, found.worst_deviation()),
-        'stops': [{**summed(one), 'loss': one.loss.value} for one in times.stops],
+        'stops': [{**summed(stop), 'loss': stop.loss.value} for stop in times.stops],
         'holds': [held_plain(held, period_of(found)) for held in times.holds],
         'failed_attempts': [summed(one) for one in times.failing],
     }

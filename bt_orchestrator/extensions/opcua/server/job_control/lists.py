@@ -39,7 +39,7 @@ class JobLists:
         self._orders = {
             job.status.id: self._order(job, self._orders.get(job.status.id)) for job in jobs
         }
-        return listed([one.structure for one in self._orders.values()])
+        return listed([order.structure for order in self._orders.values()])
 
     def responses(self, jobs: Sequence[ListedJob], interrupted: str) -> ua.Variant:
         """Return the value of JobOrderResponseList: of the jobs that have started.
@@ -51,7 +51,7 @@ class JobLists:
             for job in jobs
             if has_response(job.status)
         }
-        return listed([one.structure for one in self._responses.values()])
+        return listed([response.structure for response in self._responses.values()])
 
     def _order(self, job: ListedJob, made: _Made | None) -> _Made:
         status = job.status

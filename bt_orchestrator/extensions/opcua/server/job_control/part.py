@@ -118,7 +118,7 @@ class JobControl:
 
     def _put_constants(self) -> None:
         description = self._bridge.description
-        names = [description.conveyor, *(one.name for one in description.components)]
+        names = [description.conveyor, *(component.name for component in description.components)]
         stamp = self._bridge.status.stamp
         text = ua.VariantType.String
         lists = {'EquipmentID': sorted(set(names)), **{name: [] for name in _EMPTY}}
@@ -222,7 +222,7 @@ class Results:
         if not are_known(states):
             return answer(ReturnStatus.WRONG_STATE, listed([]))
         responses = (response_of(job, self._jobs.followed.interrupted) for job in self._shown())
-        found = [one for one in responses if has_all(one.states, states)]
+        found = [response for response in responses if has_all(response.states, states)]
         return answer(ReturnStatus.DONE, listed(list(map(self._structures.response, found))))
 
     def _response(self, job: ListedJob) -> object:
@@ -245,7 +245,10 @@ class WorkMasters:
         files, scripts = self._bridge.orderable, self._bridge.known.scripts
         made_from = (files.looked_at, tuple(scripts))
         if made_from != self._made_from:
-            heard = {one.name: _master(one.name, one.params.values()) for one in scripts.values()}
+            heard = {
+                script.name: _master(script.name, script.params.values())
+                for script in scripts.values()
+            }
             read = {
                 name: _master(name, one.params.values()) for name, one in files.scripts.items()
             }
@@ -266,10 +269,10 @@ def _master(name: str, params: Iterable[Declared], about: str = '') -> WorkMaste
         about,
         tuple(
             Parameter(
-                one.name,
-                one.default,
-                (Text(f'{one.type}, {"required" if one.required else "optional"}', 'en'),),
+                param.name,
+                param.default,
+                (Text(f'{param.type}, {"required" if param.required else "optional"}', 'en'),),
             )
-            for one in params
+            for param in params
         ),
     )

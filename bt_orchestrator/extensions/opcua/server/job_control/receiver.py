@@ -68,8 +68,11 @@ class Receiver:
         :raises Unfit: the order cannot be taken like this
         """
         description = self._bridge.description
-        components = [description.conveyor, *(one.name for one in description.components)]
-        name = next((one.id for one in order.work_masters), '')
+        components = [
+            description.conveyor,
+            *(component.name for component in description.components),
+        ]
+        name = next((master.id for master in order.work_masters), '')
         recipes = await self._bridge.orderable.recipe_names(name)
         if method is job_control.UPDATE:
             return changes(order, await self._now(order.id), components, recipes)

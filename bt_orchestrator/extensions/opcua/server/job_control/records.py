@@ -102,7 +102,7 @@ class Records:
         if found.job is None:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadNotFound)
         items = list(found.job.items.values())
-        names = [one.item for one in items]
+        names = [item.item for item in items]
         if after and after not in names:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadInvalidArgument)
         first = names.index(after) + 1 if after else 0

@@ -68,14 +68,18 @@ def order_from(structure: Any) -> JobOrder:
 def states_from(structures: Iterable[Any]) -> list[State]:
     """Return the states that a client asks for; that of the order has no browse path."""
     return [
-        State(one.StateText.Text or '', one.StateNumber, _machine_in(one.BrowsePath))
-        for one in structures
+        State(
+            structure.StateText.Text or '',
+            structure.StateNumber,
+            _machine_in(structure.BrowsePath),
+        )
+        for structure in structures
     ]
 
 
 def comment_from(comments: Iterable[ua.LocalizedText]) -> str:
     """Return a comment, a list of localized texts: the first one, in whatever language."""
-    return next((one.Text for one in comments if one.Text), '')
+    return next((comment.Text for comment in comments if comment.Text), '')
 
 
 def plain_of(value: Any) -> Any:
@@ -91,7 +95,7 @@ def plain_of(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [plain_of(one) for one in value]
     if dataclasses.is_dataclass(value):
-        names = (one.name for one in dataclasses.fields(value) if one.name != 'Encoding')
+        names = (field.name for field in dataclasses.fields(value) if field.name != 'Encoding')
         found = {name: plain_of(getattr(value, name)) for name in names}
         return {name: one for name, one in found.items() if one not in (None, '', [])}
     return value if isinstance(value, (bool, int, float, str)) or value is None else str(value)
@@ -169,7 +173,7 @@ class Structures:
             ORDER,
             JobOrderID=order.id,
             Description=_texts(order.description),
-            WorkMasterID=[work_master(one) for one in order.work_masters],
+            WorkMasterID=[work_master(master) for master in order.work_masters],
             StartTime=_time(order.start),
             EndTime=_time(order.end),
             Priority=order.priority,
@@ -200,11 +204,11 @@ class Structures:
         return [
             _made(
                 STATE,
-                BrowsePath=self._path(one.machine),
-                StateText=ua.LocalizedText(one.text, 'en'),
-                StateNumber=one.number,
+                BrowsePath=self._path(state.machine),
+                StateText=ua.LocalizedText(state.text, 'en'),
+                StateNumber=state.number,
             )
-            for one in states
+            for state in states
         ]
 
     def _path(self, machine: str) -> ua.RelativePath:
@@ -248,13 +252,13 @@ def _parameters(parameters: Sequence[Parameter]) -> list[Any] | None:
     return [
         _made(
             PARAMETER,
-            ID=_clean(one.id),
-            Value=_variant(one.id, one.value),
-            Description=_texts(one.description),
-            EngineeringUnits=_unit(one.unit) if one.unit else None,
-            Subparameters=_parameters(one.parts),
+            ID=_clean(parameter.id),
+            Value=_variant(parameter.id, parameter.value),
+            Description=_texts(parameter.description),
+            EngineeringUnits=_unit(parameter.unit) if parameter.unit else None,
+            Subparameters=_parameters(parameter.parts),
         )
-        for one in parameters
+        for parameter in parameters
     ] or None
 
 
@@ -303,7 +307,7 @@ _TYPES: Mapping[type, ua.VariantType] = {
 
 
 def _resource(type_: str, plain: Mapping[str, object]) -> Any:
-    names = {one.name for one in dataclasses.fields(getattr(ua, type_))} - {'Encoding'}
+    names = {field.name for field in dataclasses.fields(getattr(ua, type_))} - {'Encoding'}
     found = {name: _resource_field(name, plain[name]) for name in names if name in plain}
     return _made(type_, **found)
 
@@ -333,7 +337,7 @@ def _text(text: Text) -> ua.LocalizedText:
 
 
 def _texts(texts: Sequence[Text]) -> list[ua.LocalizedText] | None:
-    return [_text(one) for one in texts] or None
+    return [_text(text) for text in texts] or None
 
 
 def _time(seconds: float | None) -> datetime | None:

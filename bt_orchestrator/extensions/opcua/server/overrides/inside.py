@@ -62,7 +62,9 @@ class Inside(InternalServer):
     @property
     def sessions(self) -> list[Session]:
         """Those of clients, also such as wait for their client to come back."""
-        return [one for one in self._external_sessions.values() if isinstance(one, Session)]
+        return [
+            session for session in self._external_sessions.values() if isinstance(session, Session)
+        ]
 
 
 # Calls of methods: a method says by its exception what was wrong.
@@ -135,7 +137,7 @@ class Evaluator(Original):  # type: ignore[misc, valid-type]
         if element.FilterOperator is ua.FilterOperator.OfType:
             return is_of_type(self._aspace, event.EventType, self._eval_op(operands[0], event))
         if element.FilterOperator in _NULL_IS_FALSE and any(
-            self._eval_op(one, event) is None for one in operands
+            self._eval_op(operand, event) is None for operand in operands
         ):
             return False
         return super()._eval_el(index, event)

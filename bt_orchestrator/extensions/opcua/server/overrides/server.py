@@ -154,7 +154,11 @@ class Connection(OPCUAProtocol):
 
     def _make_room(self) -> None:
         """Close an old connection when too many wait for a login."""
-        pending = [one for one in self.clients if isinstance(one, Connection) and one.is_pending]
+        pending = [
+            client
+            for client in self.clients
+            if isinstance(client, Connection) and client.is_pending
+        ]
         if len(pending) <= limits.PENDING:
             return
         busiest, _ = Counter(one.host for one in pending).most_common(1)[0]

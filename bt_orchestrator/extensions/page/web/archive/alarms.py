@@ -43,7 +43,7 @@ def alarms_page(look: Look, choice: Choice) -> dict[str, Any]:
         event = event_of(record)
         if event is not None:
             fold.follow(event)
-    found = [one for one in fold.alarms if choice.has(one)]
+    found = [alarm for alarm in fold.alarms if choice.has(alarm)]
     return {
         'alarms': [_plain(one, fold.now_us) for one in reversed(found[-MOST:])],
         'counts': [

@@ -180,7 +180,7 @@ class _Routes:
     async def component(self, request: Request) -> Response:
         name = request.path_params['component']
         described = self._cell.description
-        names = [one.name for one in described.components] if described else [name]
+        names = [component.name for component in described.components] if described else [name]
         if name not in names:
             raise Problem(404, f'there is no component {name}; one of {", ".join(names)}')
         return await self._history(Subject(component=name))

@@ -69,9 +69,10 @@ def history_of(
         fold.follow(event)
     fold.until(now)
     return {
-        'cycles': [_cycle(one) for one in reversed(fold.cycles)],
+        'cycles': [_cycle(cycle) for cycle in reversed(fold.cycles)],
         'failures': [
-            {**one._asdict(), 'said': said_in_each(one.message)} for one in reversed(fold.failures)
+            {**failure._asdict(), 'said': said_in_each(failure.message)}
+            for failure in reversed(fold.failures)
         ],
         'running': [one._asdict() for one in fold.in_flight()],
         'time_in': {state: round(seconds, 3) for state, seconds in fold.time_in.items()},
@@ -101,7 +102,7 @@ def _last_events(look: Look, subject: Subject) -> list[Event]:
 
 
 def _cycle(cycle: Cycle) -> dict[str, Any]:
-    return {**vars(cycle), 'tasks': [one._asdict() for one in cycle.tasks]}
+    return {**vars(cycle), 'tasks': [task._asdict() for task in cycle.tasks]}
 
 
 def _tasks(fold: WorkFold, described: CellDescription | None) -> dict[str, Any]:

@@ -68,7 +68,8 @@ def job_with_items(look: Look, job: str) -> dict[str, Any] | None:
         'items': list(map(_item, items[-MOST_ITEMS:])),
         'left_out': max(0, len(items) - MOST_ITEMS),
         'failures': [
-            {**plain_but(one), 'said': said_in_each(one.message)} for one in record.failures
+            {**plain_but(failure), 'said': said_in_each(failure.message)}
+            for failure in record.failures
         ],
         'has_beginning': record.complete,
         'is_whole': record.complete and not look.damage,
@@ -106,7 +107,7 @@ def _note_steps(look: Look, record: JobRecord, seqs: Mapping[str, tuple[int, int
     first = min(first for first, _ in seqs.values())
     last = max(last for _, last in seqs.values())
     wanted = Wanted(after_seq=first, before_seq=last, events=(e.ClockStepped.event,))
-    steps = [one for one in events(look, wanted) if isinstance(one, e.ClockStepped)]
+    steps = [event for event in events(look, wanted) if isinstance(event, e.ClockStepped)]
     if not steps:
         return
     subjects: dict[str, JobRecord | ItemRecord] = {record.job: record, **record.items}

@@ -51,7 +51,8 @@ class TaskParts:
         :param now: the moment of the status
         """
         self._nominal = {
-            one.name: (one.durations_s, one.default_duration_s) for one in description.components
+            component.name: (component.durations_s, component.default_duration_s)
+            for component in description.components
         }
         self._holds, self._held, self._now = holds, held_tasks(holds), now
 
@@ -204,8 +205,8 @@ def why_part(status: CellStatus) -> dict[str, object]:
             for one in found
         ],
         'causes': [
-            {**plain(one.root), 'is_ordinary': one.is_ordinary, 'waiting': list(one.waiting)}
-            for one in causes(found, status.state)
+            {**plain(cause.root), 'is_ordinary': cause.is_ordinary, 'waiting': list(cause.waiting)}
+            for cause in causes(found, status.state)
         ],
     }
 

@@ -67,7 +67,7 @@ class Questions:
             return {
                 'before': _ends(found.before, moment),
                 'after': _ends(found.after, moment),
-                'jobs': [_changed(one, moment.now_s) for one in found.changes],
+                'jobs': [_changed(change, moment.now_s) for change in found.changes],
                 'refusals': list(found.refusals),
                 'unknown': _said(found.unknown),
                 'notes': list(found.notes),
@@ -90,7 +90,7 @@ class Questions:
             offer = arrange_offer(found.order, found.queue_digest) if found.is_new else None
             return {
                 **found._asdict(),
-                'jobs': [_proposed(one, moment.now_s) for one in found.jobs],
+                'jobs': [_proposed(job, moment.now_s) for job in found.jobs],
                 'unknown': _said(found.unknown),
                 'offer': offer,
                 'left_out': max(0, queued - QUEUE_SHOWN),
@@ -169,7 +169,7 @@ def _said(reasons: Mapping[str, str]) -> dict[str, dict[str, str]]:
 
 
 def _ends(jobs: Sequence[ExpectedJob], moment: Moment) -> list[Body]:
-    return [{'job': one.job, 'ends': _time(one.ends_s, moment.now_s)} for one in jobs]
+    return [{'job': job.job, 'ends': _time(job.ends_s, moment.now_s)} for job in jobs]
 
 
 def _changed(job: JobChange, now_s: float) -> Body:

@@ -90,16 +90,16 @@ def parameters(params: Iterable[Parameter]) -> list[dict[str, Any]]:
     """Return parameters for a form."""
     return [
         {
-            'name': one.name,
-            'type': one.type,
+            'name': param.name,
+            'type': param.type,
             'meaning': '',
-            'default': to_plain(one.default),
+            'default': to_plain(param.default),
             'choices': [],
             'minimum': None,
             'maximum': None,
-            'is_required': one.required,
+            'is_required': param.required,
         }
-        for one in params
+        for param in params
     ]
 
 
@@ -108,11 +108,11 @@ def _recipe(recipe: DeclaredRecipe, cell: Cell | None) -> dict[str, Any]:
         'name': recipe.name,
         'versions': [
             {
-                'version': one.version,
-                'parameters': parameters(one.params.values()),
-                'bind': list(_choices(one, cell)),
+                'version': version.version,
+                'parameters': parameters(version.params.values()),
+                'bind': list(_choices(version, cell)),
             }
-            for one in recipe.versions
+            for version in recipe.versions
         ],
     }
 
