@@ -139,8 +139,8 @@ def _lots(
         name, value = entry.key.text, entry.value
         check_name(name, 'lot name', entry.key.place, report)
         if not isinstance(value, Scalar) or not has_reference(value):
-            what = f'`{name}` must refer to the order, but it is {found(value)}'
-            hint = f'write for instance `{name}: "${{params.{name}_lot}}"`'
+            what = f'{quoted(name)} must refer to the order, but it is {found(value)}'
+            hint = 'write for instance `glue: "${params.glue_lot}"`'
             report.add(value.place, what, hint)
             continue
         read = references.template(value)
@@ -148,6 +148,7 @@ def _lots(
             continue
         template, type_ = read
         if is_single(template) and type_ is not None and type_.kind not in _NAMED:
-            what = f'`{name}` must be text or a whole number, but {quoted(str(template))} is'
+            lot, given = quoted(name), quoted(str(template))
+            what = f'{lot} must be text or a whole number, but {given} is'
             report.add(value.place, f'{what} {in_words(type_)}', 'refer to a value of that type')
         yield name, template

@@ -64,6 +64,7 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
         for word in (
             'retry',
             'again',
+            'change',
             'mark_done',
             'skip',
             'reject',

@@ -12,7 +12,7 @@ import yaml
 from fakes import little_memory
 from fakes.files_read import KINDS, refusal
 from fakes.profiles import examples
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from bt_orchestrator.script.json_schema import SCHEMA_FILES
@@ -89,6 +89,7 @@ def test_any_text_is_read_or_refused_with_a_place(name: str, text: str) -> None:
 
 
 @examples(100, 4_000)
+@example('trees/reference_process.yaml', {'lots': {'\n': None}}, None)
 @given(st.sampled_from(KINDS), STRUCTURES, st.sampled_from((None, True, False)))
 def test_any_structure_is_read_or_refused_with_a_place(
     name: str, data: Any, flow: bool | None

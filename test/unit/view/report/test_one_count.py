@@ -95,7 +95,9 @@ def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
     state, events = run.state, [from_record(one) for one in run.records]
     status = Overview(run.sim.orchestrator).status(run.now)
     fold, followed, counter = JobFold(), FollowedJobs(), packml.Counter()
-    account = AccountFold(Planned.of([(us_of(events[0].time), us_of(run.now) + 1)]), is_whole=True)
+    account = AccountFold(
+        Planned.of([(us_of(events[0].time) - 1, us_of(run.now) + 1)]), is_whole=True
+    )
     for event in events:
         fold.follow(event)
         followed.follow(event)
@@ -166,7 +168,9 @@ def in_items_csv(record: JobRecord) -> Numbers:
 
 
 def _only(status: CellStatus, job: str) -> CellStatus:
-    jobs = tuple(replace(one, position=0) for one in status.jobs if one.id == job)
+    jobs = tuple(
+        replace(one, position=min(one.position, 1)) for one in status.jobs if one.id == job
+    )
     return replace(status, jobs=jobs)
 
 
