@@ -61,7 +61,7 @@ class Proposing:
         :param now_s: the moment, on the clock of the state
         """
         self._begin, self._now_s = begin, now_s
-        with closing(self._begun()) as run:
+        with closing(begin()) as run:  # before a cell that stands starts by itself, as runs do
             self._line = list(run.state.jobs.line.values())
             self._queue = run.state.jobs.queue(most=QUEUE_SHOWN)
             self._digest = queue_digest(run.state.jobs)
@@ -103,16 +103,10 @@ class Proposing:
             best.changeover_ms / 1000,
         )
 
-    def _begun(self) -> RunOn:
-        """Return a run in which all has happened that is due at the moment."""
-        run = self._begin()
-        run.orchestrator.settle()
-        return run
-
     def _run(self, order: Order, change: int) -> _Run:
         """Return what an order leads to."""
         names = [self._queue[at].job.id for at in order]
-        with closing(self._begun()) as run:
+        with closing(self._begin()) as run:
             if order != tuple(sorted(order)):
                 wanted = ask('queue.arrange', _BY, jobs=names, queue_digest=self._digest)
                 answer = run.orchestrator.ask(wanted)

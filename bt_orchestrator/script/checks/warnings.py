@@ -98,7 +98,8 @@ def _of_script(read: ReadScript, cell: Cell) -> tuple[Finding, ...]:
     listed = chain.from_iterable(script.sections[n].tasks for n in sorted(script.sections))
     nodes = _task_nodes(compose(read_text(read.path), Report('')))
     told: set[Kind] = set()
-    for task, node in zip(chain(script.initialization, listed), nodes, strict=True):
+    written = (task for task in script.initialization if not task.is_implied)
+    for task, node in zip(chain(written, listed), nodes, strict=True):
         kind = task.component, task.name
         without_time = timeless_words(kind, cell)
         if without_time is not None and kind not in told:

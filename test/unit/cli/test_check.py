@@ -10,6 +10,7 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.glue_cell import CELL as GLUE_CELL
 from fakes.glue_cell import RECIPE
+from fakes.line import Line, expanded, with_section
 from fakes.script_texts import CELL
 from fakes.script_texts import LINE as GOOD_ONLY
 from fakes.shipped import REFERENCE_CELL, ROOT, STUCK, TREES
@@ -429,3 +430,15 @@ def test_the_place_of_a_task_in_a_group_is_found(files: Files) -> None:
 def test_the_shipped_scripts_have_no_warnings(capsys: pytest.CaptureFixture[str]) -> None:
     assert checked(*sorted(TREES.glob('*.yaml')), '--strict') == 0
     assert capsys.readouterr().err == ''
+
+
+def test_changes_that_setups_imply_stand_in_no_file_and_are_no_warning(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    change = 'changes: {gripper: {task: TASK_C, argument: special_argument_1}}'
+    keys = f'setups: {{gripper: [small, large]}}, {change}'
+    (tmp_path / 'cell.yaml').write_text(Line(keys={'a2': keys}, seconds={'a2': 3.0}).text)
+    text = expanded(with_section(2, '- {id: work, @a2, setup: {gripper: small}}'))
+    (tmp_path / 'small.yaml').write_text(f'script: small\n{text}')
+    assert checked(tmp_path / 'small.yaml', cell=tmp_path / 'cell.yaml') == 0
+    assert 'fits cell test_line' in capsys.readouterr().out

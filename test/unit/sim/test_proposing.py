@@ -359,3 +359,16 @@ def test_a_long_queue_is_guessed_with_its_changes() -> None:
     assert not found.is_best
     assert found.new_changeover_s == pytest.approx(15.0)
     assert found.changeover_s > 60.0
+
+
+def test_the_queue_of_a_cell_that_does_not_start_by_itself_takes_what_is_proposed_for_it() -> None:
+    simulation = Simulation(LINE.cell, TYPES, MemoryStore(), auto_start=False)
+    for job in (order('A', 3), order('B', 1, 20.0)):
+        assert simulation.orchestrator.ask(AddJobs((job,), BY)).accepted
+    simulation.orchestrator.settle()
+    assert not simulation.state.jobs.line
+    found = proposed(simulation)
+    assert [(one.job, one.new_place) for one in found.jobs] == [('B', 1), ('A', 2)]
+    answer = simulation.orchestrator.ask(Arrange(found.order, found.queue_digest, BY))
+    assert answer.accepted, answer.message
+    simulation.close()

@@ -36,8 +36,8 @@ def beside_text(report: Beside, by: By | None) -> Iterator[str]:
         rows = [texts(row, group) for row in group.rows]
         yield from table((group.name, *titles(report, group)), rows)
     if by is None:
-        yield ''
-        yield from judged(report)
+        said = list(judged(report))
+        yield from ['', *said] if said else []
         yield from titled('largest losses', _largest(report))
 
 
