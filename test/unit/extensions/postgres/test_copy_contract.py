@@ -10,6 +10,7 @@ from contextlib import closing, redirect_stdout
 from pathlib import Path
 
 import pytest
+from contract.kept_tables import DamagedTables
 from contract.records_contract import Kept, KeptRecordsContract
 from contract.written_events import events
 from postgres_server import PostgresServer
@@ -27,7 +28,7 @@ from bt_orchestrator.store.sqlite.restoring import bring_back
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
-class _Copied:
+class _Copied(DamagedTables):
     """A journal file; before anybody reads, a feed copies what is new in it."""
 
     def __init__(self, address: str, folder: Path) -> None:
@@ -65,21 +66,6 @@ class _Copied:
         scripts = [KeptScript('digest', '{}')]
         self._store.keep_books(Books(self._store.history, 0, True, slots, states, scripts))
         self._is_new = True
-
-    def spoil(self, seq: int) -> None:
-        self.change(f"UPDATE events SET record = replace(record, '{seq}', '7') WHERE seq = {seq}")
-
-    def lose(self, first: int, last: int) -> None:
-        self.change(f'DELETE FROM events WHERE seq BETWEEN {first} AND {last}')
-
-    def spoil_book(self, begin_us: int) -> None:
-        self.change(f"UPDATE book_slots SET slot = '{{}}' WHERE begin_us = {begin_us}")
-        newest = '(SELECT max(seq) FROM book_states)'
-        self.change(f"UPDATE book_states SET state = '{{}}' WHERE seq = {newest}")
-        self.change("UPDATE book_scripts SET script = 'x'")
-
-    def spoil_summary(self, job: str) -> None:
-        self.change(f"UPDATE jobs SET summary = replace(summary, '3', '4') WHERE job = '{job}'")
 
     def change(self, statement: str) -> None:
         """Do what a damaged disk of the database does."""

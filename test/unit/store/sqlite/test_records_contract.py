@@ -8,13 +8,12 @@ from contextlib import closing, contextmanager
 from itertools import chain
 from pathlib import Path
 
+from contract.kept_tables import WrittenTables
 from contract.records_contract import Kept, KeptRecordsContract, RecordsContract, Written
 
-from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.ports import Records, Snapshot
+from bt_orchestrator.ports import Records
 from bt_orchestrator.store.sqlite import schema
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
@@ -24,7 +23,7 @@ def _store(path: Path) -> SqliteStore:
     return SqliteStore(path, synchronous='NORMAL')
 
 
-class _File:
+class _File(WrittenTables):
     """A journal in a file, and who reads it; between two writes no node has it."""
 
     def __init__(self, folder: Path) -> None:
@@ -39,42 +38,6 @@ class _File:
         with closing(_store(self.path)) as store:
             yield store
         self.records = SqliteRecords(self.path)
-
-    def append(self, events: Sequence[Event]) -> None:
-        with self.node() as store:
-            store.append(events)
-
-    def save(self, ended: Sequence[JobRecord]) -> None:
-        last = self.records.extent().last_seq
-        with self.node() as store:
-            store.save(Snapshot(last, 'stamp', '{}'), ended)
-
-    def remove(self, before: int) -> None:
-        with self.node() as store:
-            store.begin_with(Snapshot(before - 1, 'stamp', '{}'))
-            while store.remove_batch(before):
-                pass
-
-    def spoil(self, seq: int) -> None:
-        self.change(f"UPDATE events SET record = replace(record, '{seq}', '7') WHERE seq = {seq}")
-
-    def lose(self, first: int, last: int) -> None:
-        self.change(f'DELETE FROM events WHERE seq BETWEEN {first} AND {last}')
-
-    def book(self, slots: Sequence[KeptSlot], states: Sequence[KeptState]) -> None:
-        history = self.records.extent().history
-        scripts = [KeptScript('digest', '{}')]
-        with self.node() as store:
-            store.keep_books(Books(history, 0, True, slots, states, scripts))
-
-    def spoil_book(self, begin_us: int) -> None:
-        self.change(f"UPDATE book_slots SET slot = '{{}}' WHERE begin_us = {begin_us}")
-        newest = '(SELECT max(seq) FROM book_states)'
-        self.change(f"UPDATE book_states SET state = '{{}}' WHERE seq = {newest}")
-        self.change("UPDATE book_scripts SET script = 'x'")
-
-    def spoil_summary(self, job: str) -> None:
-        self.change(f"UPDATE jobs SET summary = replace(summary, '3', '4') WHERE job = '{job}'")
 
     def change(self, statement: str) -> None:
         """Do what a damaged disk does."""
