@@ -8,7 +8,7 @@ from typing import Any
 
 from bench.rows import Row, percentile
 from bt_orchestrator.view.drawing.canvas import Box
-from bt_orchestrator.view.drawing.style import ALARM, SLOT_FILL
+from bt_orchestrator.view.drawing.label import ALARM, SLOT_FILL
 from bt_orchestrator.view.drawing.svg import Svg
 
 WIDTH, ROW, LEFT, RIGHT, TOP = 760.0, 30.0, 210.0, 20.0, 50.0

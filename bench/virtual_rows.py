@@ -30,8 +30,7 @@ from bt_orchestrator.model.proof.pace import PacedLine, pace
 from bt_orchestrator.ros.types.status_messages import StatusWriter
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.script_file import parse_script, read_script
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.sim.pace_judge import PaceJudge
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.store.memory import MemoryStore

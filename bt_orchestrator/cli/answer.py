@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from bt_orchestrator.cli.command_parser import in_one_line
 from bt_orchestrator.cli.door import ask_and_print, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.requests import About, requests_about
 from bt_orchestrator.model.requests.alike import why_singly
 from bt_orchestrator.model.state import Hold

@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
 from bt_orchestrator.cli.node_options import origin
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event

@@ -20,9 +20,8 @@ from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.view.drawing.card import Sheet, details
-from bt_orchestrator.view.drawing.label import Entry, Label, Text
+from bt_orchestrator.view.drawing.label import FAINT, FONT, INK, PAPER, Entry, Label, Text
 from bt_orchestrator.view.drawing.picture import TreePicture
-from bt_orchestrator.view.drawing.style import FAINT, FONT, INK, PAPER
 from bt_orchestrator.view.drawing.svg import xml_text
 
 JOB = 'JOB'

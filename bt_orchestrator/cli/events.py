@@ -19,12 +19,10 @@ from bt_orchestrator.base.extending import PARQUET, of_others
 from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
 from bt_orchestrator.cli.journal_file import open_records, say_damage
-from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
-from bt_orchestrator.cli.numbers import whole
-from bt_orchestrator.cli.output import cannot_write, opened
+from bt_orchestrator.cli.numbers import add_period_options, whole
+from bt_orchestrator.cli.output import WrongUse, cannot_write, opened
 from bt_orchestrator.cli.reporting.each_cell import each_cell, with_cell
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event, OrchestratorStarted
 from bt_orchestrator.model.keeping.journal_place import journal_place

@@ -14,6 +14,7 @@ from bt_orchestrator.base.diagnosis.ros_environment import keep_to_this_computer
 from bt_orchestrator.base.errors import JournalAway, OrchestratorError, Refused
 from bt_orchestrator.base.extending import ExtensionMissing
 from bt_orchestrator.cli.command_parser import CommandParser
+from bt_orchestrator.cli.output import WrongUse, print_mistakes
 from bt_orchestrator.cli.verbs import (
     GROUPS,
     PROGRAM,
@@ -25,7 +26,6 @@ from bt_orchestrator.cli.verbs import (
     help_line,
     is_verb,
 )
-from bt_orchestrator.cli.wrong_use import WrongUse, print_mistakes
 from bt_orchestrator.ros.fast_dds import keep_off_shared_memory
 
 _NO_TEXT = (

@@ -10,9 +10,8 @@ from bt_orchestrator.base.errors import OrchestratorError, Refused
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.folders import shipped
 from bt_orchestrator.cli.numbers import seconds, whole
-from bt_orchestrator.cli.output import cannot_write
+from bt_orchestrator.cli.output import WrongUse, cannot_write
 from bt_orchestrator.cli.verbs import PROGRAM
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.cell_file import CELL_FILE
 from bt_orchestrator.script.cell_keys import MOST_SECTIONS

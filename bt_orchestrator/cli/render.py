@@ -18,8 +18,7 @@ from bt_orchestrator.cli.draw_tree import draw_tree
 from bt_orchestrator.cli.folders import script_folders
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import seconds
-from bt_orchestrator.cli.output import cannot_write
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse, cannot_write
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.script import Script

@@ -11,7 +11,7 @@ from bt_orchestrator.cli.command_parser import in_one_line
 from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.ordering.order_request import give_orders
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.requests import REQUESTS, TABLE, Kind, Parameter, Request, Why
 from bt_orchestrator.script.given_values import results_of
 

@@ -15,7 +15,7 @@ from bt_orchestrator.cli.folders import (
     recipe_folders,
     script_folders,
 )
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.ports import EventSink
 from bt_orchestrator.ros.node_parameters import NodeParameters, Words, described
 

@@ -11,7 +11,7 @@ from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.here import add_cell_option
 from bt_orchestrator.cli.numbers import factor, seconds
-from bt_orchestrator.cli.wrong_use import print_mistakes
+from bt_orchestrator.cli.output import print_mistakes
 
 DESCRIPTION = """\
 Start a real ROS 2 action server for every component of a cell file and for its conveyor. They have
@@ -125,7 +125,7 @@ def _simulate(args: argparse.Namespace, stop: StopSignals) -> int:
     from bt_orchestrator.ros.types.action_types import InstalledActionTypes
     from bt_orchestrator.ros.types.messages import InstalledInterfaces
     from bt_orchestrator.script.cell_file import read_cell
-    from bt_orchestrator.sim.controllers.goal_log import GoalLog, UnusableLog
+    from bt_orchestrator.sim.controllers.component_server import GoalLog, UnusableLog
     from bt_orchestrator.sim.controllers.node import Setup
     from bt_orchestrator.sim.controllers.options import (
         Pace,

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 from bt_orchestrator.base.errors import NotKept
 from bt_orchestrator.cli.door import open_door
-from bt_orchestrator.cli.moments import moment
 from bt_orchestrator.cli.node_options import add_node_options
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.numbers import moment
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.status import CellStatus

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.script.users.file import UsersFile, default_file
 from bt_orchestrator.script.users.passwords import BadPassword, check

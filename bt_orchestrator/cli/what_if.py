@@ -19,9 +19,9 @@ from bt_orchestrator.cli.folders import (
     script_folders,
 )
 from bt_orchestrator.cli.node_options import add_node_options
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.cli.verbs import command_of, is_verb
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import Asked

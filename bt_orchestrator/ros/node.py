@@ -45,8 +45,8 @@ from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.executor.executors import make_executor, soon, spin_once
 from bt_orchestrator.ros.executor.heart import Heart, Pulse
 from bt_orchestrator.ros.identity import Presence
+from bt_orchestrator.ros.inspection.snapshot_source import TickStatistics
 from bt_orchestrator.ros.inspection.start import start_inspection
-from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.memory import collect_rarely, give_back, widen_buffers
 from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.parameters import declare

@@ -32,8 +32,7 @@ from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import US, us_of
 from bt_orchestrator.view.report.past_state import state_at
 from bt_orchestrator.view.report.reading import Reading
-from bt_orchestrator.view.report.retrospect.course import CourseFold
-from bt_orchestrator.view.report.retrospect.retrospect import Retrospect
+from bt_orchestrator.view.report.retrospect.retrospect import CourseFold, Retrospect
 
 LOOK_BACK_US = 3600 * US
 """A task at work when the job starts is found if it began within this time before."""

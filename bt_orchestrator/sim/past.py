@@ -19,7 +19,7 @@ from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Goal, Records
-from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualClock
 from bt_orchestrator.view.report.past_state import state_at
 
 MOST_TICKS = 1000

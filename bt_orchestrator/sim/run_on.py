@@ -26,8 +26,7 @@ from bt_orchestrator.model.judging.used_ids import text_of
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import RESTARTED
 from bt_orchestrator.ports import ActionTypes, EventSink, Snapshot
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.sim.virtual_client import VirtualGoal
 
 CYCLES_RUN = 40

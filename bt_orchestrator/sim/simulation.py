@@ -20,8 +20,7 @@ from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import PartWait, Wait, WaitKind
 from bt_orchestrator.ports import ActionTypes, EventSink, EventStore
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 
 
 class Outcome(Enum):

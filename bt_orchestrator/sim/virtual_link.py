@@ -34,8 +34,7 @@ from bt_orchestrator.ports import (
     Watch,
 )
 from bt_orchestrator.ports.following import Follower
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 
 
 class VirtualLink:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from bt_orchestrator.extensions.opcua.mes.alarms import STOP_IDS
 from bt_orchestrator.extensions.opcua.mes.packml import COMMANDS, STATE_NUMBERS, WITHOUT
-from bt_orchestrator.extensions.opcua.mes.stop_ids import STOP_IDS
 from bt_orchestrator.extensions.opcua.server import simple
 from bt_orchestrator.extensions.opcua.server.packml_values import VALUE_MEANINGS
 from tables.markdown import cell, table

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.uptime import Uptime
-from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualClock
 
 
 class SetClock(VirtualClock):

@@ -14,8 +14,7 @@ from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.ports import Bookkeeping
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 TYPES = FakeActionTypes()

@@ -36,7 +36,7 @@ from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
 from bt_orchestrator.model.packml import VERBS, possible_in
 from bt_orchestrator.model.proof.deadlock import deadlock
-from bt_orchestrator.model.requests.possible import of_job
+from bt_orchestrator.model.requests.offers import of_job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state.proposed import queue_digest
 from bt_orchestrator.model.stop_reason import AFTER, NEVER

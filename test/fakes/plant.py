@@ -13,7 +13,7 @@ from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualClock
 from bt_orchestrator.store.sqlite.restoring import bring_back
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

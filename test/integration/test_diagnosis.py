@@ -19,8 +19,8 @@ from thread_servers import ThreadServers
 from bt_orchestrator.base.diagnosis.check import Check, Verdict
 from bt_orchestrator.cli import doctor
 from bt_orchestrator.ros.diagnosis.cell import cell_on_graph, tree_node
-from bt_orchestrator.ros.diagnosis.exchange import exchange
 from bt_orchestrator.ros.diagnosis.graph import Graph
+from bt_orchestrator.ros.diagnosis.participant import exchange
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.script.cell_file import parse_cell
 

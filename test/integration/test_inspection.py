@@ -20,9 +20,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from watching_client import LATCHED, Snapshot
 
-from bt_orchestrator.ros.inspection import library_tree, server, start
-from bt_orchestrator.ros.inspection.library_tree import NoLibrary
-from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
+from bt_orchestrator.ros.inspection import server, start
+from bt_orchestrator.ros.inspection.snapshot_source import TickStatistics
+from bt_orchestrator.ros.inspection.start import NoLibrary
 from bt_orchestrator.ros.inspection.tree_messages import TreeMessages
 
 pytestmark = pytest.mark.every_distro
@@ -158,7 +158,7 @@ def test_without_the_message_types_the_node_runs_and_warns_once(
 def test_a_library_that_is_missing_is_named_with_how_to_get_it(
     context: Context, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(library_tree, 'LIBRARY', 'no_such_library')
+    monkeypatch.setattr(start, 'LIBRARY', 'no_such_library')
     with pytest.raises(NoLibrary) as refused:
         start_on_node(context, 'py_trees_ros')
     assert 'no_such_library was asked for, and it is not installed; ' in str(refused.value)
@@ -172,7 +172,7 @@ def test_a_library_that_lacks_something_says_what(
     (tmp_path / 'half_library' / '__init__.py').write_text('')
     (tmp_path / 'half_library' / 'trees.py').write_text('import tf2_that_is_missing')
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr(library_tree, 'LIBRARY', 'half_library')
+    monkeypatch.setattr(start, 'LIBRARY', 'half_library')
     with pytest.raises(NoLibrary, match='cannot be loaded: No module named'):
         start_on_node(context, 'py_trees_ros')
 

@@ -27,7 +27,7 @@ for port in /dev/shm/fast*_port*[0-9]; do
     mkdir "${port}_el" "${port}_sl"
 done
 "$0" -c '
-from bt_orchestrator.ros.diagnosis.exchange import exchange
+from bt_orchestrator.ros.diagnosis.participant import exchange
 print(exchange({}))'
 """
 

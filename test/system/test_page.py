@@ -17,7 +17,7 @@ from program_process import PATIENCE_S
 from web.sse_client import Message, SseClient
 
 from bt_orchestrator.cli.journal_file import open_records
-from bt_orchestrator.cli.moments import moment
+from bt_orchestrator.cli.numbers import moment
 from bt_orchestrator.view.report.account.account import account
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.plain import account_plain

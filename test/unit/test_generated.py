@@ -99,5 +99,5 @@ def parameter_file() -> dict[str, Any]:
 
 def default_stream() -> list[str]:
     """Return the names of a table that cannot be imported without ROS 2."""
-    source = text_of('bt_orchestrator/ros/inspection/parameters.py')
+    source = text_of('bt_orchestrator/ros/inspection/snapshot_streams.py')
     return re.findall(r"^    '(\w+)': \(", source, re.MULTILINE)

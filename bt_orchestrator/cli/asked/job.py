@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping
 
-from bt_orchestrator.cli.asked.derived import actions_about, given, run_request
-from bt_orchestrator.cli.asked.typed import TYPED
+from bt_orchestrator.cli.asked.derived import TYPED, actions_about, given, run_request
 from bt_orchestrator.cli.command_parser import Action
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.requests import REQUESTS, About
 
 DESCRIPTION = """\

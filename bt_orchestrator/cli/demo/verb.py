@@ -25,8 +25,8 @@ from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.numbers import factor, port
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.watch import live_or, say
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import JobQueued

@@ -10,7 +10,7 @@ from typing import IO
 
 from bt_orchestrator.cli.here import add_journal_option
 from bt_orchestrator.cli.journal_file import open_records, say_damage
-from bt_orchestrator.cli.moments import add_period_options
+from bt_orchestrator.cli.numbers import add_period_options
 from bt_orchestrator.cli.output import opened
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.view.report.alarms import (

@@ -9,7 +9,7 @@ from datetime import datetime
 from typing import NamedTuple
 
 from bt_orchestrator.base.errors import OrchestratorError
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
 from bt_orchestrator.model.records import Wanted

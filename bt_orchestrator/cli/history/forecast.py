@@ -7,7 +7,7 @@ from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.history.chart import refuse_too_many
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.sim.looking_back import LookingBack, Watchers
 from bt_orchestrator.view.drawing.gantt import End, GanttFold

@@ -8,8 +8,8 @@ from pathlib import Path
 from bt_orchestrator.cli.here import add_journal_option
 from bt_orchestrator.cli.history import forecast
 from bt_orchestrator.cli.history.forecast import add_forecast_options
-from bt_orchestrator.cli.moments import add_period_options
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.numbers import add_period_options
+from bt_orchestrator.cli.output import WrongUse
 
 DESCRIPTION = """\
 Print the jobs of a journal, oldest first: when they ran, how they ended, how many items became

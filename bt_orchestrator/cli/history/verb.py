@@ -19,9 +19,8 @@ from bt_orchestrator.cli.history.options import (
     refuse_contradictions,
 )
 from bt_orchestrator.cli.journal_file import open_records, say_damage
-from bt_orchestrator.cli.output import opened
+from bt_orchestrator.cli.output import WrongUse, opened
 from bt_orchestrator.cli.reporting.each_cell import each_cell, with_cell
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, job_to_plain
 from bt_orchestrator.model.keeping.journal_place import JournalPlace

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import cast
 
 from bt_orchestrator.cli.journal_file import open_journal
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.keeping.journal_place import journal_place
 from bt_orchestrator.store.shared.copying import copy_journal
 from bt_orchestrator.store.shared.journal import KeptJournal

@@ -12,8 +12,8 @@ from bt_orchestrator.base.errors import counted
 from bt_orchestrator.cli.command_parser import allowed
 from bt_orchestrator.cli.door import ask_and_print, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.processes.planning_process import PlanningProcess
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import REQUESTS
 from bt_orchestrator.ports import Proposal, ProposedJob

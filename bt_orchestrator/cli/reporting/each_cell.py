@@ -9,7 +9,7 @@ from pathlib import Path
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.journal_file import journals_of
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.codec import json_of
 
 

@@ -16,7 +16,7 @@ from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.numbers import seconds
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.view.report.account.calendar import Now, day_on, shift_at

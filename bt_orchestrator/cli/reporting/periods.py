@@ -9,8 +9,8 @@ from datetime import date
 from pathlib import Path
 
 from bt_orchestrator.base.errors import OrchestratorError
-from bt_orchestrator.cli.moments import add_period_options
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.numbers import add_period_options
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.plant.shifts import DAYS, Shift, Shifts
 from bt_orchestrator.script.report import did_you_mean, listing
 from bt_orchestrator.script.shifts.shifts_file import read_shifts

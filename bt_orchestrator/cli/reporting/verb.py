@@ -14,11 +14,10 @@ from typing import IO
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.here import add_journal_option
 from bt_orchestrator.cli.journal_file import open_records, say_damage
-from bt_orchestrator.cli.output import opened
+from bt_orchestrator.cli.output import WrongUse, opened
 from bt_orchestrator.cli.reporting.each_cell import each_cell, with_cell
 from bt_orchestrator.cli.reporting.following import add_follow_options, follow
 from bt_orchestrator.cli.reporting.periods import add_which_options, period_of, periods_of
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.cell_file import parse_cell

@@ -13,8 +13,8 @@ from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options, as_json
 from bt_orchestrator.cli.folders import add_recipes_option, recipe_folders, script_folders
-from bt_orchestrator.cli.moments import moment
-from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.numbers import moment, seconds
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.pacing import add_rates_option
 from bt_orchestrator.cli.simulating.virtual_run import (
     ROWS,
@@ -24,7 +24,6 @@ from bt_orchestrator.cli.simulating.virtual_run import (
     plain,
     run_jobs,
 )
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.cell_file import FileKind, file_kind

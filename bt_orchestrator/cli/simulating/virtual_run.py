@@ -13,10 +13,9 @@ from typing import Any
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import as_json
-from bt_orchestrator.cli.output import cannot_write
+from bt_orchestrator.cli.output import WrongUse, cannot_write
 from bt_orchestrator.cli.pacing import Pacing
 from bt_orchestrator.cli.simulating.cost_watch import CostWatch
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.hold_words import hold_words

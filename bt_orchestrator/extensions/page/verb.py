@@ -20,9 +20,9 @@ from bt_orchestrator.cli.folders import (
 )
 from bt_orchestrator.cli.node_options import add_node_options, user_name
 from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.processes.planning_process import PlanningProcess
 from bt_orchestrator.cli.serving import add_server_options, server_log, users_of
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.extensions.page.web.access import IDLE_S, Access, AccessRefused
 from bt_orchestrator.extensions.page.web.seams import Plant
 from bt_orchestrator.model.keeping.journal_place import journal_place

@@ -41,8 +41,7 @@ from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.store.sequence import refuse_gap
 from bt_orchestrator.store.shared import rows
-from bt_orchestrator.store.shared.database import Database
-from bt_orchestrator.store.shared.history import history_of, kept_from, seal
+from bt_orchestrator.store.shared.database import Database, history_of, kept_from, seal
 from bt_orchestrator.store.shared.journal import EVERY, KeptJournal
 from bt_orchestrator.store.shared.mark import Mark, Reached
 

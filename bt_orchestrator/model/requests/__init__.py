@@ -5,7 +5,7 @@ possible are not repeated here: `packml`, `job_control` and `failures` decide th
 """
 
 from bt_orchestrator.model.requests.asking import Asked, BadArguments, about_of, ask, refusal
-from bt_orchestrator.model.requests.possible import (
+from bt_orchestrator.model.requests.offers import (
     Addressed,
     answering,
     of_cell,

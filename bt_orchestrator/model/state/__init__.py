@@ -4,17 +4,15 @@ from bt_orchestrator.model.state.cell import DERIVED, CellState, Hold
 from bt_orchestrator.model.state.jobs import ItemState, JobState, Progress
 from bt_orchestrator.model.state.line import (
     Cycle,
+    End,
     Finished,
     FlagState,
     KnownSetup,
     OutOfService,
-    Reading,
-    SectionState,
-)
-from bt_orchestrator.model.state.tasks import (
-    End,
     PassedTask,
     Phase,
+    Reading,
+    SectionState,
     TaskState,
     same_args,
     same_task,

@@ -18,11 +18,12 @@ from bt_orchestrator.model.state.line import (
     FlagState,
     KnownSetup,
     OutOfService,
+    Phase,
     Reading,
     SectionState,
+    TaskState,
 )
 from bt_orchestrator.model.state.live_jobs import LiveJobs
-from bt_orchestrator.model.state.tasks import Phase, TaskState
 from bt_orchestrator.model.stop_reason import NAMED, StopReason, Wish
 from bt_orchestrator.model.uptime import ClockReading
 from bt_orchestrator.model.words import Words

@@ -1,13 +1,115 @@
-"""The position of the belt and the state of the components."""
+"""The position of the belt, the state of the components, and the tasks of items."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Any
 
 from bt_orchestrator.model.frozen import made_at_once
-from bt_orchestrator.model.state.tasks import PassedTask
+from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.script import Task
+from bt_orchestrator.model.uptime import Uptime
+
+
+class Phase(Enum):
+    """The phase of a task. A task without a state is new."""
+
+    RUNNING = 'running'
+    """An attempt is in flight."""
+    FAILED = 'failed'
+    """The attempt failed and nothing is decided yet."""
+    RETRYING = 'retrying'
+    """Another attempt was decided; it may start when `not_before` has passed."""
+    HELD = 'held'
+    """An operator must answer."""
+    DONE = 'done'
+    """Succeeded, skipped or continued: the cycle has passed it."""
+
+
+class End(Enum):
+    """How a passed task ended; a status shows these words."""
+
+    DONE = 'done'
+    MARKED_DONE = 'marked_done'
+    """An operator said so."""
+    SKIPPED = 'skipped'
+    CONTINUED = 'continued'
+    """It failed, and the item is nonconforming."""
+    REJECTED = 'rejected'
+    """It failed, and the item is rejected."""
+    ABORTED = 'aborted'
+    """It failed, and the job is aborted."""
+
+    @property
+    def is_failure(self) -> bool:
+        """Tell whether its last attempt failed."""
+        return self in (End.CONTINUED, End.REJECTED, End.ABORTED)
+
+
+@made_at_once
+@dataclass(frozen=True)
+class TaskState:
+    """Progress of one task of one item."""
+
+    phase: Phase
+    attempt: int = 0
+    goal: str | None = None
+    started: float = 0.0
+    """Seconds, when the last attempt began."""
+    args: Mapping[str, Any] = field(default_factory=dict)
+    sent: float = 0.0
+    """Seconds, when the goal was sent last; later than `started` if it was sent again."""
+    server: str | None = None
+    """Instance of the server that it was sent to then; None: not known."""
+    sent_up: Uptime | None = None
+    """`sent` as uptime, which is never set."""
+    cancel_cause: str | None = None
+    """Why the orchestrator itself cancelled the goal in flight, if it did."""
+    cancelled_at: float = 0.0
+    copied: bool = False
+    """It was in flight in the restored copy: missing events of it prove nothing."""
+    reason: Reason | None = None
+    """Why the last attempt failed."""
+    message: str = ''
+    """Message of the failure, or why it was skipped."""
+    refused: Mapping[str, Any] = field(default_factory=dict)
+    """Results of the last attempt, if they were refused (semantics 2.8, 6.8)."""
+    controller_said: str = ''
+    """As in `task.failed`, of the last attempt; the next three too."""
+    last_feedback: str = ''
+    topic_says: str = ''
+    never_begun: bool = False
+    end: End | None = None
+    """How it ended, in phase DONE; None: from a journal older than this field."""
+    not_before: float = 0.0
+    delay_s: float = 0.0
+    """Delay of the retry, as decided."""
+    delayed_up: Uptime | None = None
+    """Time of that decision as uptime, which is never set."""
+    hold: str | None = None
+
+
+@dataclass(frozen=True)
+class PassedTask:
+    """A task that the cell has passed, and how it ended."""
+
+    id: str
+    end: End
+    """done, marked_done or skipped; after a failure continued, rejected or aborted."""
+    reason: str = ''
+    """Why it was skipped, or failed."""
+
+
+def same_task(task: Task) -> str:
+    """Return a key of a task's action and constant, without its arguments (semantics 5.1)."""
+    return f'{task.action} {task.name}'
+
+
+def same_args(args: Mapping[str, Any]) -> str:
+    """Return a key of arguments; equal ones have equal keys."""
+    return repr(sorted(args.items()))
 
 
 @made_at_once

@@ -29,7 +29,7 @@ from bt_orchestrator.ros.actions.goal_follower import GoalFollower
 from bt_orchestrator.ros.actions.open_goals import OpenGoals, RosGoal
 from bt_orchestrator.ros.actions.rivals import RIVALS_FRESH_S, Rivals, Strangers
 from bt_orchestrator.ros.actions.server_watch import ServerWatch
-from bt_orchestrator.ros.executor.callbacks import report
+from bt_orchestrator.ros.executor.handles import report
 from bt_orchestrator.ros.types.messages import fill, to_plain
 
 _SEEK_S = 3.0

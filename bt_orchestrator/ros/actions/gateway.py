@@ -16,7 +16,7 @@ from bt_orchestrator.ros.actions.fresh_participant import FreshParticipants
 from bt_orchestrator.ros.actions.open_goals import RosGoal
 from bt_orchestrator.ros.actions.state_watch import StateWatch
 from bt_orchestrator.ros.executor.alarms import steady_timer
-from bt_orchestrator.ros.executor.callbacks import guarded
+from bt_orchestrator.ros.executor.handles import guarded
 from bt_orchestrator.ros.types.interface_classes import action_class
 
 _POLL_PERIOD_S = 0.1

@@ -16,7 +16,7 @@ from bt_orchestrator.ros.actions.fresh_participant import RenewableClient
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.open_goals import GIVEN_UP, OpenGoals, RosGoal
 from bt_orchestrator.ros.actions.rivals import Rivals
-from bt_orchestrator.ros.executor.callbacks import report
+from bt_orchestrator.ros.executor.handles import report
 from bt_orchestrator.ros.types.messages import to_plain
 
 _ENDS = {

@@ -23,7 +23,7 @@ from bt_orchestrator.model.limits import (
 from bt_orchestrator.ports.news import News
 from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.executor.alarms import steady_timer
-from bt_orchestrator.ros.executor.callbacks import guarded, report
+from bt_orchestrator.ros.executor.handles import guarded, report
 from bt_orchestrator.ros.types.interface_classes import message_class
 from bt_orchestrator.ros.types.messages import field_value
 

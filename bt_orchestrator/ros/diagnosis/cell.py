@@ -12,7 +12,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from bt_orchestrator.base.diagnosis.check import Check, fail, ok, warn
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Cell, Component, StateTopic
-from bt_orchestrator.ros.actions.endpoints import is_named, names
+from bt_orchestrator.ros.actions.rivals import is_named, names
 from bt_orchestrator.ros.diagnosis.graph import Graph
 
 

@@ -14,7 +14,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from bt_orchestrator.base.errors import OrchestratorError
-from bt_orchestrator.ros.actions.endpoints import names
+from bt_orchestrator.ros.actions.rivals import names
 from bt_orchestrator.ros.identity import twins_in_words
 from bt_orchestrator.ros.qos import LATCHED, create_client
 from bt_orchestrator.script.starter.starter_plan import FoundServer

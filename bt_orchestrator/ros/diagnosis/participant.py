@@ -9,16 +9,107 @@ answer; null if none came.
 from __future__ import annotations
 
 import json
+import os
+import subprocess
 import sys
 import time
-from collections.abc import Callable
+import uuid
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from bt_orchestrator.ros.diagnosis.exchange import NOTHING
+from bt_orchestrator.base.diagnosis.check import Check, fail, ok, warn
+
+NAME = 'discovery'
+PATIENCE_S = 10.0
+"""Longest time that two processes get to find each other."""
+START_S = 30.0
+"""Longest time for a process to start and to end, beyond that."""
+SLOW_S = 5.0
+
+NOTHING = 3
+"""Exit status of a process that asked and was not answered."""
+
+_ONLY_THIS_COMPUTER = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'ROS_LOCALHOST_ONLY': '0'}
+
+
+class Times(NamedTuple):
+    """The outcome, in seconds; None: there was none."""
+
+    found: float | None = None
+    answered: float | None = None
+    broken: str = ''
+    """Why the processes could not even try."""
+
+
+def discovery() -> Check:
+    """Let two processes find each other, as the environment says; if not, on this computer."""
+    times = exchange({})
+    if times.found is not None and times.answered is not None:
+        words = f'{times.found:.1f} s to find each other, {1000 * times.answered:.0f} ms to answer'
+        found = f'two processes: {words}'
+        remedy = 'every start takes that long; is the network interface up, the machine idle?'
+        return warn(NAME, found, remedy) if times.found > SLOW_S else ok(NAME, found)
+    if times.broken:
+        return fail(NAME, f'not tried: {times.broken}', 'a ROS 2 process cannot start here')
+    if times.found is not None:
+        remedy = (
+            'UDP or shared memory is blocked: look at the firewall and at /dev/shm (files of '
+            'another user?), or try FASTDDS_BUILTIN_TRANSPORTS=UDPv4, which does nothing with '
+            'ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
+        )
+        return fail(NAME, 'two processes found each other, and no message came', remedy)
+    return fail(NAME, 'two processes here do not find each other', _remedy())
+
+
+def _remedy() -> str:
+    if exchange(_ONLY_THIS_COMPUTER).answered is not None:
+        return (
+            'with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST they do: multicast is blocked (no '
+            'network, firewall, container); allow it, name ROS_STATIC_PEERS, or set that'
+        )
+    return 'not with LOCALHOST either: is the loopback interface up (ip link set lo up)?'
+
+
+def exchange(environment: Mapping[str, str], patience_s: float = PATIENCE_S) -> Times:
+    """Start two processes and take their times.
+
+    :param environment: what differs for them
+    """
+    topic = f'/bt_orchestrator_doctor/try_{uuid.uuid4().hex}'
+    answering = _participant('answer', topic, patience_s, environment)
+    asking = _participant('ask', topic, patience_s, environment)
+    try:
+        output, errors = asking.communicate(timeout=patience_s + START_S)
+    except subprocess.TimeoutExpired:
+        return Times(broken='a process that takes part never ends')
+    finally:
+        for process in (asking, answering):
+            process.kill()
+            process.communicate()
+    if asking.returncode not in (0, NOTHING):
+        said = [line for line in errors.splitlines() if line.strip() and not line.startswith(' ')]
+        return Times(broken=said[-1] if said else f'it ended with {asking.returncode}')
+    return Times(*json.loads(output)) if output else Times()
+
+
+def _participant(
+    role: str, topic: str, patience_s: float, environment: Mapping[str, str]
+) -> subprocess.Popen[str]:
+    module = 'bt_orchestrator.ros.diagnosis.participant'
+    return subprocess.Popen(
+        [sys.executable, '-m', module, role, topic, str(patience_s)],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, **environment},
+        text=True,
+    )
+
 
 STEP_S = 0.02
 

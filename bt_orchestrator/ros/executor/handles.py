@@ -5,6 +5,7 @@ Only this, `lean_executor` and `wait_list` know rclpy's inside.
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Sequence, Sized
 from typing import Any, Protocol
 
@@ -15,8 +16,32 @@ from rclpy.qos import QoSProfile
 from rclpy.type_support import check_for_type_support
 from rclpy.waitable import NumberOfEntities, Waitable
 
-from bt_orchestrator.ros.executor.callbacks import report
 from bt_orchestrator.ros.qos import SERVICES
+
+
+class Logger(Protocol):
+    """The part of a ROS 2 logger that is needed here."""
+
+    def error(self, message: str) -> object:
+        """Report an error."""
+
+
+def guarded(callback: Callable[[], object], logger: Logger) -> Callable[[], None]:
+    """Return a callback that reports what it raises; rclpy would end the executor's loop."""
+
+    def call() -> None:
+        try:
+            callback()
+        except Exception:  # noqa: BLE001 - whatever it is, the others go on
+            report(logger)
+
+    return call
+
+
+def report(logger: Logger) -> None:
+    """Report the exception that is being handled."""
+    text = f'error in a callback, ignored:\n{traceback.format_exc()}'
+    logger.error(text)
 
 
 def subscription(node: Node, message_class: Any, topic: str, qos: QoSProfile) -> Any:

@@ -3,14 +3,12 @@
     server.py              the services, and the turns that publish
     snapshot_streams.py    snapshots of the tree, one topic a watcher
     blackboard_streams.py  the blackboard as text, one topic a watcher
-    snapshot_source.py     what snapshots are made of
+    snapshot_source.py     the contents of snapshots, and how long ticks take
     tree_messages.py       behaviours to messages
     blackboard_view.py     reading the blackboard, and what was done on it
     attachment.py          whether a stream still has a watcher
     topic_names.py         the topics of streams
-    tick_statistics.py     how long ticks take
-    parameters.py          the node's parameters for all this
-    library_tree.py        the server of py_trees_ros instead, where that is asked for
+    start.py               the server of py_trees_ros instead, where that is asked for
     start.py               starts the one or the other, if what it needs is installed
 
 Everything runs in the executor's thread, between settles and never inside one.

@@ -14,14 +14,21 @@ from rclpy.node import Node
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.executor.alarms import steady_timer
-from bt_orchestrator.ros.executor.callbacks import guarded, report
+from bt_orchestrator.ros.executor.handles import guarded, report
 from bt_orchestrator.ros.inspection import snapshot_source
 from bt_orchestrator.ros.inspection.blackboard_streams import BlackboardStreams, View
-from bt_orchestrator.ros.inspection.parameters import DefaultStream, declare_default_stream
-from bt_orchestrator.ros.inspection.snapshot_source import ActivityLog, SnapshotSource
-from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, StreamParameters
+from bt_orchestrator.ros.inspection.snapshot_source import (
+    ActivityLog,
+    SnapshotSource,
+    TickStatistics,
+)
+from bt_orchestrator.ros.inspection.snapshot_streams import (
+    DefaultStream,
+    SnapshotStreams,
+    StreamParameters,
+    declare_default_stream,
+)
 from bt_orchestrator.ros.inspection.streams import StreamRefused
-from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.services.patient_service import create_patient_service
 
 TURN_S = 0.1

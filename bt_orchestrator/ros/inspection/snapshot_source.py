@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
 from itertools import islice
-from typing import Any, NamedTuple
+from statistics import fmean, pvariance
+from typing import Any, NamedTuple, TypeVar
 
 from diagnostic_msgs.msg import KeyValue
 from py_trees.blackboard import Blackboard
@@ -13,8 +16,64 @@ from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
-from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.inspection.tree_messages import TreeMessages
+
+_T = TypeVar('_T')
+
+WINDOW = 100
+"""Averages are over so many ticks: they show the present work of the cell."""
+
+
+class Measured(NamedTuple):
+    """Seconds."""
+
+    last: float
+    average: float
+    variance: float
+
+
+class TickStatistics:
+    """Counts and times ticks. A tick here is a settle: all that one piece of news leads to."""
+
+    def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
+        self.count = 0
+        self._clock = clock
+        self._started: float | None = None
+        self._durations: deque[float] = deque(maxlen=WINDOW)
+        self._intervals: deque[float] = deque(maxlen=WINDOW)
+
+    def timed(self, settle: Callable[[], _T]) -> Callable[[], _T]:
+        """Return the same call, measured."""
+
+        def call() -> _T:
+            started = self._clock()
+            if self._started is not None:
+                self._intervals.append(started - self._started)
+            self._started = started
+            self.count += 1
+            try:
+                return settle()
+            finally:
+                self._durations.append(self._clock() - started)
+
+        return call
+
+    @property
+    def duration(self) -> Measured:
+        """Time that ticks take."""
+        return _measured(self._durations)
+
+    @property
+    def interval(self) -> Measured:
+        """Time from the start of one tick to the start of the next."""
+        return _measured(self._intervals)
+
+
+def _measured(values: deque[float]) -> Measured:
+    if not values:
+        return Measured(0.0, 0.0, 0.0)
+    # Rounding must not make it negative: watchers take the root.
+    return Measured(values[-1], fmean(values), max(pvariance(values), 0.0))
 
 
 class SnapshotSource:

@@ -12,8 +12,8 @@ from bt_orchestrator.model.script import Task
 from bt_orchestrator.script.capabilities.capability_keys import CAPABILITY
 from bt_orchestrator.script.capabilities.setups import read_setup
 from bt_orchestrator.script.checks.balance import check_unjudged
-from bt_orchestrator.script.checks.circles import circles
 from bt_orchestrator.script.checks.references import ReferenceReader
+from bt_orchestrator.script.checks.structure import circles
 from bt_orchestrator.script.drafts import Position, ScriptDraft, TaskDraft
 from bt_orchestrator.script.fields import Fields, broken_limit, fields_of
 from bt_orchestrator.script.names import check_id, check_name

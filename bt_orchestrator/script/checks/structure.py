@@ -2,16 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 from bt_orchestrator.model.script import Dependency, InitializationDependency, Release, Zone
-from bt_orchestrator.script.checks.circles import circles
 from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft, TaskDraft
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.names import check_name
 from bt_orchestrator.script.report import Place, Report, did_you_mean, listing
 from bt_orchestrator.script.yaml_nodes import Entry, ListNode, Scalar, found, quoted
+
+
+def circles(edges: Iterable[tuple[str, str]]) -> list[list[str]]:
+    """Return circles, each as its nodes in order with the first repeated at the end.
+
+    There is at least one if the graph has any; of circles that share nodes only one is returned,
+    which is enough to say what is wrong there.
+    """
+    following: dict[str, list[str]] = {}
+    for upstream, downstream in edges:
+        following.setdefault(upstream, []).append(downstream)
+    found: list[list[str]] = []
+    closed: set[str] = set()
+    for start in following:
+        circle = _circle(start, following, closed)
+        if circle is not None:
+            found.append(circle)
+    return found
+
+
+def _circle(start: str, following: dict[str, list[str]], closed: set[str]) -> list[str] | None:
+    """Walk depth first without recursion; `closed` nodes were left for good."""
+    path: list[str] = []
+    branches: list[list[str]] = [[start]]
+    while branches:
+        if not branches[-1]:
+            branches.pop()
+            if path:
+                closed.add(path.pop())
+            continue
+        node = branches[-1].pop(0)
+        if node in path:
+            closed.update(path)
+            return [*path[path.index(node) :], node]
+        if node not in closed:
+            path.append(node)
+            branches.append(list(following.get(node, ())))
+    return None
 
 
 class DependencyReader:

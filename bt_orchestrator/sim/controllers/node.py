@@ -14,8 +14,7 @@ from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, Deadlines, instan
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.sim.controllers.component_server import ComponentServer, Surroundings
-from bt_orchestrator.sim.controllers.goal_log import GoalLog
+from bt_orchestrator.sim.controllers.component_server import ComponentServer, GoalLog, Surroundings
 from bt_orchestrator.sim.controllers.options import Pace
 from bt_orchestrator.sim.controllers.task_server import Interfaces, guarded
 

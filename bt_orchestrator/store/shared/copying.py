@@ -10,8 +10,7 @@ from uuid import uuid4
 
 from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
 from bt_orchestrator.store.shared import rows
-from bt_orchestrator.store.shared.database import Check, Database
-from bt_orchestrator.store.shared.history import keep_from, kept_from
+from bt_orchestrator.store.shared.database import Check, Database, keep_from, kept_from
 from bt_orchestrator.store.shared.journal import EVERY, KeptJournal
 from bt_orchestrator.store.shared.mark import Reached
 

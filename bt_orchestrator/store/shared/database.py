@@ -1,10 +1,10 @@
-"""A database as both stores see it, and the check of each row: a changed bit is detected."""
+"""A database as both stores see it, its history, and the check of each row."""
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 
 class Database(Protocol):
@@ -60,3 +60,60 @@ def check_of_event(seq: int, text: bytes, ends: int) -> int:
     :param ends: 1: it is the last one of its commit; 0: it is not
     """
     return check_of(2 * seq + ends, text)
+
+
+class History(NamedTuple):
+    """The name of the history that a journal holds."""
+
+    id: str
+    is_restored: bool
+    """It continues from a restored copy."""
+    checked_from: int = 1
+    """Events before this one have no checks."""
+
+
+def history_of(database: Database) -> History:
+    """Return the history in a journal.
+
+    :raises ValueError: it has none, or it is damaged
+    """
+    row = database.execute(f'SELECT {_OF_HISTORY}, checksum FROM history').fetchone()
+    if row is None:
+        raise ValueError('the table history is empty')
+    if row[-1] != _check(row[:-1]):
+        raise ValueError('the row of the table history is damaged')
+    return History(str(row[0]), bool(row[1]), int(row[2]))
+
+
+def begin_history(database: Database, history: str, *, restored: bool = False) -> None:
+    """Give a journal a new history id.
+
+    :param restored: it continues from a copy
+    """
+    database.execute('UPDATE history SET id = ?, restored = ?', (history, int(restored)))
+    seal(database)
+
+
+def kept_from(database: Database) -> int:
+    """Return the seq of the first event that retention has left; if none, of the next one."""
+    query = 'SELECT coalesce(max(kept_from), 1) FROM history'  # empty if it is damaged
+    return int(database.execute(query).fetchone()[0])
+
+
+def keep_from(database: Database, seq: int) -> None:
+    """Record that the events before this one are removed."""
+    database.execute('UPDATE history SET kept_from = ? WHERE kept_from < ?', (seq, seq))
+    seal(database)
+
+
+_OF_HISTORY = 'id, restored, checked_from, kept_from'
+
+
+def seal(database: Database) -> None:
+    """Give the row its check, after a change."""
+    row = database.execute(f'SELECT {_OF_HISTORY} FROM history').fetchone()
+    database.execute('UPDATE history SET checksum = ?', (_check(row),))
+
+
+def _check(row: Sequence[object]) -> int:
+    return check_of(1, '\t'.join(str(value) for value in row).encode())

@@ -14,8 +14,14 @@ from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.judging.used_ids import SealedIds
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.shared import books, rows, snapshots
-from bt_orchestrator.store.shared.database import Check, Database, check_of_event
-from bt_orchestrator.store.shared.history import History, begin_history, kept_from
+from bt_orchestrator.store.shared.database import (
+    Check,
+    Database,
+    History,
+    begin_history,
+    check_of_event,
+    kept_from,
+)
 from bt_orchestrator.store.shared.mark import Mark, Reached, shortfall
 
 EVERY = 1 << 62

@@ -19,8 +19,7 @@ from bt_orchestrator.model.records import (
 )
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.shared import books, rows, snapshots
-from bt_orchestrator.store.shared.database import Database
-from bt_orchestrator.store.shared.history import History, history_of, kept_from
+from bt_orchestrator.store.shared.database import Database, History, history_of, kept_from
 from bt_orchestrator.store.shared.mark import Reached
 
 

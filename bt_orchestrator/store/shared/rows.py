@@ -19,9 +19,9 @@ from bt_orchestrator.store.shared.database import (
     Database,
     check_of,
     check_of_event,
+    keep_from,
     replace,
 )
-from bt_orchestrator.store.shared.history import keep_from
 
 _PAGE, _PAGE_BYTES = 1000, 1_000_000
 """Limits of one query: events, and bytes of their records."""

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.model.records import Damage
-from bt_orchestrator.store.shared.database import Database
-from bt_orchestrator.store.shared.history import History
+from bt_orchestrator.store.shared.database import Database, History
 from bt_orchestrator.store.shared.mark import Reached, mark_of, read_mark
 from bt_orchestrator.store.shared.records import UNKNOWN, KeptRecords
 from bt_orchestrator.store.shared.rows import Terms

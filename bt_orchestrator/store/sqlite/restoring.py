@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bt_orchestrator.base.errors import JournalUnusable
-from bt_orchestrator.store.shared.history import history_of
+from bt_orchestrator.store.shared.database import history_of
 from bt_orchestrator.store.shared.mark import MARK, Reached, write_mark
 from bt_orchestrator.store.sqlite.database import unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.keeping import aside_of, copy_file, make_private, sync

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bt_orchestrator.base.errors import JournalUnusable
-from bt_orchestrator.store.shared.history import seal
+from bt_orchestrator.store.shared.database import seal
 from bt_orchestrator.store.sqlite.database import pragma, transaction
 
 SCHEMA = 7

@@ -16,8 +16,7 @@ from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sequence import refuse_gap
 from bt_orchestrator.store.shared import rows
-from bt_orchestrator.store.shared.database import Database, check_of_event
-from bt_orchestrator.store.shared.history import history_of
+from bt_orchestrator.store.shared.database import Database, check_of_event, history_of
 from bt_orchestrator.store.shared.journal import EVERY, KeptJournal
 from bt_orchestrator.store.shared.mark import Mark, Reached
 from bt_orchestrator.store.sqlite import opening

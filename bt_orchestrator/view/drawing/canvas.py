@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from bt_orchestrator.view.drawing.label import Label
-from bt_orchestrator.view.drawing.style import INK
+from bt_orchestrator.view.drawing.label import INK, Label
 
 CORNER = 5.0
 """Radius of a bend, in points."""

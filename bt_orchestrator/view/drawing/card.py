@@ -9,10 +9,17 @@ from typing import Any
 from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.model.proof.pace import Pace
 from bt_orchestrator.model.script import Repeat, RunsFor, Script, SectionList, Step, Task
-from bt_orchestrator.view.drawing.label import CARD_COLUMNS, Entry, Label, Text, wrapped
+from bt_orchestrator.view.drawing.label import (
+    CARD_COLUMNS,
+    FAINT,
+    PAPER,
+    Entry,
+    Label,
+    Text,
+    wrapped,
+)
 from bt_orchestrator.view.drawing.line_state import LineState
 from bt_orchestrator.view.drawing.mark import CARD_HEIGHT, about_state, card_state
-from bt_orchestrator.view.drawing.style import FAINT, PAPER
 from bt_orchestrator.view.drawing.wording import ENGLISH, Wording
 
 MOST_LINES = 3

@@ -24,7 +24,7 @@ from bt_orchestrator.view.drawing.gantt_style import (
     fill_of_wait,
     fitting,
 )
-from bt_orchestrator.view.drawing.style import PAPER
+from bt_orchestrator.view.drawing.label import PAPER
 from bt_orchestrator.view.drawing.svg import CHARACTER, Svg
 from bt_orchestrator.view.report.wait_log import WaitSpan, cause_words
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.view.drawing.canvas import Point
 from bt_orchestrator.view.drawing.gantt import Gantt
-from bt_orchestrator.view.drawing.style import (
+from bt_orchestrator.view.drawing.label import (
     ALARM,
     BAR_FILL,
     BELT,

@@ -13,9 +13,18 @@ from bt_orchestrator.view.drawing.card import (
     Sheet,
     belt_words,
 )
-from bt_orchestrator.view.drawing.label import Entry, Label, Text, wrapped
+from bt_orchestrator.view.drawing.label import (
+    BAR_FILL,
+    FAINT,
+    FLAG,
+    INK,
+    PAPER,
+    Entry,
+    Label,
+    Text,
+    wrapped,
+)
 from bt_orchestrator.view.drawing.mark import headlines, legend_rows
-from bt_orchestrator.view.drawing.style import BAR_FILL, FAINT, FLAG, INK, PAPER
 
 LINE = 18.0
 LEGEND_LINE_HEIGHT = 15.0

@@ -13,25 +13,30 @@ from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.script import Dependency, Script
 from bt_orchestrator.view.drawing.canvas import Box, LineLabel, Stroke
 from bt_orchestrator.view.drawing.card import ROUND_FILL, Sheet, details, rounds_words
-from bt_orchestrator.view.drawing.label import LINE_HEIGHT, Entry, Label, Text, one_entry, wrapped
-from bt_orchestrator.view.drawing.legend import legend, title
-from bt_orchestrator.view.drawing.line_state import LineState, SectionMark
-from bt_orchestrator.view.drawing.mark import about_slot, slot_label
-from bt_orchestrator.view.drawing.page import FlagLine, PageLayout
-from bt_orchestrator.view.drawing.picture import LinePicture
-from bt_orchestrator.view.drawing.plan import Column, Loop, Placed
-from bt_orchestrator.view.drawing.style import (
+from bt_orchestrator.view.drawing.label import (
     BAR_FILL,
     BELT,
     FAINT,
     FLAG,
     GROUP_FILL,
     INK,
+    LINE_HEIGHT,
     LOOP_LINE,
     PAPER,
     SECTION_FILL,
     SLOT_FILL,
+    Entry,
+    Label,
+    Text,
+    one_entry,
+    wrapped,
 )
+from bt_orchestrator.view.drawing.legend import legend, title
+from bt_orchestrator.view.drawing.line_state import LineState, SectionMark
+from bt_orchestrator.view.drawing.mark import about_slot, slot_label
+from bt_orchestrator.view.drawing.page import FlagLine, PageLayout
+from bt_orchestrator.view.drawing.picture import LinePicture
+from bt_orchestrator.view.drawing.plan import Column, Loop, Placed
 from bt_orchestrator.view.drawing.svg_canvas import SvgCanvas
 from bt_orchestrator.view.drawing.wording import ENGLISH, Wording
 

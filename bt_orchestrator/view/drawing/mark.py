@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.model.words import AND
-from bt_orchestrator.view.drawing.label import CARD_COLUMNS, Entry, Label, Text, wrapped
+from bt_orchestrator.view.drawing.label import (
+    CARD_COLUMNS,
+    FAINT,
+    SLOT_FILL,
+    Entry,
+    Label,
+    Text,
+    wrapped,
+)
 from bt_orchestrator.view.drawing.line_state import LineState, Mark, SectionMark, TaskMark
-from bt_orchestrator.view.drawing.style import FAINT, SLOT_FILL
 from bt_orchestrator.view.drawing.wording import Wording
 
 REASON_LINES = 2

@@ -7,7 +7,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from bt_orchestrator.view.drawing.canvas import Box
-from bt_orchestrator.view.drawing.style import FONT, INK, PAPER
+from bt_orchestrator.view.drawing.label import FONT, INK, PAPER
 
 CHARACTER = 0.62
 """Width of a character as a part of the font size, at most."""

@@ -15,8 +15,7 @@ from bt_orchestrator.view.drawing.canvas import (
     Stroke,
     towards,
 )
-from bt_orchestrator.view.drawing.label import ENTRY_PADDING, Entry, Label, Text
-from bt_orchestrator.view.drawing.style import INK, RULE
+from bt_orchestrator.view.drawing.label import ENTRY_PADDING, INK, RULE, Entry, Label, Text
 from bt_orchestrator.view.drawing.svg import Svg
 
 BASELINE = 0.95

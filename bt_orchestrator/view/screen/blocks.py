@@ -11,9 +11,7 @@ from rich.text import Text
 
 from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.view.screen import words
-from bt_orchestrator.view.screen.columns import LinePart, end_of, line, widest
-from bt_orchestrator.view.screen.fit import stay
-from bt_orchestrator.view.screen.glyphs import Glyphs
+from bt_orchestrator.view.screen.fit import Glyphs, LinePart, end_of, line, stay, widest
 from bt_orchestrator.view.screen.tree_view import Twig, twigs
 from bt_orchestrator.view.screen.view import CellView, HoldRow, JobRow, Row, Slot, Weight
 

@@ -16,8 +16,7 @@ from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.view.screen import blocks, words
 from bt_orchestrator.view.screen.advice import Shell
 from bt_orchestrator.view.screen.blocks import Block
-from bt_orchestrator.view.screen.fit import heights
-from bt_orchestrator.view.screen.glyphs import ASCII, UNICODE, Glyphs
+from bt_orchestrator.view.screen.fit import ASCII, UNICODE, Glyphs, heights
 from bt_orchestrator.view.screen.second_screen import SecondScreen
 from bt_orchestrator.view.screen.view import CellView, cell_view
 from bt_orchestrator.view.screen.viewer import Hearing

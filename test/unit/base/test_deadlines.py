@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bt_orchestrator.base.deadlines import Deadlines, has_come
-from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualClock
 
 
 def pop_all(deadlines: Deadlines, now_ns: int) -> int:

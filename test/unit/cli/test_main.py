@@ -18,8 +18,8 @@ from bt_orchestrator.base.errors import Finding, OrchestratorError, Refused
 from bt_orchestrator.cli import main as program
 from bt_orchestrator.cli import verbs as verbs_of_program
 from bt_orchestrator.cli.main import main, parsed, without_ros_arguments
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.verbs import VERBS, actions_of, help_line, module_name
-from bt_orchestrator.cli.wrong_use import WrongUse
 
 Use = Callable[[Callable[[argparse.Namespace], int]], None]
 

@@ -6,7 +6,7 @@ import argparse
 
 import pytest
 
-from bt_orchestrator.cli.moments import moment
+from bt_orchestrator.cli.numbers import moment
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,8 @@ from fakes.action_types import FakeActionTypes
 
 from bt_orchestrator.cli import check, new_cell, render
 from bt_orchestrator.cli.new_cell import NothingWritten
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.simulating import verb
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.extensions.recipes.generating import verb as generate
 
 TYPES = FakeActionTypes()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from bt_orchestrator.cli.ordering.proposal import how_sure, lines
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.what_if import _asked
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.ports import Proposal, ProposedJob
 
 JOBS = (

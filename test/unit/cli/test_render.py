@@ -12,8 +12,8 @@ from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, STUCK, TREES
 
 from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.render import CannotRead, CannotWrite, add_arguments, render, run
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.status import CellStatus

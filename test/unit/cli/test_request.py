@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from bt_orchestrator.cli.main import main
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.request import arguments_from
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.requests import REQUESTS, TABLE
 
 

@@ -13,8 +13,8 @@ from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, ROOT, STUCK, TREES
 
 from bt_orchestrator.base.errors import JournalUnusable, Refused
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.simulating.verb import OrderFiles, add_arguments, simulate
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.sim.faults import with_faults
 from bt_orchestrator.sim.simulation import Outcome, Simulation

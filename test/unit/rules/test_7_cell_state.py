@@ -26,8 +26,7 @@ from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import TRANSITIONS, PackmlState
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 

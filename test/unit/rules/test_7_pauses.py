@@ -11,8 +11,7 @@ from fakes.virtual_run import VirtualRun
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import FoundTwin
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.store.memory import MemoryStore
 
 

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualClock
 
 
 def test_starts_at_zero_and_stays_while_nothing_is_armed() -> None:

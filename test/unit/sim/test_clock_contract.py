@@ -7,7 +7,7 @@ from typing import Any
 
 from contract.clock_contract import ClockBench, ClockContract
 
-from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualClock
 
 
 class _VirtualBench:

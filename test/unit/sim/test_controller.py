@@ -14,9 +14,9 @@ from bt_orchestrator.model.fault import parse_fault
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus
 from bt_orchestrator.ports import Clock
 from bt_orchestrator.sim.carrier import Answer, Verdict
-from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.controller import Controller
 from bt_orchestrator.sim.controllers.options import PacedClock
+from bt_orchestrator.sim.gateway import VirtualClock
 
 ACTION_TYPE = ActionType(
     'p/action/T',

@@ -10,8 +10,7 @@ from bt_orchestrator.base.errors import UnknownActionType
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S, GoalRequest, GoalStatus, StateReading
 from bt_orchestrator.ports import Goal
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 
 
 class World:

@@ -11,8 +11,7 @@ from fakes.action_types import FakeActionTypes
 
 from bt_orchestrator.base.deadlines import has_come
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 
 
 class VirtualBench:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from bt_orchestrator.model.fault import Fault, FaultKind
-from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.controller import Readiness
 from bt_orchestrator.sim.faults import FaultSchedule
+from bt_orchestrator.sim.gateway import VirtualClock
 
 
 class Bench:

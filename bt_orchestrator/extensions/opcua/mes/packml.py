@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
-from bt_orchestrator.extensions.opcua.mes.stop_ids import NONE, StopId, deciding_hold, id_of_stop
+from bt_orchestrator.extensions.opcua.mes.alarms import NONE, StopId, deciding_hold, id_of_stop
 from bt_orchestrator.model.events import BeltIndexed, CellStateChanged, ClockStepped, Event
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.packml import TRANSITIONS, Cause, PackmlState

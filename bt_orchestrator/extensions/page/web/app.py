@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
@@ -15,10 +16,10 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
+from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.page.web import (
     account,
     archive,
-    cells,
     commands,
     me,
     scripts,
@@ -36,6 +37,39 @@ from bt_orchestrator.extensions.page.web.guards import GuardMiddleware
 from bt_orchestrator.extensions.page.web.planning import endpoints as planning
 from bt_orchestrator.extensions.page.web.planning.endpoints import PageQueue
 from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.ports.plant import PlantCell, PlantCells
+
+
+def cells_endpoints(cells: PlantCells | None) -> tuple[Endpoint, ...]:
+    """Return the endpoint.
+
+    :param cells: reads them; None: the page was started without --plant
+    """
+
+    def plain(cell: PlantCell) -> Mapping[str, object]:
+        is_address = cell.page.startswith(('http://', 'https://'))  # and no script for a browser
+        return {**cell._asdict(), 'page': cell.page if is_address else ''}
+
+    async def listed(_: Request) -> Response:
+        if cells is None:
+            return Json({'has_plant': False, 'cells': []})
+        try:
+            found = await asyncio.to_thread(cells)
+        except JournalUnusable as error:
+            raise Problem(503, str(error)) from error
+        return Json({'has_plant': True, 'cells': [plain(one) for one in found]})
+
+    return (
+        Endpoint(
+            'GET',
+            '/api/cells',
+            listed,
+            'returns the cells of the plant (`--plant`), each with its state, the age of its copy '
+            'and the address of its page; `has_plant` is false without a plant',
+            refusals={503: "the plant's database cannot be read: the message says why"},
+        ),
+    )
+
 
 if TYPE_CHECKING:
     from starlette.types import Receive, Scope, Send
@@ -75,7 +109,7 @@ def endpoints_of(page: WebPage) -> list[Endpoint]:
         *commands.endpoints(page.tickets),
         *archive.endpoints(page.archive, page),
         *account.endpoints(page.shift, page),
-        *cells.endpoints(page.sources.cells),
+        *cells_endpoints(page.sources.cells),
         *scripts.endpoints(page.shelf, page),
         *tree_watch.endpoints(page.tree, page),
         *planning.endpoints(page.questions, PageQueue(page)),

@@ -20,8 +20,7 @@ from bt_orchestrator.extensions.recipes.planning.outcome import (
     Why,
 )
 from bt_orchestrator.extensions.recipes.planning.outcome import Made as Fact
-from bt_orchestrator.extensions.recipes.planning.planner import prices
-from bt_orchestrator.extensions.recipes.planning.problem import Problem
+from bt_orchestrator.extensions.recipes.planning.planner import Problem, prices
 from bt_orchestrator.model.codec import digest, digest_of
 from bt_orchestrator.model.jobs.order import compared_words
 from bt_orchestrator.model.script import MadeFrom, Script

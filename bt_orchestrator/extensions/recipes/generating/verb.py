@@ -15,7 +15,7 @@ from bt_orchestrator.cli.check import as_json, warn
 from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.here import add_cell_option
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.extensions.recipes.generating import explanation
 from bt_orchestrator.extensions.recipes.generating.file import fault_of, replace_file, standing
 from bt_orchestrator.extensions.recipes.generating.inputs import Inputs, read_inputs

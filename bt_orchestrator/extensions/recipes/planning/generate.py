@@ -21,8 +21,7 @@ from bt_orchestrator.extensions.recipes.planning.outcome import (
     NotFound,
     Why,
 )
-from bt_orchestrator.extensions.recipes.planning.planner import Planner
-from bt_orchestrator.extensions.recipes.planning.problem import Problem
+from bt_orchestrator.extensions.recipes.planning.planner import Planner, Problem
 from bt_orchestrator.extensions.recipes.planning.scripts import chosen
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe

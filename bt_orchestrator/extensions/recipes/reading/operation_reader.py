@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from bt_orchestrator.extensions.recipes.reading.drafts import (
+from bt_orchestrator.extensions.recipes.reading.shelf import (
     Candidate,
     OperationDraft,
     RecipeDraft,
@@ -15,7 +15,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.limits import OPERATIONS
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.checks.circles import circles
+from bt_orchestrator.script.checks.structure import circles
 from bt_orchestrator.script.drafts import Position, RepeatDraft
 from bt_orchestrator.script.fields import Fields, fields_of
 from bt_orchestrator.script.orders.recipe_keys import OPERATION, REWORK

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bt_orchestrator.extensions.recipes.reading.drafts import (
+from bt_orchestrator.extensions.recipes.reading.shelf import (
     Candidate,
     OperationDraft,
     RecipeDraft,

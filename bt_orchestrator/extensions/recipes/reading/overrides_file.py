@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
-from bt_orchestrator.script.checks.circles import circles
+from bt_orchestrator.script.checks.structure import circles
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
 from bt_orchestrator.script.orders.recipe_keys import CHANGE, OVERRIDES
 from bt_orchestrator.script.report import Report, did_you_mean, listing

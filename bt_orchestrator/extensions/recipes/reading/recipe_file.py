@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bt_orchestrator.extensions.recipes.reading.drafts import OperationDraft, RecipeDraft
 from bt_orchestrator.extensions.recipes.reading.operation_reader import OperationReader
 from bt_orchestrator.extensions.recipes.reading.operation_values import OperationValues
+from bt_orchestrator.extensions.recipes.reading.shelf import OperationDraft, RecipeDraft
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Operation, Recipe, Rework
 from bt_orchestrator.model.script import RunsFor

@@ -10,8 +10,14 @@ from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.plain import held_plain, seconds_of, summed
 from bt_orchestrator.view.report.account.text import failing_lines, hold_lines, stop_lines, titled
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, is_seen
-from bt_orchestrator.view.report.retrospect.course import Course, Work
-from bt_orchestrator.view.report.retrospect.retrospect import Deviation, Pair, Retrospect, title_of
+from bt_orchestrator.view.report.retrospect.retrospect import (
+    Course,
+    Deviation,
+    Pair,
+    Retrospect,
+    Work,
+    title_of,
+)
 from bt_orchestrator.view.report.tables import table
 
 MOST_TASKS = 10

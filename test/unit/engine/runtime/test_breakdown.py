@@ -22,8 +22,7 @@ from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.sim.virtual_client import VirtualGoal
 from bt_orchestrator.store.memory import MemoryStore
 

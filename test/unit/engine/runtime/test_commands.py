@@ -8,8 +8,7 @@ from fakes.operator import ann
 
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model.commands import Shutdown
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.store.memory import MemoryStore
 

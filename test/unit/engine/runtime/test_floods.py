@@ -32,8 +32,7 @@ from bt_orchestrator.model.commands import Answer, Command, FoundTwin, RefusedRe
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.limits import COMMANDS_OF_ONE, REFUSALS_OF_ONE
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 TYPES = FakeActionTypes()

@@ -11,7 +11,7 @@ from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.engine.runtime.overview import Overview, description_of
 from bt_orchestrator.extensions.opcua.server.simple import values as opcua_values
-from bt_orchestrator.extensions.page.web.parts.cell import cell_part
+from bt_orchestrator.extensions.page.web.parts.parts import cell_part
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.job_commands import AddJobs

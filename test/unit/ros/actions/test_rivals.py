@@ -8,8 +8,7 @@ from typing import Any, cast
 import pytest
 
 from bt_orchestrator.ros.actions import rivals
-from bt_orchestrator.ros.actions.endpoints import UNNAMED
-from bt_orchestrator.ros.actions.rivals import Rivals
+from bt_orchestrator.ros.actions.rivals import UNNAMED, Rivals
 
 
 @pytest.mark.parametrize('looks', [1, 2])

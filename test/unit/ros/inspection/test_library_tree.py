@@ -12,7 +12,7 @@ from py_trees.composites import Selector
 from py_trees.trees import BehaviourTree
 from py_trees.visitors import SnapshotVisitor, VisitorBase
 
-from bt_orchestrator.ros.inspection.library_tree import LibraryTree
+from bt_orchestrator.ros.inspection.start import LibraryTree
 
 
 class Log:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.ros.inspection.tick_statistics import WINDOW, TickStatistics
+from bt_orchestrator.ros.inspection.snapshot_source import WINDOW, TickStatistics
 
 
 class _Clock:

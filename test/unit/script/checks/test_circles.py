@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.script.checks.circles import circles
+from bt_orchestrator.script.checks.structure import circles
 
 
 @pytest.mark.parametrize(

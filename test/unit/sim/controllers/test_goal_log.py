@@ -7,7 +7,7 @@ from pathlib import Path
 from time import monotonic
 
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.sim.controllers.goal_log import GoalLog
+from bt_orchestrator.sim.controllers.component_server import GoalLog
 
 COMPONENT = Component('arm', (1,), '/arm/task', 'p/action/T')
 

@@ -24,8 +24,7 @@ from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.state import CellState, Phase
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 FOLDER = Path(__file__).parents[3] / 'data' / 'journals_schema_2'

@@ -11,7 +11,7 @@ from fakes.hand_made_shift import LINE, SHIFTS, the_day
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 from bt_orchestrator.view.report.account.calendar import shift_at
 from bt_orchestrator.view.report.account.live import Live, LiveAccount
-from bt_orchestrator.view.screen.glyphs import ASCII, UNICODE, Glyphs
+from bt_orchestrator.view.screen.fit import ASCII, UNICODE, Glyphs
 from bt_orchestrator.view.screen.shift import ShiftPicture
 
 JOURNAL = the_day().records()

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from fakes.statuses import hold, status
 
-from bt_orchestrator.extensions.opcua.mes.stop_ids import NONE, STOP_IDS, id_of_hold, id_of_stop
+from bt_orchestrator.extensions.opcua.mes.alarms import NONE, STOP_IDS, id_of_hold, id_of_stop
 from bt_orchestrator.model import stop_reason
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.stop_reason import StopReason

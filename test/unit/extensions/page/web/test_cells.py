@@ -14,7 +14,7 @@ import pytest
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.base.extending import ExtensionMissing
 from bt_orchestrator.extensions.page.verb import cells_of
-from bt_orchestrator.extensions.page.web.cells import endpoints
+from bt_orchestrator.extensions.page.web.app import cells_endpoints
 from bt_orchestrator.extensions.page.web.endpoint import Problem
 from bt_orchestrator.ports.plant import PlantCell, PlantCells
 
@@ -22,7 +22,7 @@ LINE = PlantCell('line_1', 'Held', 12.5, 'own_fault', 99, 13.5, 0.5, 2, 'http://
 
 
 def served(cells: PlantCells | None) -> Any:
-    (endpoint,) = endpoints(cells)
+    (endpoint,) = cells_endpoints(cells)
 
     async def ask() -> Any:
         response = await endpoint.answer(cast(Any, None))

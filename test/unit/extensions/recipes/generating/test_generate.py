@@ -16,7 +16,7 @@ from fakes.shipped import ROOT
 
 from bt_orchestrator.base.errors import OrchestratorError, Refused
 from bt_orchestrator.cli.door import instead_of_a_door
-from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.extensions.recipes.generating.file import NotReplaced
 from bt_orchestrator.extensions.recipes.generating.verb import add_arguments, generate
 from bt_orchestrator.model.codec import digest

@@ -28,8 +28,7 @@ from bt_orchestrator.extensions.recipes.planning.outcome import (
     Price,
     Why,
 )
-from bt_orchestrator.extensions.recipes.planning.planner import prices
-from bt_orchestrator.extensions.recipes.planning.problem import Problem
+from bt_orchestrator.extensions.recipes.planning.planner import Problem, prices
 from bt_orchestrator.extensions.recipes.planning.scripts import Plan, Plans
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import Job

@@ -10,8 +10,7 @@ from fakes.planned import ENDS, TYPES, cell_of, made_of, recipe_of
 from bt_orchestrator.extensions.recipes.planning.generate import generate
 from bt_orchestrator.extensions.recipes.planning.line_model import LineModel, Solution
 from bt_orchestrator.extensions.recipes.planning.outcome import Price, Why
-from bt_orchestrator.extensions.recipes.planning.planner import prices
-from bt_orchestrator.extensions.recipes.planning.problem import Problem
+from bt_orchestrator.extensions.recipes.planning.planner import Problem, prices
 from bt_orchestrator.sim.pace_judge import PaceJudge
 from bt_orchestrator.store.memory import MemoryStore
 
