@@ -1,4 +1,4 @@
-"""Two computers on one machine, each with a cable to a switch: Linux network namespaces."""
+"""Two computers on one machine, with a switch or a router between: Linux network namespaces."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ import subprocess
 
 ADDRESSES = ('10.213.77.1', '10.213.77.2')
 """Of the two computers; nobody else is on their cable."""
+
+ROUTED_ADDRESSES = ('10.213.78.2', '10.213.79.2')
+"""Of two computers in subnets of their own."""
 
 _NAMES = ('btc_a', 'btc_b', 'btc_switch')
 
@@ -20,10 +23,7 @@ class Network:
         for name in names:
             _ip('netns', 'add', name)
         *self._computers, self._switch = names
-        _ip('-n', self._switch, 'link', 'add', 'bridge', 'type', 'bridge')
-        _ip('-n', self._switch, 'link', 'set', 'bridge', 'up')
-        for number in range(len(self._computers)):
-            self._lay_cable(number)
+        self._connect()
 
     def within(self, computer: int) -> list[str]:
         """Return the command that starts a program on one of the computers, 0 or 1."""
@@ -43,15 +43,38 @@ class Network:
         for name in (*self._computers, self._switch):
             subprocess.run(['ip', 'netns', 'del', name], check=False, capture_output=True)
 
-    def _lay_cable(self, number: int) -> None:
-        computer, switch, port = self._computers[number], self._switch, f'port{number}'
-        ends = ['eth0', 'netns', computer, 'type', 'veth', 'peer', port, 'netns', switch]
+    def _connect(self) -> None:
+        _ip('-n', self._switch, 'link', 'add', 'bridge', 'type', 'bridge')
+        _ip('-n', self._switch, 'link', 'set', 'bridge', 'up')
+        for number, computer in enumerate(self._computers):
+            port = self._lay_cable(number, ADDRESSES[number])
+            _ip('-n', self._switch, 'link', 'set', port, 'master', 'bridge', 'up')
+            _ip('-n', computer, 'route', 'add', '224.0.0.0/4', 'dev', 'eth0')
+
+    def _lay_cable(self, number: int, address: str) -> str:
+        """Connect a computer, and return the port of the switch at the other end."""
+        computer, port = self._computers[number], f'port{number}'
+        ends = ['eth0', 'netns', computer, 'type', 'veth', 'peer', port, 'netns', self._switch]
         _ip('link', 'add', *ends)
-        _ip('-n', switch, 'link', 'set', port, 'master', 'bridge', 'up')
         _ip('-n', computer, 'link', 'set', 'lo', 'up')
-        _ip('-n', computer, 'address', 'add', f'{ADDRESSES[number]}/24', 'dev', 'eth0')
+        _ip('-n', computer, 'address', 'add', f'{address}/24', 'dev', 'eth0')
         _ip('-n', computer, 'link', 'set', 'eth0', 'up')
-        _ip('-n', computer, 'route', 'add', '224.0.0.0/4', 'dev', 'eth0')
+        return port
+
+
+class RoutedNetwork(Network):
+    """A router in place of the switch: each computer is in its own subnet, without multicast."""
+
+    def _connect(self) -> None:
+        for number, address in enumerate(ROUTED_ADDRESSES):
+            port, router = self._lay_cable(number, address), address.rpartition('.')[0] + '.1'
+            computer = self._computers[number]
+            _ip('-n', self._switch, 'address', 'add', f'{router}/24', 'dev', port)
+            _ip('-n', self._switch, 'link', 'set', port, 'multicast', 'off', 'up')
+            _ip('-n', computer, 'link', 'set', 'eth0', 'multicast', 'off')
+            _ip('-n', computer, 'route', 'add', 'default', 'via', router)
+        forwards = ('sh', '-c', 'echo 1 > /proc/sys/net/ipv4/ip_forward')
+        _ip('netns', 'exec', self._switch, *forwards)
 
 
 def why_not() -> str | None:

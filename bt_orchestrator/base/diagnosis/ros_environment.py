@@ -22,6 +22,7 @@ RANGES: Mapping[str, str] = {
 
 _RANGE, _PEERS = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'ROS_STATIC_PEERS'
 _ONLY_LOCAL, _SERVER = 'ROS_LOCALHOST_ONLY', 'ROS_DISCOVERY_SERVER'
+_HEARS_ALL = 'ROS_SUPER_CLIENT'
 
 _FIRST_PORT = 7400
 _PORTS = 250
@@ -51,8 +52,10 @@ def domain_id(environment: Mapping[str, str]) -> int:
 
 
 def reach(environment: Mapping[str, str]) -> Check:
-    """Say what range, static peers and ROS_LOCALHOST_ONLY mean together."""
+    """Say what range, static peers, discovery server and ROS_LOCALHOST_ONLY mean together."""
     name = 'discovery range'
+    if environment.get(_SERVER):
+        return ok(name, f'whoever the discovery server at {environment[_SERVER]} knows')
     if environment.get(_ONLY_LOCAL, '') == '1':
         found = 'ROS_LOCALHOST_ONLY=1: this computer only, whatever the other variables say'
         remedy = 'it is deprecated; unset it, and set ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
@@ -77,6 +80,15 @@ def keep_to_this_computer(environment: MutableMapping[str, str]) -> None:
     """
     if not any(environment.get(name) for name in (_RANGE, _PEERS, _ONLY_LOCAL, _SERVER)):
         environment[_RANGE] = 'LOCALHOST'
+
+
+def hear_of_all(environment: MutableMapping[str, str]) -> None:
+    """Let a program that looks at the graph hear of everybody from a discovery server.
+
+    It tells others only of those whom they have a topic or a service in common with.
+    """
+    if environment.get(_SERVER):
+        environment.setdefault(_HEARS_ALL, 'TRUE')
 
 
 def is_local(environment: Mapping[str, str], middleware: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
@@ -13,6 +14,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from bt_orchestrator.base.diagnosis.ros_environment import hear_of_all
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.ros.actions.rivals import names
 from bt_orchestrator.ros.identity import twins_in_words
@@ -41,6 +43,7 @@ class Graph:
         self._settle_s = settle_s
 
     def __enter__(self) -> Graph:
+        hear_of_all(os.environ)
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node(OWN_NAME, start_parameter_services=False, enable_rosout=False)
         self._executor = SingleThreadedExecutor()

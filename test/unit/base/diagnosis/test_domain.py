@@ -56,6 +56,11 @@ def test_domain(text: str | None, verdict: Verdict, number: int) -> None:
         ({}, OK, 'SUBNET: every computer of the network'),
         ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}, OK, 'LOCALHOST: this computer only'),
         (
+            {'ROS_DISCOVERY_SERVER': '10.0.0.1:11811', 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'},
+            OK,
+            'whoever the discovery server at 10.0.0.1:11811 knows',
+        ),
+        (
             {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'},
             FAIL,
             'OFF: no other program, not even on this computer',
