@@ -260,8 +260,6 @@ class _Teller:
 
 
 def _list(address: str) -> int:
-    from bt_orchestrator.extensions.postgres.overview import cells_of
-
     for cell in cells_of(address):
         behind = cell.behind_s
         age = 'never complete' if behind is None else f'complete {behind:.0f} s ago'

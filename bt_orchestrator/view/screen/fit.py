@@ -1,4 +1,4 @@
-"""What fits a terminal: its lines, their cells, and signs in Unicode or in ASCII."""
+"""The fit of texts into a terminal: their lines, their cells, and signs in Unicode or in ASCII."""
 
 from __future__ import annotations
 
