@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import struct
+import tempfile
 import threading
-from contextlib import suppress
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
+
+_READS = re.compile(rb'\0SELECT [^;]* FROM (events|history)\b')
 
 
 class Proxy:
@@ -27,6 +33,8 @@ class Proxy:
         self.loses_commit = threading.Event()
         """The server answers a statement, and does not hear that this was all: no commit."""
         self.happened = threading.Event()
+        self.slow_reading_s = 0.0
+        """How long each statement takes longer that only reads the journal."""
         threading.Thread(target=self._accept, daemon=True).start()
 
     def close(self) -> None:
@@ -68,6 +76,8 @@ class _Passing:
                 for fault in (self._proxy.loses_answer, self._proxy.loses_commit):
                     if fault.is_set():
                         self._fault = fault
+            elif kind == b'P' and _READS.search(message):
+                time.sleep(self._proxy.slow_reading_s)  # as a busy server does
             if kind == b'S' and self._fault is self._proxy.loses_commit:
                 message = b'H' + message[1:]  # flush instead of sync
             self._server.sendall(message)
@@ -103,3 +113,17 @@ def _exactly(source: socket.socket, number: int) -> bytes:
             raise EOFError
         found += part
     return found
+
+
+@contextmanager
+def through(address: str, server: Path) -> Iterator[tuple[str, Proxy]]:
+    """Put a proxy before a server, and give the address that leads through it.
+
+    :param server: folder of the socket of the server
+    """
+    # Names of sockets are short.
+    with (
+        tempfile.TemporaryDirectory(dir='/tmp') as folder,
+        closing(Proxy(Path(folder), server)) as proxy,
+    ):
+        yield address.replace(str(server), folder), proxy

@@ -26,7 +26,7 @@ from bt_orchestrator.engine.runtime.housekeeping import Housekeeping
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations, last_events
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.engine.runtime.overview import Overview
-from bt_orchestrator.engine.runtime.writers import WriterThread
+from bt_orchestrator.engine.runtime.writers import Readings, WriterThread
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
@@ -136,6 +136,7 @@ class TreeNode:
         self._durations = ObservedDurations()
         self._journal = _open_journal(self.parameters, parts)
         self._writer = WriterThread(self.heart.wake) if self._journal is not None else None
+        self._readings = Readings(partial(soon, self.executor))
         store = self._journal or parts.make_memory_store()
         self.orchestrator = self._engine(cell, store, parts.sinks)
         self._overview = Overview(
@@ -222,6 +223,7 @@ class TreeNode:
         if (
             self._journal is not None
             and self._writer is not None
+            and self._readings.close(FAREWELL_S)
             and self._writer.close(FAREWELL_S)
         ):
             self._journal.close()  # or else the end of the process does, if the disk lets it
@@ -238,6 +240,7 @@ class TreeNode:
             store,
             [self._durations],
             writer=self._writer,
+            reader=self._readings,
             patience_s=self.parameters.journal_timeout,
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
@@ -272,7 +275,7 @@ class TreeNode:
         senders, state = self._senders, self.orchestrator.state
         Services(self.node, handler, senders, state)
         serve_lists(self.node, self._overview, state)
-        EventsService(self.node, self.orchestrator, store)
+        EventsService(self.node, self.orchestrator, store, self._readings)
         StateService(self.node, self.orchestrator, self._durations)
         run_job = RunJobServer(
             self.node, self.orchestrator, self._overview, self._orders, self._expected, senders

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from queue import SimpleQueue
 from types import SimpleNamespace
 from typing import Any
 
 from bt_orchestrator_interfaces.srv import GetEvents
 
+from bt_orchestrator.engine.runtime.writers import Readings
 from bt_orchestrator.model.events import JobStarted
 from bt_orchestrator.model.limits import EVENTS_BYTES
 from bt_orchestrator.ros.services.reading_services import EventsService
 from bt_orchestrator.store.memory import MemoryStore
 
 LONG = 400_000
+
+IN_TIME_S = 30.0
 
 
 class ServiceHost:
@@ -40,8 +44,13 @@ def asked(lengths: list[int], **request: int) -> list[int]:
     store, host = MemoryStore('here'), ServiceHost()
     store.append([JobStarted(seq=n, job='j' * size) for n, size in enumerate(lengths, 1)])
     orchestrator = SimpleNamespace(kept_seq=len(lengths))
-    EventsService(host, orchestrator, store)  # type: ignore[arg-type]
-    response = host.answer(GetEvents.Request(**request), GetEvents.Response()).value
+    turns: SimpleQueue[Callable[[], None]] = SimpleQueue()
+    readings = Readings(turns.put)
+    EventsService(host, orchestrator, store, readings)  # type: ignore[arg-type]
+    answer = host.answer(GetEvents.Request(**request), GetEvents.Response())
+    turns.get(timeout=IN_TIME_S)()
+    assert readings.close(IN_TIME_S)
+    response = answer.value
     assert response.accepted
     return [event.seq for event in response.events]
 

@@ -12,7 +12,9 @@ from collections.abc import Iterator
 from contextlib import closing
 
 import pytest
+from bt_orchestrator_interfaces.srv import GetEvents, QueueList
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering
+from postgres_proxy import through
 from postgres_server import PostgresServer, postgres_server
 from program_process import ProgramProcess
 
@@ -125,6 +127,39 @@ def test_9_1_without_its_database_a_node_ends_and_the_next_goes_on(
     ran = Counter(record['goal'] for record in cell.goals(event='started'))
     assert set(ran.values()) == {1}
     assert not [x for x in journal(address) if isinstance(x, e.TaskFailed)]
+
+
+SLOW_S = 0.4
+"""How long a slow database takes for each statement that reads: an answer needs three."""
+
+AT_ONCE_S = 0.8
+"""A node that waits for no reading answers within this time."""
+
+
+def test_9_1_a_database_that_reads_slowly_holds_up_who_reads_and_not_the_line(
+    start_cell: StartCell, server: PostgresServer, address: str
+) -> None:
+    with through(address, server.folder) as (place, proxy):
+        cell = start(start_cell, place)
+        cell.run_small(quantity=2)
+        cell.watch.until_ended('WO-1')
+        proxy.slow_reading_s = SLOW_S
+        began = time.monotonic()
+        pages = [
+            cell.watch.begin(GetEvents, 'get_events', GetEvents.Request(after_seq=after))
+            for after in range(3)
+        ]
+        took = []
+        while not pages[-1].done():
+            asked = time.monotonic()
+            assert cell.watch.call(QueueList, 'queue/list', QueueList.Request()).accepted
+            took.append(time.monotonic() - asked)
+        assert max(took) < AT_ONCE_S, f'{len(took)} answers'
+        assert time.monotonic() - began > 3 * SLOW_S
+        first = [message.seq for message in pages[0].result().events]
+        assert first == list(range(1, len(first) + 1))
+        assert all(page.result().last_seq >= len(first) for page in pages)
+        cell.stop()
 
 
 def test_9_1_one_node_has_the_journal_and_others_read_it(

@@ -217,7 +217,7 @@ class Housekeeping:
             return 0
         live = frozenset(self._state.jobs)
         first = await self._written(partial(self._journal.first_needed, live, self._keep_jobs))
-        return first if first > self._journal.first_seq() else 0
+        return first if first > await self._written(self._journal.first_seq) else 0
 
     async def _written(self, write: Callable[[], _T]) -> _T:
         """Write by the writer, and return the result in a later turn."""

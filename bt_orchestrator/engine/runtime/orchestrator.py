@@ -14,6 +14,7 @@ import itertools
 import logging
 import uuid
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 from bt_orchestrator.base.errors import JournalFailed, OrchestratorError
 from bt_orchestrator.base.replies import begin
@@ -43,6 +44,9 @@ log = logging.getLogger(__name__)
 
 _instances = itertools.count(1)
 
+READ_BACK_S = 5.0
+"""How long an engine that stops waits for the state that is in the journal."""
+
 MOST_TICKS = 100_000
 """More ticks than this in one settle are a defect of the rules, not a busy line."""
 
@@ -59,6 +63,7 @@ class Orchestrator:
         sinks: Sequence[EventSink] = (),
         *,
         writer: Writer | None = None,
+        reader: Writer | None = None,
         patience_s: float = PATIENCE_S,
         wake: Callable[[], None] = lambda: None,
         auto_start: bool = True,
@@ -68,6 +73,7 @@ class Orchestrator:
         """Build the engine of a cell; nothing moves before the first settle.
 
         :param writer: waits for the store; None: the thread that settles
+        :param reader: the same for readings, while the writer may hang
         :param patience_s: a commit that takes longer counts as failed
         :param wake: requests a settle soon; called whenever there is something new
         :param auto_start: the cell resets and starts by itself when an order arrives
@@ -92,6 +98,7 @@ class Orchestrator:
         self.flights = Flights(self._ledger, gateway, clock, wake)
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)
+        self._reader = reader or WritesAtOnce()
         writer = writer or WritesAtOnce()
         self._commits = Commits(store, writer, clock, wake, patience_s, self.flights.prepare)
         self._settling = False
@@ -317,8 +324,11 @@ class Orchestrator:
         return True
 
     def _break_off(self, failed: JournalFailed, lost: Sequence[e.Event]) -> None:
+        reading = self._reader.begin(partial(restore, self.state.cell, self._store))
         try:
-            durable = restore(self.state.cell, self._store)
+            if not reading.has_ended(READ_BACK_S):
+                raise JournalFailed('it does not answer')
+            durable = reading.result()
         except OrchestratorError as error:
             log.error('the state shown may be ahead of the journal: %s', error)
         else:

@@ -1,13 +1,20 @@
-"""Writers: the caller's thread, or a separate thread, waits for the disk (decision 0029)."""
+"""Waits for the journal: by the caller's thread, or by separate threads (decision 0029)."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from queue import SimpleQueue
 from typing import Any, Generic, TypeVar
 
+from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.base.replies import Reply
+
 _T = TypeVar('_T')
+
+MOST_READINGS = 50
+"""Readings that wait for a journal which does not answer."""
 
 
 class WritesAtOnce:
@@ -51,6 +58,46 @@ class WriterThread:
     def _run(self) -> None:
         while (writing := self._todo.get()) is not None:
             writing.run()
+
+
+class Readings:
+    """Reads a journal in a separate thread, in order, and hands the results to the tick thread.
+
+    A database, or a disk, may take long. `begin` is that of `ports.Writer`.
+    """
+
+    def __init__(self, soon: Callable[[Callable[[], None]], None]) -> None:
+        """Start the thread.
+
+        :param soon: lets the tick thread call something; called by another thread
+        """
+        self._soon = soon
+        self._thread = WriterThread(_nobody)
+        self._waiting = 0
+        self.begin = self._thread.begin
+        self.close = self._thread.close
+
+    async def result_of(self, read: Callable[[], _T]) -> _T:
+        """Read, and return the result once it is there, or raise its error.
+
+        :raises JournalUnusable: too many wait already
+        """
+        if self._waiting >= MOST_READINGS:
+            raise JournalUnusable(
+                f'the journal does not answer: {MOST_READINGS} readings wait; ask again later'
+            )
+        ended: Reply[Writing[_T]] = Reply()
+        self._waiting += 1
+        self._thread.begin(partial(self._read, read, ended))
+        reading = await ended
+        self._waiting -= 1
+        return reading.result()
+
+    def _read(self, read: Callable[[], _T], ended: Reply[Writing[_T]]) -> None:
+        reading = Writing(read, _nobody)
+        reading.run()
+        reading.has_ended()
+        self._soon(partial(ended.give, reading))
 
 
 class Writing(Generic[_T]):

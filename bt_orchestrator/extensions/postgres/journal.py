@@ -53,8 +53,8 @@ PATIENCE_S = 4.0
 STARTING_S = 60.0
 """Longest wait for an answer to what is read before the first append: nothing runs yet."""
 
-RUNNING_S = 0.5
-"""The same afterwards: the cell waits meanwhile."""
+RUNNING_S = 2.0
+"""The same afterwards: the cell does not wait meanwhile, and its clients do."""
 
 AGAIN_S = 0.05
 """Time between two attempts to reach the server."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 from bt_orchestrator_interfaces.msg import Event as EventMessage
@@ -15,6 +16,7 @@ from bt_orchestrator.engine.runtime import listed_jobs
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.engine.runtime.overview import Overview
+from bt_orchestrator.engine.runtime.writers import Readings
 from bt_orchestrator.model.codec import json_of, to_plain, to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.keeping.snapshot import nearest, state_to_text
@@ -27,33 +29,45 @@ from bt_orchestrator.ros.types.status_messages import job_message, listed_messag
 
 
 class EventsService:
-    """Answers from the journal; so whatever it tells is durable."""
+    """Answers from the journal; so whatever it tells is durable.
 
-    def __init__(self, node: Node, orchestrator: Orchestrator, store: EventStore) -> None:
+    The journal is read in another thread, since a database may take long.
+    """
+
+    def __init__(
+        self, node: Node, orchestrator: Orchestrator, store: EventStore, readings: Readings
+    ) -> None:
         self._orchestrator = orchestrator
         self._store = store
+        self._readings = readings
         self._log = node.get_logger()
         serve(node, GetEvents, 'get_events', self._answer)
 
     async def _answer(self, request: Any, response: Any) -> None:
         most = min(request.most or EVENTS_PAGE, EVENTS_PAGE)
+        last = self._orchestrator.kept_seq
+        read = partial(self._readable, request.after_seq, most, last)
         try:
             # What was removed or is damaged cannot be told; a client sees that from first_seq.
-            response.first_seq, response.events = self._readable(request.after_seq, most)
-        except (OrchestratorError, OverflowError) as error:
+            response.first_seq, response.events = await self._readings.result_of(read)
+        except OrchestratorError as error:
             response.message = str(error)
             return
         response.history = self._store.history
-        response.last_seq = self._orchestrator.kept_seq
+        response.last_seq = last
         response.accepted = True
 
-    def _readable(self, after: int, most: int) -> tuple[int, list[Any]]:
-        """Return the first event that can be had, and messages of events without gaps."""
+    def _readable(self, after: int, most: int, last: int) -> tuple[int, list[Any]]:
+        """Return the first event that can be had, and messages of events without gaps.
+
+        :param last: the last event that is durable
+        """
         first = self._store.first_seq()
         while True:
             found: list[Any] = []
             try:
-                found.extend(self._messages(after, most))
+                if after < last:
+                    found.extend(self._messages(after, min(most, last - after)))
             except DamagedRecord as damage:
                 self._log.warning(f'{damage}; clients that ask for it get the events after it')
                 if not found:

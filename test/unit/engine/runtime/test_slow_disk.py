@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from queue import SimpleQueue
 
 import pytest
 from fakes.action_types import FakeActionTypes
@@ -14,11 +15,11 @@ from fakes.held_writer import HeldWriter
 from fakes.line import Line, with_section
 from fakes.operator import ann
 
-from bt_orchestrator.base.errors import JournalFailed
+from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
 from bt_orchestrator.base.replies import Reply, begin
 from bt_orchestrator.engine.runtime.commits import PATIENCE_S
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
-from bt_orchestrator.engine.runtime.writers import WriterThread
+from bt_orchestrator.engine.runtime.writers import MOST_READINGS, Readings, WriterThread
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By, Role
 from bt_orchestrator.model.commands import Answer, Command, Shutdown
@@ -334,3 +335,51 @@ def test_a_writer_that_hangs_is_left_behind() -> None:
     assert writing.has_ended(60.0)
     assert writing.result()
     writer._thread.join(60.0)
+
+
+def test_an_engine_that_stops_waits_for_a_reading_that_hangs_only_for_a_while(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr('bt_orchestrator.engine.runtime.orchestrator.READ_BACK_S', 0.1)
+    line, clock, may_read = Line(), VirtualClock(), threading.Event()
+    may_read.set()
+
+    class Stuck(MemoryStore):
+        def append(self, events: Sequence[e.Event]) -> None:
+            if not may_read.is_set():
+                raise JournalFailed('the disk is gone')
+            super().append(events)
+
+        def read(self, after: int = 0, most: int = -1) -> Sequence[e.Event]:
+            assert may_read.wait(60.0)
+            return super().read(after, most)
+
+    readings = Readings(lambda call: call())
+    orchestrator = Orchestrator(line.cell, Gateway(line, clock), clock, Stuck(), reader=readings)
+    orchestrator.settle()
+    may_read.clear()
+    orchestrator.ask(AddJobs((Job('J', line.script(WORK % ''), 1),)))
+    assert 'the disk is gone' in (orchestrator.broken or '')
+    assert 'may be ahead of the journal: it does not answer' in caplog.text
+    assert orchestrator.ask(Abort(ann())).accepted
+    may_read.set()
+    assert readings.close(60.0)
+    orchestrator.close()
+
+
+def test_readings_are_refused_when_too_many_wait() -> None:
+    may_end, turns = threading.Event(), SimpleQueue[Callable[[], None]]()
+    readings = Readings(turns.put)
+
+    async def one() -> bool:
+        return await readings.result_of(lambda: may_end.wait(60.0))
+
+    waiting = [begin(one()) for _ in range(MOST_READINGS)]
+    with pytest.raises(JournalUnusable, match='does not answer'):
+        begin(one())
+    may_end.set()
+    while not waiting[-1].is_there:
+        turns.get(timeout=60.0)()
+    assert all(each.value for each in waiting)
+    begin(one())
+    assert readings.close(60.0)
