@@ -32,6 +32,15 @@ class OnFailure(Enum):
     ABORT_JOB = 'abort_job'
 
 
+@dataclass(frozen=True)
+class HoldAfter:
+    """How many rejects among how many items hold the line (semantics 7.7)."""
+
+    rejects: int
+    of: int
+    """Items that were begun one after the other."""
+
+
 class Release(Enum):
     """Whether a generated script has to be released before it starts (semantics 6.10)."""
 
@@ -138,6 +147,8 @@ class Cell:
     """The person or rule that releases generated scripts."""
     most_items: int = MOST_ITEMS
     """Most items of one order. It changes no goal, so it is no part of the digest."""
+    hold_after: HoldAfter | None = None
+    """For scripts without a limit of their own. It is no part of the digest either."""
 
     def by_action(self, action: str) -> Component | None:
         """Return the component that serves an action name."""

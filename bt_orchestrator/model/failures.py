@@ -9,6 +9,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.judging.rejects import hold_of_run
 from bt_orchestrator.model.script import Repeat, Task, index_task
 from bt_orchestrator.model.state import CellState, JobState, TaskState
 from bt_orchestrator.model.words import OR, OVERRUN, SLOT_OCCUPIED, Words, sentence
@@ -121,6 +122,8 @@ def pass_over(
         yield from effects.of_abort(state, state.jobs[key.job], reason)
     yield e.TaskContinued(**key._asdict(), policy=policy.value)
     yield from effects.of_passing(state, key)
+    if policy is OnFailure.REJECT:
+        yield from hold_of_run(state, key)
 
 
 def raise_hold(state: CellState, key: e.TaskKey, task: Task) -> e.HoldRaised:

@@ -30,7 +30,7 @@ def task_list(state: CellState, job: str, section: int) -> SectionList | None:
 def stopped_because(state: CellState) -> Wait | None:
     """Say why nothing new begins anywhere: no cycle, no index move (semantics 7.1)."""
     if state.holds:
-        kind = WaitKind.PAUSE if state.pauses else WaitKind.HOLD
+        kind = WaitKind.PAUSE if state.stops else WaitKind.HOLD
         first, *others = state.holds
         holds = (first, *others) if others else ()
         return Wait(hold_wait_words(state.holds.values()), kind, first, holds=holds)

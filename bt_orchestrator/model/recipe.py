@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from bt_orchestrator.model.cell import HoldAfter
 from bt_orchestrator.model.reference import Template
 from bt_orchestrator.model.script import Likely, Parameter
 
@@ -59,6 +60,8 @@ class Recipe:
     """As those of a script."""
     likely: Mapping[str, Likely] = field(default_factory=dict)
     """By the id of the operation; changes nothing of the script but this, nor its digest."""
+    hold_after: HoldAfter | None = None
+    """As that of a script."""
 
     @cached_property
     def by_id(self) -> Mapping[str, Operation]:

@@ -9,7 +9,7 @@ from enum import Enum
 from functools import cached_property
 from typing import Any
 
-from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Cell, OnFailure
+from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Cell, HoldAfter, OnFailure
 from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.frozen import worked_out
 from bt_orchestrator.model.reference import Reference, Template, references
@@ -308,6 +308,8 @@ class Script:
     """The lots that go into each item, by name: texts that refer to the order (semantics 6.9)."""
     likely: Mapping[str, Likely] = field(default_factory=dict)
     """By the id of the task; changes nothing of what it does, nor its digest."""
+    hold_after: HoldAfter | None = None
+    """None: as the cell says (semantics 7.7)."""
 
     @cached_property
     def source(self) -> int:
@@ -390,11 +392,9 @@ def _changes(tasks: SectionList, qty_change: int) -> bool:
     return any(task.qty_change == qty_change for task in tasks.tasks)
 
 
-def _grouped(
-    dependencies: tuple[Dependency, ...], end: str
-) -> Mapping[str, tuple[Dependency, ...]]:
+def _grouped(flags: tuple[Dependency, ...], end: str) -> Mapping[str, tuple[Dependency, ...]]:
     found: dict[str, tuple[Dependency, ...]] = {}
-    for dependency in dependencies:
+    for dependency in flags:
         task = getattr(dependency, end)
         found[task] = (*found.get(task, ()), dependency)
     return found

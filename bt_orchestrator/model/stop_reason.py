@@ -120,7 +120,13 @@ TWIN = 'twin'
 UNKNOWN_GOAL = 'unknown_goal'
 """At a take-over a server runs a goal unknown to the journal: the journal is incomplete."""
 
-NAMED = frozenset((RESTARTED, RESTORED, MISSING, TWIN, UNKNOWN_GOAL))
+TOO_MANY_REJECTS = 'too_many_rejects'
+"""Too many items in a row were rejected (semantics 7.7); cycles in hand go on to their ends."""
+
+UNSEEN = frozenset((RESTARTED, RESTORED, MISSING, TWIN, UNKNOWN_GOAL))
+"""The cell may have been changed unseen, so no setup is known any more (semantics 5.3)."""
+
+NAMED = UNSEEN | {TOO_MANY_REJECTS}
 """An operator has to check the line first, so these are released only by the hold's name."""
 
 

@@ -37,6 +37,16 @@ SENTENCES: Mapping[str, str] = {
     'unknown_goal': '{server} runs goal {goal}, accepted {time} by its clock, for which no task '
     'waits in the journal: the line may be further than the journal says. Compare belt and queue, '
     'and see to it that the goal ends, before anything starts',
+    # what the rejects of a run have in common
+    'rejects': '{count} rejects within {of} items: {items}',
+    'rejects_tasks': 'by the tasks {tasks}',
+    'rejects_task': 'all by task {task}',
+    'rejects_component': 'all at {component}',
+    'rejects_reason': 'all for the reason {reason}',
+    'rejects_verdict': 'each time expected: {what}',
+    'rejects_product': 'all of product {product}',
+    'rejects_job': 'all of job {job}',
+    'rejects_lot': 'all with lot {lot} of {name}',
     'twins': '{count} nodes answer as {name}, stop all but one: {words}',
     'twin_place': 'process {process} on {host}, with cell {cell}, since {time}',
     # why the line stands still

@@ -20,6 +20,7 @@ from bt_orchestrator.script.capabilities.capability_reader import Prepared, chec
 from bt_orchestrator.script.cell_keys import CELL, COMPONENT
 from bt_orchestrator.script.component_reader import ComponentReader
 from bt_orchestrator.script.composing import compose
+from bt_orchestrator.script.declared import read_hold_after
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
 from bt_orchestrator.script.names import check_name
 from bt_orchestrator.script.report import START, Report
@@ -81,7 +82,8 @@ class _CellReader:
         start = Start(self._fields.choice('start'))
         release = Release(self._fields.choice('release'))
         components = {CONVEYOR: conveyor.component, **components}
-        return Cell(name, conveyor, components, start, release, self._fields.whole('most_items'))
+        most_items, hold_after = self._fields.whole('most_items'), read_hold_after(self._fields)
+        return Cell(name, conveyor, components, start, release, most_items, hold_after)
 
     def _conveyor(self, fields: Fields) -> Conveyor:
         reader = ComponentReader(fields, CONVEYOR, self._report, self._types)

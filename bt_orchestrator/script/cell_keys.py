@@ -30,6 +30,7 @@ from bt_orchestrator.script.keys import (
 )
 from bt_orchestrator.script.names import NAME_WITHOUT_DOTS
 from bt_orchestrator.script.ros_names import MESSAGE_TYPE_FORM, NAME_FORM, TOKEN_FORM
+from bt_orchestrator.script.script_keys import HOLD_AFTER
 
 MOST_SECTIONS = 1000
 
@@ -292,5 +293,6 @@ CELL = Table(
             default=MOST_ITEMS,
             rule='6.6',
         ),
+        HOLD_AFTER,
     ),
 )

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.base.extending import RECIPES
+from bt_orchestrator.model.cell import HoldAfter
 from bt_orchestrator.model.script import Parameter
 from bt_orchestrator.script.drafts import ScriptDraft
 from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
@@ -89,6 +90,21 @@ class OrderFiles:
     def recipes(self) -> list[DeclaredRecipe]:
         """Return the recipes that orders can name, by name."""
         return self._of_recipes()
+
+
+# The limit of rejects that a script, a recipe or a cell file declares.
+
+
+def read_hold_after(file: Fields) -> HoldAfter | None:
+    """Return how many rejects among how many items hold the line (semantics 7.7)."""
+    fields = file.table('hold_after')
+    if fields is None:
+        return None
+    limit = HoldAfter(fields.whole('rejects'), fields.whole('of'))
+    if fields.is_sure('rejects', 'of') and limit.rejects > limit.of:
+        what = f'there are never {limit.rejects} rejects among {limit.of} items'
+        fields.refuse('rejects', what, f'write at most {limit.of}, or a larger `of`')
+    return limit
 
 
 # The parameters that a script declares.

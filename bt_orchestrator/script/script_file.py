@@ -22,7 +22,7 @@ from bt_orchestrator.script.capabilities.setups import check_setups
 from bt_orchestrator.script.checks.balance import check_balance
 from bt_orchestrator.script.checks.structure import DependencyReader, check_repeats, check_sections
 from bt_orchestrator.script.conditions.likely import read_likely
-from bt_orchestrator.script.declared import read_parameters
+from bt_orchestrator.script.declared import read_hold_after, read_parameters
 from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.keys import Kind
@@ -120,6 +120,7 @@ class _ScriptReader:
             ),
             lots=read_lots(draft, self._report),
             likely=read_likely(draft.listed, conditions, self._report),
+            hold_after=read_hold_after(self._fields),
         )
 
     def _section(self, section: SectionDraft) -> SectionList:

@@ -197,6 +197,38 @@ PARAMS = Key(
     rule='8.1',
 )
 
+MOST_COUNTED = 1000
+"""Items among which rejects are counted, at most."""
+
+HOLD_AFTER = Key(
+    'hold_after',
+    Kind.TABLE,
+    'how many rejects among items begun one after the other hold the line',
+    '{rejects: 3, of: 10}',
+    of=(
+        Table(
+            'a limit of rejects',
+            tuple(
+                Key(
+                    name,
+                    Kind.WHOLE,
+                    meaning,
+                    example,
+                    required=True,
+                    minimum=1,
+                    maximum=MOST_COUNTED,
+                    rule='7.7',
+                )
+                for name, meaning, example in (
+                    ('rejects', 'rejects that hold the line, not more than `of`', '3'),
+                    ('of', 'items among which they are counted', '10'),
+                )
+            ),
+        ),
+    ),
+    rule='7.7',
+)
+
 LOTS = Key(
     'lots',
     Kind.MAPPING,
@@ -230,6 +262,7 @@ SCRIPT = Table(
         whole('quantity', 'items of an order that names no quantity', '12', 1, rule='6.2'),
         PARAMS,
         LOTS,
+        HOLD_AFTER,
         Key(
             'initialization',
             Kind.LIST,

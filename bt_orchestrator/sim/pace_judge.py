@@ -56,7 +56,7 @@ class PaceJudge:
         """
         components = {name: replace(one, faults=()) for name, one in cell.components.items()}
         conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
-        self._cell = replace(cell, conveyor=conveyor, components=components)
+        self._cell = replace(cell, conveyor=conveyor, components=components, hold_after=None)
         self._types = types
         self._new_store = new_store
 
@@ -221,7 +221,7 @@ def _good(task: Task) -> Task:
 
 
 def _with_tasks(script: Script, change: Callable[[Task], Task]) -> Script:
-    """Return a script with changed tasks, and no initialization, setups and values of orders."""
+    """Return a script with changed tasks: no initialization, setups, values of orders, limits."""
     return replace(
         script,
         sections={number: _section(one, change) for number, one in script.sections.items()},
@@ -229,6 +229,7 @@ def _with_tasks(script: Script, change: Callable[[Task], Task]) -> Script:
         initialization_dependencies=(),
         params={},
         lots={},
+        hold_after=None,
     )
 
 

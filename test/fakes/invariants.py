@@ -228,7 +228,7 @@ class Invariants:
         assert self._mode not in EMPTY_HANDED or not self._in_flight, (event, self._in_flight)
 
     def _hold_raised(self, event: e.HoldRaised) -> None:
-        if event.task is None and event.item is None:
+        if event.task is None and event.item is None and event.reason != 'too_many_rejects':
             self._pauses.add(event.hold)
         key = e.TaskKey(event.job, event.section, event.item, event.task or '')
         if key in self._used:

@@ -106,6 +106,7 @@ def plan_of(script: Row) -> SimpleNamespace:
         zones=script.get('zones', {}),
         repeats=repeats,
         lots=script.get('lots', {}),
+        limit=script.get('hold_after'),
         first=script.get('initialization', []),
         order=script.get('initialization_dependencies', []),
     )

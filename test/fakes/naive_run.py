@@ -190,6 +190,9 @@ class NaiveRun(ABC):
         """The known values, by component and setup (5.3)."""
         self.serials: set[str] = set()
         """Of all items that ever had one (6.8)."""
+        self.limit = cell.get('hold_after')
+        self.counts: dict[str, SimpleNamespace] = {}
+        """Items in the order in which they were begun, by the script that has a limit (7.7)."""
         self.holds: list[Any] = []
         self.records: list[Row] = []
         self._facts: set[tuple[Any, ...]] = set()
@@ -234,7 +237,14 @@ class NaiveRun(ABC):
         item = Item(job, f'{job.id}/{number}', values, job.plan.source)
         job.items.append(item)
         job.left -= 1
+        if self.limit or job.plan.limit:
+            self.count_of(job).items.append(item)
         return item
+
+    def count_of(self, job: Job) -> SimpleNamespace:
+        """Return what is counted together with the items of a job (7.7)."""
+        new = SimpleNamespace(items=[], rejects=[], hold=None)
+        return self.counts.setdefault(job.plan.name if job.plan.limit else '', new)
 
     def new_cycle(self, number: int, item: Item, beat: int) -> SimpleNamespace:
         steps = [
@@ -253,7 +263,14 @@ class NaiveRun(ABC):
         zones = {f'zone {zone}' for zone, ids in job.plan.zones.items() if given['id'] in ids}
         return Task(given['id'], given, device, {device.name} | zones, job, section, item)
 
-    def hold(self, reason: str, where: Row, answers: list[str], task: Task | None = None) -> None:
+    def hold(
+        self,
+        reason: str,
+        where: Row,
+        answers: list[str],
+        task: Task | None = None,
+        items: list[str] | None = None,
+    ) -> None:
         hold = SimpleNamespace(id=str(next(self._hold_ids)), reason=reason, where=where)
         hold.answers, hold.task = answers, task
         self.holds.append(hold)
@@ -263,7 +280,9 @@ class NaiveRun(ABC):
             facts = {'name': name, 'action': action, 'component': task.device.name}
             facts |= {'attempt': task.attempt, 'attempts': task.given.get('retries', 0) + 1}
             facts['round'] = task.round or None
-        self.say('hold.raised', where, hold=hold, **facts, reason=reason, answers=answers)
+        self.say(
+            'hold.raised', where, hold=hold, **facts, reason=reason, answers=answers, items=items
+        )
 
     def lacks(self, job: Job) -> list[str]:
         """Return what is out of service and needed by a job of the queue (7.5)."""

@@ -30,7 +30,7 @@ class NaiveState(NaiveRun):
         """Tell whether a pause, a hold or the cell keeps a section from starting anything (7)."""
         if self.state not in WORKS:
             return True
-        places = [hold.where['section'] for hold in self.holds if hold.where.get('job')]
+        places = [hold.where['section'] for hold in self.holds if 'section' in hold.where]
         return number in places or any(hold.reason == 'paused' for hold in self.holds)
 
     def commands(self) -> list[str]:

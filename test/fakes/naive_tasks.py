@@ -164,6 +164,7 @@ class NaiveTasks(NaiveSetups):
         """Do what a rule, a policy or an operator says about a task; a move is never given up."""
         if what == 'abort_job':
             self.abort_jobs([task.job] if task.job else [i.job for i in self.slots().values()])
+        is_new = what == 'reject' and not task.item.rejected
         if what == 'reject':
             self.reject(task.item)
         if what == 'hold' or (what == 'abort_job' and task is self.move):
@@ -191,6 +192,22 @@ class NaiveTasks(NaiveSetups):
             self.executed(task, None)
             if what == 'continue' and task.refused:
                 task.item.remember(task, task.refused)
+            if is_new:
+                self.look_for_run(task.item)
+
+    def look_for_run(self, item: Item) -> None:
+        """Hold the line where a new reject makes too many of the items in a row (7.7)."""
+        count, limit = self.count_of(item.job), item.job.plan.limit or self.limit or {}
+        if item not in count.items:
+            return
+        count.rejects.append(item)
+        for place, first in enumerate(count.items):
+            in_a_row = count.items[place : place + limit['of']]
+            run = [one for one in in_a_row if one in count.rejects]
+            if first in run and len(run) >= limit['rejects'] and not count.hold:
+                ids = [one.id for one in run]
+                self.hold('too_many_rejects', {'job': item.job}, ['resume'], items=ids)
+                count.hold = self.holds[-1]
 
     def begin_round(self, repeat: Any, where: Row) -> None:
         """Do the tasks of a repeat once more (3.9)."""
@@ -209,15 +226,20 @@ class NaiveTasks(NaiveSetups):
 
     def operate(self, answer: str, hold: Any = None, item: Item | None = None) -> None:
         """Do what an operator says; jobs on the belt are aborted and the move stays held (3.5)."""
-        self.say('operator.decided', {}, answer=answer, hold=hold, item=item)
+        answered = hold if hold and hold.task else None
+        self.say('operator.decided', {}, answer=answer, hold=answered, item=item)
         if item:
             self.take_out(item, 'by_hand')
         for one in list(self.holds):
             meant = one.answers == [answer] and one.where.get('item') is item
+            meant = meant and one.reason != 'too_many_rejects'  # only its number releases it
             if meant or (one is hold and (one.task is not self.move or answer != 'abort_job')):
                 self.holds.remove(one)
                 self.say('hold.released', {}, hold=one)
-        if hold:
+                for count in self.counts.values():
+                    if count.hold is one:
+                        count.hold, count.rejects = None, []
+        if hold and hold.task:
             self.carry_out(hold.task, answer)
         if answer == 'pause':
             self.hold('paused', {}, ['resume'])

@@ -15,6 +15,7 @@ from fakes.commands import (
     ControlJob,
     MoveJob,
     Reset,
+    Resume,
     RunNext,
     Start,
     Stop,
@@ -82,7 +83,7 @@ class NaiveBench:
 
     def holds(self) -> list[tuple[str, Sequence[str], str | None]]:
         holds = [hold for hold in self.cell.holds if hold.reason != 'paused']
-        items = [hold.where['item'] for hold in holds]
+        items = [hold.where.get('item') for hold in holds]
         answers = [self.cell.offered(h.task) if h.task else h.answers for h in holds]
         return [
             (hold.id, offered, item and item.id)
@@ -184,7 +185,7 @@ class ProductBench:
 
     @property
     def paused(self) -> bool:
-        return bool(self.run.state.pauses)
+        return any(hold.reason == 'paused' for hold in self.run.state.pauses)
 
     def wait(self, seconds: float | None) -> None:
         until = self.run.now + (1e5 if seconds is None else seconds)
@@ -193,14 +194,17 @@ class ProductBench:
 
     def holds(self) -> list[tuple[str, Sequence[str], str | None]]:
         holds = self.run.state.holds.values()
-        return [(hold.id, hold.answers, hold.item) for hold in holds if not hold.is_pause]
+        return [(hold.id, hold.answers, hold.item) for hold in holds if hold.reason != 'paused']
 
     def standing(self) -> list[str]:
         items = [section.slot for section in self.run.state.sections.values()]
         return [item for item in items if item and self.run.state.items[item].present]
 
     def answer(self, hold: str, answer: str) -> None:
-        assert self.run.answer(answer, hold).accepted
+        if answer == 'resume':
+            assert self.run.command(Resume, hold=hold).accepted
+        else:
+            assert self.run.answer(answer, hold).accepted
 
     def remove(self, item: str) -> None:
         assert self.run.remove(item).accepted

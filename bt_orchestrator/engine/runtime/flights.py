@@ -142,7 +142,7 @@ class Flights:
         if goal.request.id not in self._unconfirmed or end.status is not GoalStatus.LOST:
             return False
         state = self._ledger.state
-        is_blocked = bool(state.pauses) or self._task(key).component in state.out_of_service
+        is_blocked = bool(state.stops) or self._task(key).component in state.out_of_service
         return self._may_go_again(key, end) and is_blocked
 
     def _expire(self, uuid: str) -> None:

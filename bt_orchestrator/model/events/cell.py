@@ -92,6 +92,8 @@ class HoldRaised(Event):
     """As in `task.failed`."""
     topic_says: str = ''
     """In doubt after a restart: what the action's status topic says of the goal."""
+    items: tuple[str, ...] = ()
+    """The rejects of a run (semantics 7.7); empty: it is about no run."""
 
 
 @dataclass(frozen=True, kw_only=True)

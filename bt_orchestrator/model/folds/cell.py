@@ -11,11 +11,19 @@ from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.job_folds import forget_skips, note_work
 from bt_orchestrator.model.jobs.setups import forget_all
+from bt_orchestrator.model.judging.rejects import forget_rejects, note_hold
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests.alike import together
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Hold, OutOfService, Phase, Reading, TaskState
-from bt_orchestrator.model.stop_reason import STAND, START, STOP_AFTER, StopReason, Wish
+from bt_orchestrator.model.stop_reason import (
+    STAND,
+    START,
+    STOP_AFTER,
+    TOO_MANY_REJECTS,
+    StopReason,
+    Wish,
+)
 from bt_orchestrator.model.uptime import ClockReading, Uptime
 from bt_orchestrator.model.words import facts_of
 
@@ -171,8 +179,10 @@ def hold_raised(event: e.HoldRaised, state: CellState) -> None:
     hold = changed(hold_of(event), message_words=facts_of(event.message))
     state.holds[hold.id] = hold
     state.holds_raised += 1
-    if hold.must_be_named:
+    if hold.is_unseen:
         forget_all(state)  # nobody knows what was done meanwhile (5.3)
+    if hold.reason == TOO_MANY_REJECTS and hold.job is not None:
+        note_hold(state, hold.job, hold.id)
     if hold.key is not None:
         before = state.tasks.get(hold.key, TaskState(Phase.HELD))
         state.tasks[hold.key] = changed(before, phase=Phase.HELD, hold=hold.id)
@@ -201,4 +211,5 @@ def _offer(state: CellState, hold: Hold) -> None:
 
 
 def hold_released(event: e.HoldReleased, state: CellState) -> None:
-    del state.holds[event.hold]
+    if state.holds.pop(event.hold).reason == TOO_MANY_REJECTS:
+        forget_rejects(state, event.hold)

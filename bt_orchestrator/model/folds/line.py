@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.counting import NONCONFORMING, kind_of
+from bt_orchestrator.model.judging.rejects import count_item
 from bt_orchestrator.model.state import CellState, Cycle, Finished, ItemState
 from bt_orchestrator.model.task_spans import passed_tasks
 
@@ -16,6 +17,7 @@ def cycle_started(event: e.CycleStarted, state: CellState) -> None:
         job.progress.started += 1
         item = ItemState(event.item, event.job, job.progress.started)
         state.items[event.item] = job.items[event.item] = item
+        count_item(state, item)
     state.items[event.item].open_cycles += 1
     state.sections[event.section].cycle = Cycle(event.job, event.item, event.beat)
 

@@ -10,6 +10,7 @@ from bt_orchestrator.model.folds.line import mark_nonconforming
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.jobs.setups import forget, learn
+from bt_orchestrator.model.judging.rejects import count_reject
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, End, Phase, TaskState, same_args, same_task
 
@@ -132,6 +133,8 @@ def task_skipped(event: e.TaskSkipped, state: CellState) -> None:
 
 
 def task_continued(event: e.TaskContinued, state: CellState) -> None:
+    if event.policy == OnFailure.REJECT.value:
+        count_reject(state, event.key)
     _end(state, event.key, _ENDS[event.policy])
     if event.nonconforming is None:
         return

@@ -20,11 +20,18 @@ from bt_orchestrator.model.state.line import (
     OutOfService,
     Phase,
     Reading,
+    RejectCount,
     SectionState,
     TaskState,
 )
 from bt_orchestrator.model.state.live_jobs import LiveJobs
-from bt_orchestrator.model.stop_reason import NAMED, StopReason, Wish
+from bt_orchestrator.model.stop_reason import (
+    NAMED,
+    TOO_MANY_REJECTS,
+    UNSEEN,
+    StopReason,
+    Wish,
+)
 from bt_orchestrator.model.uptime import ClockReading
 from bt_orchestrator.model.words import Words
 
@@ -120,6 +127,8 @@ class CellState:
     setups: dict[str, dict[str, KnownSetup]] = field(default_factory=dict)
     """The known setups of components, by name; a component without any is left out (semantics
     5.3)."""
+    reject_counts: dict[str, RejectCount] = field(default_factory=dict)
+    """By the name of the script that has a limit; empty: of all others (semantics 7.7)."""
 
     def __post_init__(self) -> None:
         """Begin with an empty belt, and state topics without a value."""
@@ -177,8 +186,13 @@ class CellState:
 
     @property
     def pauses(self) -> list[Hold]:
-        """The holds under which nothing starts anywhere, not even in a cycle in progress."""
+        """The holds that are about the whole cell, and that `resume` releases."""
         return [hold for hold in self.holds.values() if hold.is_pause]
+
+    @property
+    def stops(self) -> list[Hold]:
+        """The holds under which nothing starts anywhere, not even in a cycle in progress."""
+        return [hold for hold in self.pauses if hold.reason != TOO_MANY_REJECTS]
 
     @property
     def works(self) -> bool:
@@ -269,6 +283,11 @@ class Hold:
     def must_be_named(self) -> bool:
         """Tell whether only naming it releases it (semantics 7.3)."""
         return self.is_pause and self.reason in NAMED
+
+    @property
+    def is_unseen(self) -> bool:
+        """Tell whether the cell may have been changed unseen before it (semantics 5.3)."""
+        return self.is_pause and self.reason in UNSEEN
 
     @property
     def key(self) -> TaskKey | None:

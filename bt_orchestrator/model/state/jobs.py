@@ -34,6 +34,9 @@ class ItemState:
     """Its serial; empty: not known (semantics 6.8)."""
     lots: Mapping[str, str] = field(default_factory=dict)
     """The lots that go into it, by name; empty before it is placed (semantics 6.9)."""
+    counted: int = 0
+    """Its number among the items that are counted with it (semantics 7.7); 0: it is not counted,
+    or is counted as a reject already."""
 
 
 @dataclass

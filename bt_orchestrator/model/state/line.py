@@ -163,6 +163,28 @@ class FlagState:
 
 
 @dataclass(frozen=True)
+class Reject:
+    """A rejected item among those that are counted with it (semantics 7.7)."""
+
+    number: int
+    """Its place in the order in which they were begun, from 1."""
+    item: str
+    facts: Mapping[str, str]
+    """How it was rejected: what several of them may have in common."""
+
+
+@dataclass
+class RejectCount:
+    """The items of a script with a limit, or of all scripts without one (semantics 7.7)."""
+
+    begun: int = 0
+    rejects: list[Reject] = field(default_factory=list)
+    """Those that may still be part of a run, in the order in which they were rejected."""
+    hold: str | None = None
+    """The hold that they have raised, until it is released."""
+
+
+@dataclass(frozen=True)
 class Reading:
     """Last value of a component's state topic; not ready before the first one."""
 

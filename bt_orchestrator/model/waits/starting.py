@@ -210,8 +210,8 @@ def stopped_task(state: CellState, key: TaskKey) -> Wait | None:
         return Wait(what, WaitKind.CELL_STATE, mode)
     if not state.holds:
         return None
-    if state.pauses:
-        first = state.pauses[0]
+    if state.stops:
+        first = state.stops[0]
         return Wait(hold_wait_words([first]), WaitKind.PAUSE, first.id)
     return waits_in_hold(state, key)
 

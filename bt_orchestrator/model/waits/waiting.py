@@ -178,7 +178,7 @@ def unready(state: CellState, seen: Seen) -> Iterator[e.TaskKey]:
     """Yield the tasks that could start if their component were ready, the last section first."""
     first, *sections, belt = by_part(state, seen).values()
     for one in chain(first, *reversed(sections), belt):
-        if one.wait.kind is WaitKind.READINESS and not state.pauses:
+        if one.wait.kind is WaitKind.READINESS and not state.stops:
             yield from (key for key in one.tasks if waits_in_hold(state, key) is None)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from enum import Enum
 from itertools import count
 from typing import Any
@@ -72,6 +72,8 @@ class _ScriptWriter:
         yield from _named('params', params, {})
         if script.lots:
             yield from entry('lots', script.lots, '')
+        if script.hold_after is not None:
+            yield from entry('hold_after', asdict(script.hold_after), '')
         yield from self._initialization()
         yield 'sections:'
         for number in sorted(script.sections):

@@ -50,7 +50,15 @@ def draw_cell(draw: Draw, size: int, traits: Traits) -> Row:
         'faults': _faults(draw, 6) if traits.faults else [],
     }
     cell = {'cell': 'random_cell', 'conveyor': conveyor, 'components': components}
+    if traits.rejects and not chance(draw, 20):
+        cell['hold_after'] = draw_limit(draw)
     return {**cell, 'release': 'automatic'} if chance(draw, 25) else cell
+
+
+def draw_limit(draw: Draw) -> Row:
+    """Draw a limit of rejects."""
+    rejects = draw(st.integers(1, 3))
+    return {'rejects': rejects, 'of': rejects + draw(st.integers(0, 3))}
 
 
 def lasting(cell: Row, seconds: Sequence[float]) -> list[float]:
@@ -76,7 +84,7 @@ def _component(draw: Draw, name: str, place: Any, number: int, traits: Traits) -
     found['durations'] = dict.fromkeys(('PREPARE', 'TASK_A', 'TASK_B', 'TASK_C'), seconds)
     if chance(draw, 20):
         found['results'] = {'TASK_A': {'item_present': False, 'measurement': 2.5}}
-    if traits.faults and (faults := _faults(draw, 15)):
+    if traits.faults and (faults := _faults(draw, 70 if traits.rejects else 15)):
         found['faults'] = faults
     dies = any('die' in text for text in found.get('faults', []))
     if traits.setups and not dies and not chance(draw, 40):

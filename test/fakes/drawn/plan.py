@@ -123,6 +123,8 @@ class Traits:
     """Several orders of one item, each with a setup of its own."""
     setups: bool = False
     """Components have setups, and tasks ask for values of them."""
+    rejects: bool = False
+    """Many items are rejected, and limits of rejects hold the line."""
 
 
 def devices(cell: Row) -> list[Row]:

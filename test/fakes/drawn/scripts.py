@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from fakes.drawn.cells import draw_limit
 from fakes.drawn.conditions import draw_comparison, draw_condition, draw_verdict
 from fakes.drawn.links import draw_flags, draw_initialization, draw_zones
 from fakes.drawn.plan import Draw, Row, Traits, chance, tasks_of
@@ -26,6 +27,7 @@ class DrawnScript:
         """All tasks of the lists with their sections, in the order of the lists."""
         self.repeated: set[str] = set()
         """Tasks in repeats, which no flag may name."""
+        self.policies = ('reject', *POLICIES[1:3]) if traits.rejects else POLICIES
         self.tools = {name: draw(st.sampled_from('xy')) for name in with_tools(cell)}
         """The value that each component with a setup needs in this script."""
         self.readable: list[str] = []
@@ -46,6 +48,8 @@ class DrawnScript:
         }
         if chance(self.draw, 30):
             script['made_from'] = {'recipe': 'R', 'version': 3}
+        if self.traits.rejects and chance(self.draw, 40):
+            script['hold_after'] = draw_limit(self.draw)
         if chance(self.draw, 20):
             script['lots'] = {'box': '${order.id}'}
         once = [placed for placed in self.tasks if placed[1]['id'] not in self.repeated]
@@ -132,7 +136,7 @@ class DrawnScript:
             'id': f't{number}_{count}',
             'task': draw(st.sampled_from(('TASK_A', 'TASK_B'))),
         }
-        task |= {'action': f'/{name}/do', 'on_failure': draw(st.sampled_from(POLICIES))}
+        task |= {'action': f'/{name}/do', 'on_failure': draw(st.sampled_from(self.policies))}
         task['timeout'] = 8.03
         if name in self.tools and not chance(draw, 30):
             task['setup'] = {'tool': self.tools[name]}

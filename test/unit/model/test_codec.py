@@ -120,6 +120,7 @@ SAMPLES: dict[str, Any] = {
     'value': 'READY',
     'hold': '3',
     'answers': ('retry', 'skip'),
+    'items': ('WO-1/3', 'WO-2/1'),
     'answer': 'retry',
     'who': 'Ann',
     'state': 'Execute',

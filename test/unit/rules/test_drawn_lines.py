@@ -132,6 +132,34 @@ def test_5_1_short_orders_go_as_the_second_opinion_says(plan: Plan) -> None:
     assert comparable(product.run.records) == naive.cell.records
 
 
+def test_7_7_runs_of_rejects_go_as_the_second_opinion_says() -> None:
+    """Limits of cells and of scripts, over jobs and stops, with answers at any moment."""
+    seen: Counter[str] = Counter()
+
+    @examples(60, 600)
+    @given(lines(Traits(rejects=True)))
+    def holds(plan: Plan) -> None:
+        show(plan)
+        product = ProductBench(plan)
+        ended = operate(product, plan.moments)
+        naive = NaiveBench(plan, product.refused)
+        assert operate(naive, plan.moments) == ended
+        assert comparable(product.run.records) == naive.cell.records
+        raised = product.run.all('hold.raised', reason='too_many_rejects')
+        seen['all'] += 1
+        seen['held'] += bool(raised)
+        seen['of several jobs'] += any(
+            len({i.split('/')[0] for i in o['items']}) > 1 for o in raised
+        )
+        seen['twice'] += len(raised) > 1
+
+    holds()
+    if PROFILE != 'shard':
+        assert seen['held'] >= 0.2 * seen['all'], seen
+        assert seen['of several jobs'], seen
+        assert seen['twice'], seen
+
+
 @examples(60, 600)
 @given(lines(Traits(setups=True)))
 def test_5_3_setups_go_as_the_second_opinion_says(plan: Plan) -> None:

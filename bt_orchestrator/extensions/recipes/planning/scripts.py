@@ -54,6 +54,7 @@ class PlanWriter:
             repeats=tuple(self._repeats()),
             lots=self._recipe.lots,
             likely=self._recipe.likely,
+            hold_after=self._recipe.hold_after,
         )
         return with_changes(script, self._cell)
 

@@ -17,7 +17,7 @@ from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.checks.balance import check_placing, check_taking
 from bt_orchestrator.script.checks.structure import check_repeats
 from bt_orchestrator.script.conditions.likely import read_likely
-from bt_orchestrator.script.declared import read_parameters
+from bt_orchestrator.script.declared import read_hold_after, read_parameters
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.names import check_id
 from bt_orchestrator.script.orders.recipe_keys import RECIPE
@@ -74,6 +74,7 @@ def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> R
         ),
         lots=read_lots(draft, report),
         likely=read_likely(draft.operations, conditions, report),
+        hold_after=read_hold_after(fields),
     )
 
 

@@ -21,7 +21,8 @@ KEPT = {
     213: 'duplicate_serial',
     214: 'setup_missing', 221: 'restarted',
     222: 'restored', 223: 'missing',
-    224: 'twin', 225: 'unknown_goal', 300: 'starved', 400: 'blocked', 500: 'emergency',
+    224: 'twin', 225: 'unknown_goal', 226: 'too_many_rejects',
+    300: 'starved', 400: 'blocked', 500: 'emergency',
     600: 'journal', 610: 'contested',
 }  # fmt: skip
 """Sites keep tables of them: add numbers here, never change one."""
