@@ -60,6 +60,96 @@ def naive_account(
     return NaiveAccount(times, len(good), len(counted), oee)
 
 
+STOPS = ('no_node', 'own_fault', 'operator', 'starved', 'blocked', 'emergency', 'setup', 'waiting')
+LEAST_STOP_US = 50_000
+
+
+class NaiveStop(NamedTuple):
+    """A stop of the line."""
+
+    seq: int
+    loss: str
+    hold: str
+    begin: int
+    end: int
+    us: int
+    """Planned time of it."""
+
+
+def naive_stops(records: Records, planned: Sequence[tuple[int, int]]) -> list[NaiveStop]:
+    """Return the stops of a whole journal, in their order, that are long enough.
+
+    Of a clock that was never set.
+    """
+    why = [why_it_stands(records[: number + 1], '') for number in range(len(records))]
+    stops: list[NaiveStop] = []
+    before: object = None
+    starts = 0
+    for number, record in enumerate(records):
+        is_last = number + 1 == len(records)
+        begin, end = us(record), planned[-1][1] if is_last else us(records[number + 1])
+        after = '' if is_last else records[number + 1]['event']
+        starts = number if record['event'] == 'orchestrator.started' else starts
+        if begin >= end:
+            continue
+        cause = why_it_stands(records[: number + 1], after)
+        if cause is not None and cause == before:
+            stops[-1] = stops[-1]._replace(end=end)
+        elif cause is not None:
+            first = number
+            while first > starts and why[first - 1] == cause:
+                first -= 1
+            is_killed = cause != why[number] and after == 'orchestrator.started'
+            seq = records[number + 1]['seq'] - 1 if is_killed else records[first]['seq']
+            stops.append(NaiveStop(seq, str(cause[0]), str(cause[-1]), begin, end, 0))
+        before = cause
+    planned_us = [one._replace(us=overlap(one.begin, one.end, planned)) for one in stops]
+    return [one for one in planned_us if one.us and one.end - one.begin >= LEAST_STOP_US]
+
+
+def why_it_stands(past: Records, next_event: str) -> tuple[Any, ...] | None:
+    """Return what the line stands for: the loss, the exact cause, and the hold; None: nothing."""
+    loss = what_is_it(past, next_event)
+    if loss not in STOPS:
+        return None
+    holds = {one['hold']: one for one in past if one['event'] == 'hold.raised'}
+    for one in past:
+        if one['event'] == 'hold.released':
+            holds.pop(one['hold'], None)
+    reason = last(past, 'cell.stop_reason_changed', 'stop_reason')
+    if loss in ('own_fault', 'operator') and reason and holds:
+        return loss, next(iter(holds))
+    if loss in ('starved', 'blocked', 'waiting'):
+        return loss, unready(past), out_of_service(past), ''
+    if loss == 'operator':
+        words = last(past, 'cell.stop_reason_changed', 'reason') if reason else ''
+        state = last(past, 'cell.state_changed', 'state')
+        return loss, words, '' if reason or state in BEGINS else state, ''
+    return loss, ''
+
+
+def unready(past: Records) -> tuple[str, ...]:
+    """Return the components that are not ready, the first first."""
+    found: dict[str, None] = {}
+    for one in past:
+        if one['event'] == 'component.state_changed':
+            if one.get('ready', False):
+                found.pop(one['component'], None)
+            else:
+                found[one['component']] = None
+    return tuple(found)
+
+
+def out_of_service(past: Records) -> tuple[str, ...]:
+    found: dict[str, None] = {}
+    for one in past:
+        if one['event'] == 'component.out_of_service':
+            found[one['component']] = None
+        elif one['event'] == 'component.in_service':
+            found.pop(one['component'], None)
+    return tuple(found)
+
+
 def us(record: Mapping[str, Any]) -> int:
     return round(float(record['time']) * 1_000_000)
 

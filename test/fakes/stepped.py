@@ -8,6 +8,7 @@ from dataclasses import replace
 from hypothesis import strategies as st
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.view.report.account.total import Times
 
 Steps = Sequence[tuple[int, float]]
 """Shares of the events, in hundredths, after which the clock is set, and by how many seconds."""
@@ -20,6 +21,12 @@ def drawn_steps(seconds: st.SearchStrategy[float] = ANY) -> st.SearchStrategy[St
     """Draw steps, forward and back."""
     signed = st.tuples(seconds, st.sampled_from([-1, -1, 1])).map(lambda one: one[0] * one[1])
     return st.lists(st.tuples(SHARES, signed), min_size=1, max_size=4)
+
+
+def nameless(times: Times) -> Times:
+    """Return an account without the names of its stops: a step of the clock is an event more."""
+    stops = (stop._replace(span=replace(stop.span, seq=0)) for stop in times.line_stops)
+    return replace(times, line_stops=tuple(stops))
 
 
 def stepped(events: Iterable[e.Event], steps: Steps) -> list[e.Event]:

@@ -23,6 +23,7 @@ from bt_orchestrator.view.report.account.fold import FOLLOWED, AccountFold, From
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import Planned, us_of
+from bt_orchestrator.view.report.account.spans import LineStop
 from bt_orchestrator.view.report.account.steady_time import SteadyTime, Step
 from bt_orchestrator.view.report.account.words import (
     break_words,
@@ -100,6 +101,10 @@ class Account:
     """A cell file was given, for the pace."""
     cell_differs: bool
     """The node ran with another cell file than the one that the pace is of."""
+
+    def stop_name(self, stop: LineStop) -> str:
+        """Return the name of a stop."""
+        return f'{self.source.extent.history}:{stop.span.seq}'
 
     @property
     def _lacks_time(self) -> bool:

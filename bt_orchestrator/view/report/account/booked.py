@@ -96,11 +96,12 @@ def _sound(reading: Reading, slots: Sequence[KeptSlot]) -> Iterator[Slot]:
 
 _T = TypeVar('_T')
 
-BOOKS_VERSION = 2
+BOOKS_VERSION = 3
 """Of what the texts mean. Books of another version are not read: their time is not recorded."""
 
-WITHOUT_STEPS = 1
-"""The version before, which is read: a clock that was set back made it leave out time."""
+WITHOUT_STEPS, WITHOUT_STOPS = 1, 2
+"""Versions before, which are read: the first leaves out time if a clock was set back, and both
+tell no stop by itself."""
 
 
 def keep_slot(slot: Slot, made_of: int) -> KeptSlot:
@@ -130,7 +131,11 @@ def keep_state(
 
 def read_state(kept: KeptState) -> Course | None:
     """Return a course that goes on from there; None: the text is of another version."""
-    return _read(lambda: Course.from_plain(json.loads(kept.text)), kept.version)
+
+    def read() -> Course:
+        return Course.from_plain({'seq': kept.seq, **json.loads(kept.text)})
+
+    return _read(read, kept.version)
 
 
 def read_steady(kept: KeptState) -> SteadyTime | None:
@@ -155,7 +160,7 @@ def read_script(kept: KeptScript) -> Script:
 
 
 def _read(read: Callable[[], _T], version: int) -> _T | None:
-    if version not in (BOOKS_VERSION, WITHOUT_STEPS):
+    if version not in (BOOKS_VERSION, WITHOUT_STEPS, WITHOUT_STOPS):
         return None
     try:
         return read()

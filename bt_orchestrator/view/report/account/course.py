@@ -5,7 +5,7 @@ It knows nothing of planned time: a ledger takes in what it says, and adds up wh
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from bt_orchestrator.model import events as e
@@ -47,6 +47,10 @@ class Stretch(NamedTuple):
     """Its loss; None: the line produced."""
     goes_on: bool
     """It was so just before, too."""
+    seq: int = 0
+    """Of the event with which the time of this cause began, without a break since."""
+    since: int = 0
+    """When that was."""
 
 
 class Bookings(Protocol):
@@ -92,6 +96,12 @@ class Course:
         self._items = ItemsAtWork()
         self._last: Cause | None = None
         """The loss of the time just before."""
+        self._name = 0
+        """The number of the event with which that began."""
+        self._seq = 0
+        """The number of the last event."""
+        self._caused: tuple[Cause | None, int] = (_NOT_RECORDED, 0)
+        """The loss after some event, and the number of the event that made it so."""
 
     @property
     def cause(self) -> Cause | None:
@@ -103,12 +113,18 @@ class Course:
         """From when on that is so."""
         return self._since if self.cause == self._last else self.now or 0
 
+    @property
+    def name(self) -> int:
+        """The number of the event with which that began."""
+        cause = self.cause
+        return self._name if cause == self._last else self._caused_by(cause)
+
     def follow(self, event: e.Event, ledger: Bookings) -> None:
         """Take in the next event."""
         now = us_of(event.time)
         if self.now is None:
             self.now = now if self._begin is None else min(self._begin, now)
-            self._pass(now, _NOT_RECORDED, ledger)
+            self._pass(now, _NOT_RECORDED, 0, ledger)
         self.pass_until(event, ledger)
         self._take(event, ledger)
 
@@ -118,33 +134,46 @@ class Course:
         :param most: the moment
         """
         now, cause = us_of(event.time), self.cause
+        seq = self._caused_by(cause)
         if isinstance(event, e.OrchestratorStarted) and self._standing.has_node:
             # A node that was killed says nothing; of the very first nothing was before.
             cause = self._standing.without_node() if cause != _NOT_RECORDED else cause
+            seq = event.seq - 1
         elif isinstance(event, e.ClockStepped):
             # This event has the new time already; what really passed goes on from the old one.
-            self._pass(min(most, now - us_of(event.seconds)), cause, ledger)
+            self._pass(min(most, now - us_of(event.seconds)), cause, seq, ledger)
             cause = _NOT_RECORDED
-        self._pass(min(most, now), cause, ledger)
+        self._pass(min(most, now), cause, seq, ledger)
 
     def rest(self, end: int) -> Stretch | None:
         """Return the time from now to a moment up to which no event comes; None: there is none."""
         if self.now is None:
             begin = end if self._begin is None else self._begin
             return Stretch(begin, end, _NOT_RECORDED, False) if begin < end else None
-        return self._stretch(end, self.cause)
+        cause = self.cause
+        return self._stretch(end, cause, self._caused_by(cause))
 
-    def _pass(self, now: int, cause: Cause | None, ledger: Bookings) -> None:
+    def _caused_by(self, cause: Cause | None) -> int:
+        """Return the number of the event that made the present loss what it is."""
+        if cause != self._caused[0]:
+            self._caused = cause, self._seq
+        return self._caused[1]
+
+    def _pass(self, now: int, cause: Cause | None, seq: int, ledger: Bookings) -> None:
         """Let time pass; a clock that was set back makes nothing pass twice."""
-        stretch = self._stretch(now, cause)
+        stretch = self._stretch(now, cause, seq)
         if stretch is not None:
             ledger.passes(stretch)
-            self._since = self._since if stretch.goes_on else stretch.begin
+            self._since, self._name = stretch.since, stretch.seq
             self.now, self._last = now, cause
 
-    def _stretch(self, end: int, cause: Cause | None) -> Stretch | None:
+    def _stretch(self, end: int, cause: Cause | None, seq: int) -> Stretch | None:
         assert self.now is not None
-        return Stretch(self.now, end, cause, cause == self._last) if self.now < end else None
+        if self.now >= end:
+            return None
+        goes_on = cause == self._last
+        name, since = (self._name, self._since) if goes_on else (seq, self.now)
+        return Stretch(self.now, end, cause, goes_on, name, since)
 
     def _take(self, event: e.Event, ledger: Bookings) -> None:
         assert self.now is not None
@@ -156,7 +185,10 @@ class Course:
         elif isinstance(event, e.OrchestratorStarted):
             self.cell, self.digest = event.cell, event.digest
             ledger.runs(self.cell, self.digest)
+            # What stood before the node ended, and stands again, is another stop.
+            self._caused = _NOT_RECORDED, event.seq
         self._standing.follow(event)
+        self._seq = event.seq
         released = self.holds.follow(event, self.now)
         if released is not None:
             ledger.released(released)
@@ -179,7 +211,10 @@ class Course:
             'cell': self.cell,
             'digest': self.digest,
             'since': self._since,
-            'last': None if self._last is None else [self._last.loss.value, *self._last[1:]],
+            'last': _plain_cause(self._last),
+            'name': self._name,
+            'seq': self._seq,
+            'caused': [_plain_cause(self._caused[0]), self._caused[1]],
             'standing': self._standing.plain(),
             'holds': self.holds.plain(),
             'items': self._items.plain(),
@@ -190,9 +225,22 @@ class Course:
         """Return a course that knows what another one knew."""
         made = cls(is_whole=False)
         made.now, made.cell, made.digest = plain['now'], plain['cell'], plain['digest']
-        made._since, last = plain['since'], plain['last']
-        made._last = None if last is None else Cause(Loss(last[0]), *last[1:])
+        made._since, made._last = plain['since'], _cause_of(plain['last'])
+        made._seq = plain['seq']
+        if 'caused' in plain:  # books of older programs name no stop
+            made._name, (caused, seq) = plain['name'], plain['caused']
+            made._caused = _cause_of(caused), seq
+        else:
+            made._name, made._caused = made._seq, (made._last, made._seq)
         made._standing.go_on_from(plain['standing'])
         made.holds.go_on_from(plain['holds'])
         made._items.go_on_from(plain['items'])
         return made
+
+
+def _plain_cause(cause: Cause | None) -> list[str] | None:
+    return None if cause is None else [cause.loss.value, *cause[1:]]
+
+
+def _cause_of(plain: Sequence[str] | None) -> Cause | None:
+    return None if plain is None else Cause(Loss(plain[0]), *plain[1:])

@@ -81,6 +81,11 @@ class AccountFold:
         return self._course.since
 
     @property
+    def name(self) -> int:
+        """The number of the event with which that began."""
+        return self._course.name
+
+    @property
     def has_begun(self) -> bool:
         """Tell whether an event has come; what was before the first one is not recorded."""
         return self._course.now is not None

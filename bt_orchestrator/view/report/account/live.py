@@ -16,7 +16,7 @@ from bt_orchestrator.view.report.account.beginning import fold_with_books
 from bt_orchestrator.view.report.account.booked import steady_time
 from bt_orchestrator.view.report.account.calendar import Now, Turn
 from bt_orchestrator.view.report.account.figures import LACKS, Paces
-from bt_orchestrator.view.report.account.losses import WORDS
+from bt_orchestrator.view.report.account.losses import WORDS, is_stop
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.plain import account_plain
 from bt_orchestrator.view.report.account.planned import us_of
@@ -34,6 +34,8 @@ class Stopped:
     cause: Cause
     since_us: int
     """Not before the period began."""
+    stop: str = ''
+    """The name of this stop; empty: this loss is none."""
 
 
 @dataclass(frozen=True)
@@ -162,8 +164,12 @@ class _Going:
         account = account_of(self._fold, period, paces, source)
         is_over = end >= whole.end_us
         cause = None if is_over else self._cause
-        stopped = Stopped(cause, self._since_us) if cause else None
+        stopped = self._stopped(cause, extent.history) if cause else None
         return Live(now._replace(period=whole), account, stopped)
+
+    def _stopped(self, cause: Cause, history: str) -> Stopped:
+        name = f'{history}:{self._fold.name}' if is_stop(cause.loss) else ''
+        return Stopped(cause, self._since_us, name)
 
 
 # A live account as one line for a terminal, and as plain data.
@@ -185,6 +191,7 @@ def live_plain(live: Live) -> dict[str, Any]:
             'component': stopped.cause.component,
             'hold': stopped.cause.hold or None,
             'since': period.iso(stopped.since_us),
+            'stop': stopped.stop or None,
         },
     }
 

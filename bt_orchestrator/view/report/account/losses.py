@@ -110,6 +110,11 @@ WORDS: Mapping[Loss, Words] = {
 OF_STOP_REASON: Mapping[StopReason, Loss] = {one: Loss(one.value) for one in StopReason}
 
 
+def is_stop(loss: Loss) -> bool:
+    """Tell whether the line stands in the time of a loss that it could have worked in."""
+    return WORDS[loss].step is Step.AVAILABILITY
+
+
 def of_step(step: Step) -> tuple[Loss, ...]:
     """Return the losses of a step, in order."""
     return tuple(loss for loss in Loss if WORDS[loss].step is step)

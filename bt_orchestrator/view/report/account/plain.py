@@ -11,6 +11,7 @@ from bt_orchestrator.view.report.account.account import Account
 from bt_orchestrator.view.report.account.figures import LACKS, Bar, Figures, Lack
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import US
+from bt_orchestrator.view.report.account.spans import LineStop
 from bt_orchestrator.view.report.account.stops import FailingTask, Held, Repairs, Stop
 from bt_orchestrator.view.report.account.words import clock_plain
 from bt_orchestrator.view.report.csv_export import csv_cell
@@ -35,6 +36,12 @@ def account_plain(account: Account) -> dict[str, Any]:
         'losses': {bar.loss.value: seconds_of(bar.us) for bar in shown.waterfall() if bar.loss},
         'jobs': [_job(shown, number) for number in range(len(times.made))],
         'stops': [{**summed(stop), 'loss': stop.loss.value} for stop in times.stops],
+        'line_stops': [line_stop_plain(account, stop) for stop in times.line_stops],
+        'line_stops_all': {
+            'count': times.line_stops_count,
+            'seconds': seconds_of(times.line_stops_us),
+            'shorter_s': seconds_of(times.short_stops_us),
+        },
         'holds': [held_plain(held, account.period) for held in times.holds],
         'holds_left_out': {
             'count': times.holds_left_out,
@@ -119,6 +126,21 @@ def summed(one: Stop | FailingTask) -> dict[str, Any]:
     return {**plain, 'seconds': seconds}
 
 
+def line_stop_plain(account: Account, stop: LineStop) -> dict[str, Any]:
+    """Return one stop of the line."""
+    span, when = stop.span, account.period.iso
+    return {
+        'stop': account.stop_name(stop),
+        'loss': span.loss.value,
+        'detail': span.detail,
+        'component': span.component,
+        'hold': span.hold or None,
+        'from': when(span.since_us),
+        'to': when(span.until_us),
+        'seconds': seconds_of(stop.us),
+    }
+
+
 def held_plain(held: Held, period: Period) -> dict[str, Any]:
     """Return a hold."""
     when = period.iso
@@ -189,6 +211,9 @@ def _rows(plain: dict[str, Any]) -> Iterator[Row]:
         yield Row(
             'stop', one['loss'], one['component'], one['detail'], one['times'], one['seconds']
         )
+    for one in plain['line_stops']:
+        about = one['component'], one['detail']
+        yield Row('line stop', one['stop'], *about, seconds=one['seconds'])
     for one in plain['holds']:
         yield Row('hold', one['hold'], detail=one['words'], seconds=one['lost_s'])
     for one in plain['failed_attempts']:

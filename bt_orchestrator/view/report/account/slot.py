@@ -12,6 +12,12 @@ from bt_orchestrator.view.report.account.stops import Held
 QUARTER_US = 15 * 60 * US
 """Slots end at quarters of an hour since the epoch: in every time zone an hour is four of them."""
 
+LEAST_STOP_US = US // 20
+"""A shorter one is no stop by itself: the node needs such moments between two tasks."""
+
+MOST_SPANS = 100
+"""Stops that a slot tells one by one, besides those that go beyond it: the longest."""
+
 
 @dataclass
 class StopSum:
@@ -25,6 +31,27 @@ class StopSum:
     us: int = 0
     goes_on: bool = False
     """The stretch begins with such a stop that had begun before."""
+
+
+@dataclass
+class StopSpan:
+    """A stop of the line, or a part of it: one span of time with one loss and one cause."""
+
+    seq: int
+    """Of the event with which it began; with the history it is the name of the stop."""
+    loss: Loss
+    detail: str = ''
+    component: str = ''
+    hold: str = ''
+    """The hold that it waited for; empty: none."""
+    since_us: int = 0
+    """When it began, also where that was before the slot."""
+    until_us: int = 0
+
+    @property
+    def long_us(self) -> int:
+        """How long it is, from its begin."""
+        return self.until_us - self.since_us
 
 
 @dataclass
@@ -71,6 +98,8 @@ class Slot:
     """Digests of the cell files with which the node ran in it."""
     is_steady: bool = False
     """All of it has one cause, and nothing else happened: each part of it is as the whole."""
+    spans: tuple[StopSpan, ...] = ()
+    """Its stops one by one, in their order: those of `LEAST_STOP_US`, and of many the longest."""
 
     @property
     def is_one_stop(self) -> bool:
@@ -105,4 +134,5 @@ class Slot:
             producing_us=us if self.producing_us else 0,
             stops=tuple(stops),
             holds=tuple(holds),
+            spans=tuple(replace(span, until_us=until) for span in self.spans),
         )

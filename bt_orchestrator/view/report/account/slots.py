@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from copy import deepcopy
 from dataclasses import replace
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.task_spans import TaskSpan
 from bt_orchestrator.view.report.account.course import EVER_US, Stretch, is_busy
-from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.losses import Loss, is_stop
 from bt_orchestrator.view.report.account.made import Left, Made, count
 from bt_orchestrator.view.report.account.slot import (
+    LEAST_STOP_US,
+    MOST_SPANS,
     QUARTER_US,
     FailedSum,
     RestOfHolds,
     Slot,
+    StopSpan,
     StopSum,
 )
+from bt_orchestrator.view.report.account.standing import Cause
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
 from bt_orchestrator.view.report.account.stops import MOST_HOLDS, Held, OpenHolds, without_times
 
@@ -64,13 +68,14 @@ class Slots:
 
     def passes(self, stretch: Stretch) -> None:
         """Let time pass."""
-        begin, end, cause, goes_on = stretch
+        begin, end, goes_on = stretch.begin, stretch.end, stretch.goes_on
         if self._begin is not None and begin < self._begin:
             begin, goes_on = self._begin, True
         while begin < end:
             slot = self._slot_at(begin, end)
             until = min(end, slot.ends)
-            slot.passes(Stretch(begin, until, cause, goes_on), self._holds.open.values())
+            part = stretch._replace(begin=begin, end=until, goes_on=goes_on)
+            slot.passes(part, self._holds.open.values())
             begin, goes_on = until, True
 
     def raised(self, held: Held, *, is_busy: bool) -> None:
@@ -166,6 +171,7 @@ class OpenSlot:
         self.begin, self.ends, self.now = begin, ends, begin
         self._producing = 0
         self._stops: dict[tuple[Loss, str, str], StopSum] = {}
+        self._spans: dict[int, StopSpan] = {}
         self._held: dict[str, Held] = {}
         self._released: list[Held] = []
         self._before: set[str] = set()
@@ -181,6 +187,7 @@ class OpenSlot:
         """Know what a slot that was not complete has added up."""
         self.now, self._producing = slot.until_us, slot.producing_us
         self._stops = {(stop.loss, stop.detail, stop.component): stop for stop in slot.stops}
+        self._spans = {span.seq: replace(span) for span in slot.spans}
         self._released = [hold for hold in slot.holds if hold.released_us is not None]
         self._held = {hold.hold: hold for hold in slot.holds if hold.released_us is None}
         self._before = {hold.hold for hold in slot.holds if hold.raised_us <= slot.begin_us}
@@ -210,6 +217,8 @@ class OpenSlot:
             stop.us += us
             stop.begun += not stretch.goes_on
             stop.goes_on |= stretch.goes_on and is_first
+            if is_stop(cause.loss):
+                self._stop(stretch, cause)
         busy = is_busy(cause)
         for hold in holds:
             held = self._held.get(hold.hold) or self._stands(hold, is_first=is_first)
@@ -219,6 +228,13 @@ class OpenSlot:
                 held.lost_us += us
             if hold.component and busy:
                 held.down_us += us
+
+    def _stop(self, stretch: Stretch, cause: Cause) -> None:
+        span = self._spans.get(stretch.seq)
+        if span is None:
+            span = StopSpan(stretch.seq, *cause, since_us=stretch.since)
+            self._spans[stretch.seq] = span
+        span.until_us = stretch.end
 
     def _stands(self, held: Held, *, is_first: bool) -> Held:
         if is_first:
@@ -284,7 +300,20 @@ class OpenSlot:
             self._cell,
             tuple(self._cells),
             self._is_steady,
+            tuple(self._told_spans()),
         )
+
+    def _told_spans(self) -> Iterator[StopSpan]:
+        """Yield the stops to tell one by one: those that go beyond the slot in any case."""
+        spans = [
+            span
+            for span in self._spans.values()
+            if span.long_us >= LEAST_STOP_US or span.until_us == self.now
+        ]
+        within = [span for span in spans if self.begin <= span.since_us < span.until_us < self.now]
+        within.sort(key=lambda span: -span.long_us)
+        left_out = {span.seq for span in within[MOST_SPANS:]}
+        return (span for span in spans if span.seq not in left_out)
 
     def _told(self) -> tuple[tuple[Held, ...], tuple[RestOfHolds, ...]]:
         """Return the holds to tell one by one, and the sums of the others.

@@ -145,6 +145,10 @@ OF_ORDERS = (
 # The fold that says at every moment what the time is lost to, if it is.
 
 
+JOB_PAUSED = 'job paused'
+"""The detail where every job on the line is paused, and nothing runs."""
+
+
 class Cause(NamedTuple):
     """The loss of a moment."""
 
@@ -222,7 +226,7 @@ class Standing:
         running = list(self.spans.open())
         if not running:
             if self._orders.all_paused:
-                return Cause(Loss.OPERATOR, 'job paused')
+                return Cause(Loss.OPERATOR, JOB_PAUSED)
             first = next(iter((*self._out, *self._unready)), '')
             return Cause(Loss.WAITING, self._trouble(), first)
         if all(one.section is None and one.job is not None for one in running):

@@ -7,10 +7,11 @@ from collections import Counter
 from dataclasses import dataclass, replace
 
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
+from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step, is_stop
 from bt_orchestrator.view.report.account.made import Made, add
 from bt_orchestrator.view.report.account.planned import Planned
 from bt_orchestrator.view.report.account.slot import RestOfHolds, Slot, StopSum
+from bt_orchestrator.view.report.account.spans import LineStop, SpanTotal
 from bt_orchestrator.view.report.account.stops import (
     MOST_HOLDS,
     FailingTask,
@@ -43,6 +44,18 @@ class Times:
     """Name of the cell; empty: not known."""
     cells: tuple[str, ...]
     """Digests of the cell files that the node ran with in this time; empty: not known."""
+    line_stops: tuple[LineStop, ...] = ()
+    """The longest stops one by one, in their order."""
+    line_stops_count: int = 0
+    """How many stops there were that are long enough for the list."""
+    line_stops_us: int = 0
+    """Their planned time."""
+
+    @property
+    def short_stops_us(self) -> int:
+        """Time of stops that are too short, or too many, for the list."""
+        stops_us = sum(stop.us for stop in self.stops if is_stop(stop.loss))
+        return stops_us - self.line_stops_us
 
     def step_us(self, *steps: Step) -> int:
         """Return the time lost in some steps."""
@@ -63,6 +76,7 @@ class Total:
     """Takes in one slot after another, oldest first; each is planned, or is not."""
 
     def __init__(self) -> None:
+        self._spans = SpanTotal()
         self._producing = 0
         self._stops: dict[tuple[Loss, str, str], StopSum] = {}
         self._has_counted = False
@@ -96,6 +110,7 @@ class Total:
             add(so_far, made, is_planned=is_planned)
         for held in slot.holds:
             self._hold(held, is_planned=is_planned)
+        self._spans.add(slot, is_planned=is_planned)
         if is_planned:
             self._add_times(slot)
         elif not slot.is_one_stop:
@@ -189,6 +204,7 @@ class Total:
             tuple(sorted(self._repairs.values(), key=lambda one: (-one.down_us, one.component))),
             self._cell,
             tuple(self._cells),
+            *self._spans.stops(),
         )
 
     def _sorted_stops(self) -> tuple[Stop, ...]:

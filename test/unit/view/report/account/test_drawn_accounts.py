@@ -11,11 +11,11 @@ import pytest
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.line import Line
-from fakes.naive_account import naive_account
+from fakes.naive_account import naive_account, naive_stops
 from fakes.plan_operator import operate
 from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
-from fakes.stepped import Steps, drawn_steps, stepped
+from fakes.stepped import Steps, drawn_steps, nameless, stepped
 from fakes.virtual_run import VirtualRun
 from hypothesis import given
 from hypothesis import strategies as st
@@ -27,7 +27,7 @@ from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.view.report.account.figures import Figures, Paces, figures
 from bt_orchestrator.view.report.account.fold import FOLLOWED, AccountFold, Times
-from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.losses import Loss, is_stop
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import Planned, us_of
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
@@ -79,6 +79,7 @@ def accounts(
     booked = {loss.value: us for loss, us in mine.times.lost_us.items()}
     assert +Counter({**booked, 'production': mine.times.producing_us}) == +naive.times
     assert (mine.good, mine.produced) == (naive.good, naive.produced)
+    same_stops(mine.times, records, planned)
     if mine.has_paces:  # one that gets stuck has none, and an item of it may be taken off by hand
         assert mine.oee == naive.oee
         closes(mine)
@@ -93,7 +94,7 @@ def stepped_accounts(records: list[dict[str, Any]], marks: list[int], steps: Ste
     followed = [one for one in map(steady.of, events) if one.event in FOLLOWED]
     begin, end = us_of(run[0].time), us_of(run[-1].time) + 1_000_000
     whole = Planned.of([(begin, end)])
-    assert times_of(followed, whole, end) == times_of(run, whole, end)
+    assert nameless(times_of(followed, whole, end)) == nameless(times_of(run, whole, end))
 
     low, high = steady.clock_span(begin, end)
     first, off, on, last = (low + mark * (high - low) // 12 for mark in marks)
@@ -105,6 +106,19 @@ def stepped_accounts(records: list[dict[str, Any]], marks: list[int], steps: Ste
     booked = {loss.value: us for loss, us in shown.times.lost_us.items()}
     assert +Counter({**booked, 'production': shown.times.producing_us}) == +naive.times
     assert (shown.good, shown.produced) == (naive.good, naive.produced)
+
+
+def same_stops(times: Times, records: list[dict[str, Any]], planned: Planned) -> None:
+    """Assert that both agree about every stop, its name, its hold and its length."""
+    mine = [
+        (span.seq, span.loss.value, span.hold, span.since_us, span.until_us, us)
+        for span, us in times.line_stops
+    ]
+    assert mine == [tuple(one) for one in naive_stops(records, planned.pieces)]
+    assert len({one[0] for one in mine}) == len(mine)
+    assert times.line_stops_us == sum(one[-1] for one in mine)
+    stops_us = sum(us for loss, us in times.lost_us.items() if is_stop(loss))
+    assert times.short_stops_us == stops_us - times.line_stops_us >= 0
 
 
 def times_of(events: Sequence[e.Event], planned: Planned, end: int) -> Times:
