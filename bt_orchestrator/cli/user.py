@@ -13,6 +13,7 @@ from pathlib import Path
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.script.users.file import UsersFile, default_file
+from bt_orchestrator.script.users.panels import PANEL_KINDS
 from bt_orchestrator.script.users.passwords import BadPassword, check
 
 DESCRIPTION = """\
@@ -22,7 +23,12 @@ the terminal, twice; where there is none, one line of the standard input is the 
   user list                  names and roles
   user add NAME --role ROLE  add a user
   user role NAME ROLE        give a user another role
-  user remove NAME           remove a user"""
+  user remove NAME           remove a user
+  user panel KIND NAME       name a panel of the line: KIND is user, address or certificate
+  user no-panel KIND NAME    take that back
+
+While a line is in local, its panels alone may move it (docs/local.md). A panel is a user, every
+user at an IP address, or the OPC UA client with a certificate, by its thumbprint."""
 
 EPILOG = """\
 exit status: 0 done, 1 refused (the file is as it was), 2 wrong use"""
@@ -36,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument('action', choices=tuple(_ACTIONS), help='what to do')
-    parser.add_argument('what', nargs='*', metavar='WHAT', help='a user; role: a role too')
+    parser.add_argument(
+        'what', nargs='*', metavar='WHAT', help='a user; role: a role too; panel: a kind before it'
+    )
     parser.add_argument('--role', choices=_ROLES, help='add: what the user may do')
     parser.add_argument(
         '--users',
@@ -54,17 +62,20 @@ def run(args: argparse.Namespace) -> int:
 
 def _list(args: argparse.Namespace, users: UsersFile) -> int:
     _expect(args, 0, 'nothing')
-    roles = {name: user.role.value for name, user in users.read().items()}
+    content = users.content()
+    roles = {name: user.role.value for name, user in content.users.items()}
     if args.json:
-        print(
-            json.dumps({'users': [{'name': name, 'role': role} for name, role in roles.items()]})
-        )
+        told = [{'name': name, 'role': role} for name, role in roles.items()]
+        panels = [{'kind': kind, 'name': name} for kind, name in content.panels]
+        print(json.dumps({'users': told, 'panels': panels}))
         return 0
     width = max(map(len, roles), default=0)
     for name, role in roles.items():
         print(f'{name:<{width}}  {role}')
     if not roles:
         print('there are no users')
+    if content.panels:
+        print(f'panels: {content.panels.words}')
     return 0
 
 
@@ -96,11 +107,24 @@ def _role(args: argparse.Namespace, users: UsersFile) -> int:
     return 0
 
 
+def _panel(args: argparse.Namespace, users: UsersFile) -> int:
+    kind, name = _expect(args, 2, f'{" or ".join(PANEL_KINDS)}, and a name')
+    if kind not in PANEL_KINDS:
+        kinds = ', '.join(PANEL_KINDS)
+        raise WrongUse(f'user {args.action}: a panel is one of {kinds}; found {kind!r}')
+    named = args.action == 'panel'
+    users.change_panel(kind, name, named=named)
+    print(f'the {kind} {name} is {"a panel" if named else "no panel any more"}')
+    return 0
+
+
 _ACTIONS: Mapping[str, Callable[[argparse.Namespace, UsersFile], int]] = {
     'list': _list,
     'add': _add,
     'role': _role,
     'remove': _remove,
+    'panel': _panel,
+    'no-panel': _panel,
 }
 
 

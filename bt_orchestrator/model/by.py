@@ -32,6 +32,10 @@ class Known(Enum):
     """The user runs the deciding program itself."""
     PAGE_LOGIN = 'page login'
     OPC_UA_USER = 'opc ua user'
+    PAGE_PANEL = 'page panel'
+    """As `PAGE_LOGIN`, and at a panel of the line."""
+    OPC_UA_PANEL = 'opc ua panel'
+    """As `OPC_UA_USER`, and at a panel of the line."""
     ROS = 'ros unauthenticated'
     """A participant of the ROS domain claims it, without proof."""
 
@@ -43,7 +47,32 @@ class Known(Enum):
     @property
     def is_door(self) -> bool:
         """Tell whether a program that people log in at knows it, and asks for them."""
-        return self in (Known.PAGE_LOGIN, Known.OPC_UA_USER)
+        return self in _DOORS
+
+    @property
+    def is_panel(self) -> bool:
+        """Tell whether it comes from a panel of the line (semantics 7.8).
+
+        The user who runs the deciding program stands at it.
+        """
+        return self in (Known.LOCAL_USER, Known.PAGE_PANEL, Known.OPC_UA_PANEL)
+
+    def at_panel(self) -> Known:
+        """Return the same knowledge of somebody who is at a panel."""
+        return _AT_PANEL.get(self, self)
+
+
+_AT_PANEL = {Known.PAGE_LOGIN: Known.PAGE_PANEL, Known.OPC_UA_USER: Known.OPC_UA_PANEL}
+_DOORS = frozenset((*_AT_PANEL, *_AT_PANEL.values()))
+
+
+class Control(Enum):
+    """From where the line may be moved (semantics 7.8)."""
+
+    REMOTE = 'remote'
+    """From anywhere."""
+    LOCAL = 'local'
+    """From the panels of the line alone."""
 
 
 @dataclass(frozen=True)

@@ -119,6 +119,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.OrchestratorStopping: cell.orchestrator_stopping,
     e.StopReasonChanged: cell.stop_reason_changed,
     e.CellStateChanged: cell.cell_state_changed,
+    e.ControlChanged: cell.control_changed,
     e.ClockStepped: cell.clock_stepped,
     e.OperatorRefused: _refused,
     e.RequestRefused: _refused,

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from bt_orchestrator.model.by import Role
+from bt_orchestrator.model.by import Control, Role
 from bt_orchestrator.model.jobs.counting import produced_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
@@ -290,6 +290,8 @@ class CellStatus:
     7.2)."""
     waits_for: str = ''
     """Commands that let it work again, in words."""
+    control: Control = Control.REMOTE
+    """local: only the panels of the line may move it (semantics 7.8)."""
     unauthenticated_role: Role | None = None
     """Role of all clients in the ROS domain; None: no access over ROS, or not known."""
     commands: tuple[str, ...] = ()

@@ -27,6 +27,7 @@ from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations,
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.engine.runtime.overview import Overview
 from bt_orchestrator.engine.runtime.writers import Readings, WriterThread
+from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
@@ -245,6 +246,7 @@ class TreeNode:
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
             auto_resume=self.parameters.auto_resume,
+            to_remote=self.parameters.control == Control.REMOTE.value,
         )
         # Not before: where events are missing the take-over begins another history.
         for sink in (EventsTopic(self.node, store.history), *sinks):
@@ -269,7 +271,9 @@ class TreeNode:
 
     def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> None:
         """Offer the services and the action."""
-        handler = RequestHandler(self.orchestrator, types, self._orders)
+        handler = RequestHandler(
+            self.orchestrator, types, self._orders, self._senders.why_no_panel
+        )
         later = partial(soon, self.executor)
         self.orchestrator.add_sink(QueueAnew(handler, self.orchestrator.state, later))
         senders, state = self._senders, self.orchestrator.state

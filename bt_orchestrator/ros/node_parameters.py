@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Annotated, Any, get_args, get_type_hints
 
 from bt_orchestrator.base.errors import OrchestratorError
-from bt_orchestrator.model.by import Role
+from bt_orchestrator.model.by import Control, Role
 from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
 from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
 
 SINGLE, EVENTS = 'single', 'events'
 BUILTIN, PY_TREES_ROS = 'builtin', 'py_trees_ros'
 AUTO = 'auto'
+KEEP = 'keep'
 
 
 MOST_JOBS = 2**31 - 1
@@ -103,6 +104,22 @@ class NodeParameters:
             'stopped it'
         ),
     ] = True
+    control: Annotated[
+        str,
+        Words(
+            'remote: a line that is in local is in remote again; keep: as it was when the last '
+            'node ended',
+            choices=(KEEP, Control.REMOTE.value),
+        ),
+    ] = KEEP
+    users: Annotated[
+        Path | None,
+        Words(
+            'file of users with the panels of pages and OPC UA servers, which `cell local` needs '
+            '(default: ~/.config/bt_orchestrator/users.yaml); see `user`',
+            metavar='FILE',
+        ),
+    ] = None
     auto_resume: Annotated[
         bool, Words('after a restart with unfinished work, go on without the hold `restarted`')
     ] = False

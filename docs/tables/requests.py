@@ -8,7 +8,7 @@ from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.requests import TABLE, About, Request, Why, of_cell, of_job
+from bt_orchestrator.model.requests import CONTROLS, TABLE, About, Request, Why, of_cell, of_job
 from tables import docstrings
 from tables.markdown import cell, table
 
@@ -18,7 +18,7 @@ _ANY = 'any'
 
 def everything_that_can_be_asked() -> Iterator[str]:
     """Yield the table of requests."""
-    titles = ('word', 'about', 'does', 'roles', 'reason', 'confirmed', 'possible')
+    titles = ('word', 'about', 'does', 'roles', 'reason', 'confirmed', 'moves', 'possible')
     yield from table(titles, map(_row, TABLE))
 
 
@@ -39,6 +39,7 @@ def _row(request: Request) -> tuple[str, ...]:
         _named(request.roles),
         _REASON[request.why],
         'yes' if request.is_confirmed else '',
+        'yes' if request.moves else '',
         _possible(request),
     )
 
@@ -59,6 +60,8 @@ def _named(roles: frozenset[Role]) -> str:
 
 def _possible(request: Request) -> str:
     match request.about:
+        case About.CELL if request in CONTROLS.values():
+            return ' or '.join(f'in {one.value}' for one in CONTROLS if CONTROLS[one] != request)
         case About.CELL:
             states = [state.value for state in PackmlState if request in of_cell(state)]
             return _short(states, len(PackmlState))

@@ -19,12 +19,16 @@ from bt_orchestrator.extensions.opcua.server.access import Access
 from bt_orchestrator.extensions.opcua.server.overrides.security import Security
 from bt_orchestrator.extensions.opcua.server.pki import Pki, own
 from bt_orchestrator.model.by import Role
+from bt_orchestrator.script.users.panels import Panels
 
 ROLES = {
     'stand': Role.ENGINEER, 'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES,
     'vic': Role.VIEW,
 }  # fmt: skip
 """Users of the server, with their roles."""
+
+PANELS = {f'panel_{name}': role for name, role in ROLES.items()}
+"""The same, each at a panel of the line."""
 
 USER = 'stand'
 
@@ -33,7 +37,8 @@ def access_in(
     folder: Path, node: str, *, port: int = 0, roles: Mapping[str, Role] = ROLES, insecure: bool
 ) -> Access:
     """Return options with users and a certificate in a folder."""
-    users = write_users(folder / 'users.yaml', roles)
+    panels = Panels(tuple(PANELS))
+    users = write_users(folder / 'users.yaml', {**roles, **PANELS}, panels=panels)
     pki = Pki(folder / 'pki')
     pki.make_folders()
     made = _made_once(node)

@@ -16,7 +16,8 @@ Command the cell of a running tree node as a whole; `job` is for one job. docs/o
 what each command does in which state. The node refuses a command that is not possible now, and
 names those that are."""
 
-_STOP_AFTERS = [one for one in requests_about(About.CELL) if one.cause is None]
+_OF_CELL = requests_about(About.CELL)
+_STOP_AFTERS = [one for one in _OF_CELL if one.word.startswith(STOP_AFTER)]
 
 
 def _add_stop_after(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +33,7 @@ def _stop_after(args: argparse.Namespace) -> int:
 
 
 ACTIONS: Mapping[str, Action] = {
-    **{one.word: of_request(one) for one in requests_about(About.CELL) if one.cause},
+    **{one.word: of_request(one) for one in _OF_CELL if one not in _STOP_AFTERS},
     'stop-after': Action(
         _add_stop_after,
         _stop_after,

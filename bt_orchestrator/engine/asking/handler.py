@@ -15,6 +15,7 @@ from bt_orchestrator.engine.asking.orders import (
     Told,
     answer_to_refused,
     changed_job,
+    check_place,
     check_sender,
     job_anew,
     refused_orders,
@@ -23,7 +24,7 @@ from bt_orchestrator.engine.asking.orders import (
 )
 from bt_orchestrator.engine.runtime.job_queue import allowed
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
-from bt_orchestrator.model.by import By
+from bt_orchestrator.model.by import By, Control
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
@@ -34,6 +35,7 @@ from bt_orchestrator.model.jobs.order import Job, MadeAnew, order_id_fault
 from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.requests import (
     ADD,
+    CONTROLS,
     REQUEUE,
     UPDATE,
     Asked,
@@ -47,6 +49,8 @@ from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.given_values import arguments_of
 from bt_orchestrator.script.orders.asked import change_of
 from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Reading, Wanted
+
+TO_LOCAL = CONTROLS[Control.LOCAL]
 
 _Step = Callable[[Asked], Awaitable[Answer]]
 
@@ -64,14 +68,26 @@ class OrderReading(Protocol):
 class RequestHandler:
     """Answers requests. Refusals are on record as well."""
 
-    def __init__(self, engine: Orchestrator, types: ActionTypes, orders: OrderReading) -> None:
+    def __init__(
+        self,
+        engine: Orchestrator,
+        types: ActionTypes,
+        orders: OrderReading,
+        why_no_panel: Callable[[], str] = lambda: 'a virtual line has no panels',
+    ) -> None:
+        """Answer for an engine.
+
+        :param why_no_panel: says why no request comes from a panel (7.8); empty: one may
+        """
         self._engine = engine
         self._types = types
         self._orders = orders
+        self.why_no_panel = why_no_panel
         self._reads: Mapping[str, _Step] = {
             ADD.name: self._add,
             UPDATE.name: self._update,
             REQUEUE.name: self._requeue,
+            TO_LOCAL.name: self._to_local,
         }
         """Carries out the requests for which files are read."""
 
@@ -120,6 +136,7 @@ class RequestHandler:
 
     async def _answer(self, asked: Asked, step: _Step) -> Answer:
         try:
+            check_place(asked, self._engine.state)
             return await step(asked)
         except (CommandRefused, NotRead) as why:
             return await self._refuse(asked, str(why))
@@ -129,6 +146,14 @@ class RequestHandler:
         word, about = asked.request.word, asked.about
         refused = RefusedRequest(word, asked.sender, message, about=about)
         return await self._engine.carry_out(refused)
+
+    async def _to_local(self, asked: Asked) -> Answer:
+        """Hand the line over to its panels, if there is one that can give it back."""
+        check_sender(asked)
+        why = '' if asked.sender.known.is_panel else self.why_no_panel()
+        if why:
+            raise CommandRefused(f'a line in local needs a panel that can move it: {why}')
+        return await self._decide(asked)
 
     async def _decide(self, asked: Asked) -> Answer:
         ready = prepared(asked, self._engine.state, self._types)

@@ -9,9 +9,11 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator.base.errors import NotRead, Refused, counted
-from bt_orchestrator.engine.runtime.job_queue import standing
+from bt_orchestrator.base.errors import CommandRefused, NotRead, Refused, counted
+from bt_orchestrator.engine.runtime.deciding import not_from_there
+from bt_orchestrator.engine.runtime.job_queue import AT_PANEL, standing
 from bt_orchestrator.engine.runtime.orders import FITS
+from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
@@ -51,6 +53,17 @@ def check_sender(asked: Asked) -> None:
     why = refusal(asked.request, asked.sender)
     if why is not None:
         raise NotRead(why)
+
+
+def check_place(asked: Asked, state: CellState) -> None:
+    """Refuse before anything is read what cannot come from there (semantics 7.8).
+
+    :raises CommandRefused: says from where it can come
+    """
+    if refusal(asked.request, asked.sender, asked.arguments) is None:  # that comes first
+        why = not_from_there(state, asked)
+        if why is not None:
+            raise CommandRefused(why)
 
 
 def wanted_orders(given: Sequence[AskedOrder | WorkOrder | Mapping[str, Any]]) -> Orders:
@@ -159,12 +172,19 @@ def _each_refused(
 def with_each(answer: Answer, jobs: Sequence[Job], state: CellState) -> Answer:
     """Return the engine's answer about jobs, with what is said of each."""
     if answer.accepted:
-        message = '; '.join(['queued', *standing(state)])
-        orders = [OrderAnswer(job.id, message) for job in jobs]
+        orders = [OrderAnswer(job.id, '; '.join(_queued(job, state))) for job in jobs]
     else:
         each = answer.each or (answer.message,) * len(jobs)
         orders = [OrderAnswer(message=message) for message in each]
     return Answer(answer.accepted, answer.message, answer.each, tuple(orders))
+
+
+def _queued(job: Job, state: CellState) -> Iterator[str]:
+    yield 'queued'
+    live = state.jobs.get(job.id)
+    if live is not None and live.held and state.control is Control.LOCAL:
+        yield AT_PANEL
+    yield from standing(state)
 
 
 def _name(order: AskedOrder) -> str:

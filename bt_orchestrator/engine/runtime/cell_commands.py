@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
 from bt_orchestrator.base.errors import CommandRefused
-from bt_orchestrator.engine.runtime.deciding import Decided, decides
+from bt_orchestrator.engine.runtime.deciding import OTHER_WAY, Decided, decides
 from bt_orchestrator.engine.runtime.lifecycle import transition
 from bt_orchestrator.engine.runtime.operators import released_with
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.belt_statement import corrections
+from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.limits import PAUSES
 from bt_orchestrator.model.packml import VERBS, Cause, refusal
-from bt_orchestrator.model.requests import About, Asked, requests_about
+from bt_orchestrator.model.requests import CONTROLS, About, Asked, requests_about
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.model.stop_reason import PAUSED, StopReason, release_command
 
@@ -35,6 +36,23 @@ def _command(state: CellState, asked: Asked, _: float) -> Decided:
         return _MOVES[cause], [transition(state.packml, cause, str(asked.by))]
     message, follows = _ACTS[cause](state, asked)
     return message, list(follows)
+
+
+@decides(*CONTROLS.values())
+def _hand_over(state: CellState, asked: Asked, _: float) -> Decided:
+    """Change from where the line may be moved; nothing stops, and nothing starts (7.8)."""
+    control = Control(asked.request.word)
+    if state.control is control:
+        raise CommandRefused(f'the line is in {control.value} already')
+    if control is Control.REMOTE and not asked.sender.known.is_panel:
+        raise CommandRefused(f'only a panel of the line gives it back; {OTHER_WAY}')
+    return _HANDED_OVER[control], [e.ControlChanged(control=control.value, reason=str(asked.by))]
+
+
+_HANDED_OVER = {
+    Control.LOCAL: 'the line is in local: only its panels move it, and what runs goes on',
+    Control.REMOTE: 'the line is in remote: everybody moves it who may',
+}
 
 
 # --- words and events of each command -----------------------------------------------------------

@@ -12,6 +12,7 @@ from bt_orchestrator.engine.runtime.deciding import (
     decided,
     decides,
     not_allowed,
+    not_from_there,
 )
 from bt_orchestrator.engine.runtime.ledger import Ledger
 from bt_orchestrator.engine.runtime.lifecycle import transition
@@ -56,8 +57,8 @@ DECIDING = (cell_commands, job_queue, operators, service)
 def answer_to(command: Command, ledger: Ledger) -> str:
     """Carry out a command and return the answer's words.
 
-    :raises CommandRefused: its sender has no permission, or it cannot be carried out now; nothing
-        was recorded
+    :raises CommandRefused: its sender has no permission, or is not where it may be asked from, or
+        it cannot be carried out now; nothing was recorded
     """
     if isinstance(command, Shutdown):
         return _shut_down(ledger)
@@ -68,6 +69,9 @@ def answer_to(command: Command, ledger: Ledger) -> str:
         raise CommandRefused(why_not)
     if isinstance(command, RefusedRequest):
         raise CommandRefused(command.message, command.each)
+    why_not = not_from_there(ledger.state, command)
+    if why_not is not None:
+        raise CommandRefused(why_not)
     request = command.request
     message, events = DECIDERS[request.name](ledger.state, command, ledger.now)
     if not request.takes_orders:  # else each order has its own record

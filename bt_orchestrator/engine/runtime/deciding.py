@@ -7,7 +7,7 @@ from typing import Any
 
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.by import By
+from bt_orchestrator.model.by import By, Control
 from bt_orchestrator.model.commands import Command, OnRecord, RefusedRequest
 from bt_orchestrator.model.requests import Request, refusal
 from bt_orchestrator.model.state import CellState
@@ -44,6 +44,32 @@ def not_allowed(command: Command) -> str | None:
     if request is None or by is None:
         return None
     return refusal(request, by, getattr(command, 'arguments', ()))
+
+
+OTHER_WAY = 'without one, start the node anew with --control remote'
+"""How a line comes back that is in local without a panel."""
+
+
+def is_elsewhere(state: CellState, by: By | None) -> bool:
+    """Tell whether a sender may move nothing now: the line is in local, and this is no panel.
+
+    :param by: None: the plan of a virtual run
+    """
+    return state.control is Control.LOCAL and by is not None and not by.known.is_panel
+
+
+def not_from_there(state: CellState, command: Command) -> str | None:
+    """Say why a command cannot come from where it comes from now (7.8); None: it can."""
+    request, by = getattr(command, 'request', None), getattr(command, 'by', None)
+    if request is None or by is None or not request.moves or not is_elsewhere(state, by):
+        return None
+    return (
+        f'{request.name} moves the line, which is in local: only its panels may do that, and '
+        f'{by.named} ({by.known.value}) is at none; nothing was done; {_GIVE_BACK}'
+    )
+
+
+_GIVE_BACK = f'give control back at a panel with remote; {OTHER_WAY}'
 
 
 # The record of every command, carried out or refused: who, from where and why.

@@ -9,7 +9,7 @@ from operator import add
 
 from bt_orchestrator.base.errors import CommandRefused, counted
 from bt_orchestrator.engine.runtime import listed_jobs, orders
-from bt_orchestrator.engine.runtime.deciding import Decided, decided, decides
+from bt_orchestrator.engine.runtime.deciding import Decided, decided, decides, is_elsewhere
 from bt_orchestrator.engine.runtime.lifecycle import transition
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
@@ -52,18 +52,23 @@ _ENDS = 'ends when its items on the line are finished'
 def _add(state: CellState, command: AddJobs, now: float) -> Decided:
     if command.position is not None:
         _check_position(command.position, state.jobs.waiting + 1)
+    waits = is_elsewhere(state, command.by)
     each = orders.queue(
         state,
         command.jobs,
         now,
         position=command.position,
-        held=command.held,
+        held=command.held or waits,
         sharing=command.sharing,
     )
     records = [list(decided(ADD.word, command.by, job=name)) for name in command.names]
     events = [*chain.from_iterable(map(add, records, each))]
     said = [_how(event) for event in events if isinstance(event, e.JobQueued)]
-    return '\n'.join([*said, *standing(state)]), events
+    local = [AT_PANEL] if waits else []
+    return '\n'.join([*said, *local, *standing(state)]), events
+
+
+AT_PANEL = 'the line is in local: a panel has to release what was queued'
 
 
 def _how(queued: e.JobQueued) -> str:

@@ -68,6 +68,7 @@ class Orchestrator:
         wake: Callable[[], None] = lambda: None,
         auto_start: bool = True,
         auto_resume: bool = False,
+        to_remote: bool = False,
         new_goal_id: Callable[[], str] = lambda: str(uuid.uuid4()),
     ) -> None:
         """Build the engine of a cell; nothing moves before the first settle.
@@ -78,6 +79,7 @@ class Orchestrator:
         :param wake: requests a settle soon; called whenever there is something new
         :param auto_start: the cell resets and starts by itself when an order arrives
         :param auto_resume: unfinished work in the journal goes on without `Resume`
+        :param to_remote: a line in local is in remote again
         :raises JournalMismatch: the journal is of another cell
         """
         self.state = restore(cell, store)
@@ -113,7 +115,9 @@ class Orchestrator:
         boot = up.boot if up is not None else ''
         found = Found.of(self.state, store)
         self._ledger.look_back()
-        self._ledger.record(take_over(self.state, found, boot, auto_resume=auto_resume))
+        self._ledger.record(
+            take_over(self.state, found, boot, auto_resume=auto_resume, to_remote=to_remote)
+        )
 
     def ask(self, command: Command) -> Answer:
         """Carry out a command, settle, and return the answer; for journals without wait."""

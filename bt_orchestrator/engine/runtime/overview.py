@@ -97,6 +97,7 @@ class Overview:
             stop_after=state.stop_after or '',
             wish=state.wish,
             waits_for=way_to_work(state.packml) if state.stopped_by is not None else '',
+            control=state.control,
             unauthenticated_role=self._unauthenticated_role,
             commands=tuple(request.word for request in self._possible()),
             journal_failure=engine.broken or '',

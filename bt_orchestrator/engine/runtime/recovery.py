@@ -15,6 +15,7 @@ from bt_orchestrator.base.errors import DamagedRecord, JournalMismatch, JournalU
 from bt_orchestrator.engine.runtime.contests import in_utc, to_be_named
 from bt_orchestrator.engine.runtime.service import without_component
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
@@ -205,7 +206,7 @@ class Found(NamedTuple):
 
 
 def take_over(
-    state: CellState, found: Found, boot: str, *, auto_resume: bool
+    state: CellState, found: Found, boot: str, *, auto_resume: bool, to_remote: bool = False
 ) -> Iterator[e.Event]:
     """Record the start of a new orchestrator, and what it found.
 
@@ -213,6 +214,7 @@ def take_over(
     :param boot: boot id of its machine; empty: not known
     :param auto_resume: continue at once; otherwise start nothing until an operator has checked the
         line and releases the hold `restarted`, which is independent of other holds
+    :param to_remote: whoever starts the node takes control from the panels (semantics 7.8)
     """
     yield e.OrchestratorStarted(
         cell=state.cell.name,
@@ -223,6 +225,8 @@ def take_over(
         boot=boot,
         cell_definition=state.cell,
     )
+    if to_remote and state.control is not Control.REMOTE:
+        yield e.ControlChanged(control=Control.REMOTE.value, reason='the node was started so')
     yield from without_component(state)
     for name, component in state.cell.components.items():
         if component.state is not None and state.readings[name].ready:

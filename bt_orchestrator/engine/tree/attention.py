@@ -22,7 +22,14 @@ Notice = Callable[[Any], None]
 _OF_NO_PART = (
     *(e.JobQueued, e.JobMoved, e.JobHeld, e.JobReleased, e.JobMayStart, e.JobRemoved),
     *(e.JobCleared, e.ScriptLoaded, e.OperatorDecided, e.OperatorRefused),
-    *(e.ItemNonconforming, e.ItemIdentified, e.ClockStepped, e.ItemMoved, e.QueueArranged),
+    *(
+        e.ControlChanged,
+        e.ItemNonconforming,
+        e.ItemIdentified,
+        e.ClockStepped,
+        e.ItemMoved,
+        e.QueueArranged,
+    ),
 )
 """Events that affect no part. If they change which jobs are at work, branches are added; after
 `item.moved` `belt.indexed` follows at once and affects all parts."""

@@ -217,6 +217,16 @@ class StopReasonChanged(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ControlChanged(Event):
+    """The line was handed over, to its panels or back; nothing stops (semantics 7.8)."""
+
+    event: ClassVar[str] = 'cell.control_changed'
+    control: str
+    """local or remote."""
+    reason: str = ''
+
+
+@dataclass(frozen=True, kw_only=True)
 class CellStateChanged(Event):
     """The cell entered another PackML state (semantics 7.2)."""
 

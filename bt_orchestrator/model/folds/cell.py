@@ -6,6 +6,7 @@ from dataclasses import fields
 from typing import TypeAlias
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.failures import answers, why_not_offered
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Contest
@@ -96,6 +97,11 @@ def stop_reason_changed(event: e.StopReasonChanged, state: CellState) -> None:
     """Set the stop reason, or none."""
     state.stop_reason = StopReason(event.stop_reason) if event.stop_reason else None
     state.stop_message = event.reason
+
+
+def control_changed(event: e.ControlChanged, state: CellState) -> None:
+    """Set from where the line may be moved."""
+    state.control = Control(event.control)
 
 
 def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:

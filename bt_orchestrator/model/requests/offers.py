@@ -15,6 +15,7 @@ from bt_orchestrator.model.packml import Cause, PackmlState, possible_in
 from bt_orchestrator.model.requests.request import About, Request
 from bt_orchestrator.model.requests.table import (
     CELL,
+    CONTROLS,
     IN_SERVICE,
     MOVE,
     NEXT,
@@ -156,6 +157,8 @@ def worthwhile_for_cell(status: CellStatus) -> Iterator[Request]:
         request = of_word(About.CELL, word)
         if request is not None and _changes_cell(request, status):
             yield request
+    if not status.journal_failure:
+        yield from (one for control, one in CONTROLS.items() if control is not status.control)
 
 
 def _changes_cell(request: Request, status: CellStatus) -> bool:

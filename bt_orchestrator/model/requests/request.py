@@ -77,6 +77,8 @@ class Request:
     effect: str
     """Its effect, for the user who is about to send it."""
     roles: frozenset[Role]
+    moves: bool
+    """It can make something move, now or later: in local it is for panels alone (7.8)."""
     parameters: tuple[Parameter, ...] = ()
     why: Why = Why.FIRST
     is_confirmed: bool = False

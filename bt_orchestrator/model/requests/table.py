@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from bt_orchestrator.model import failures
-from bt_orchestrator.model.by import Role
+from bt_orchestrator.model.by import Control, Role
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.job_control import Method
 from bt_orchestrator.model.packml import VERBS, Cause
@@ -25,10 +25,11 @@ def _request(
     effect: str,
     roles: frozenset[Role],
     *parameters: Parameter,
+    moves: bool,
     **more: Any,
 ) -> Request:
     subject = (NAMED[about],) if about in NAMED else ()
-    return Request(word, about, effect, roles, (*subject, *parameters), **more)
+    return Request(word, about, effect, roles, moves, (*subject, *parameters), **more)
 
 
 # --- the cell (semantics 7.2, 7.3) --------------------------------------------------------------
@@ -52,9 +53,15 @@ CELL: Mapping[Cause, Request] = {
         'gets the cell ready to start',
         _OPERATORS,
         is_limited=True,
+        moves=True,
     ),
     Cause.START: _request(
-        About.CELL, VERBS[Cause.START], 'lets the cell begin to work', _OPERATORS, is_limited=True
+        About.CELL,
+        VERBS[Cause.START],
+        'lets the cell begin to work',
+        _OPERATORS,
+        moves=True,
+        is_limited=True,
     ),
     Cause.HOLD: _request(
         About.CELL,
@@ -62,6 +69,7 @@ CELL: Mapping[Cause, Request] = {
         'starts nothing more; what runs goes on to its end',
         _OPERATORS,
         why=Why.AFTERWARDS,
+        moves=False,
     ),
     Cause.UNHOLD: _request(
         About.CELL,
@@ -71,6 +79,7 @@ CELL: Mapping[Cause, Request] = {
         _HOLD,
         _EVERYONES,
         is_limited=True,
+        moves=True,
     ),
     Cause.STOP: _request(
         About.CELL,
@@ -78,6 +87,7 @@ CELL: Mapping[Cause, Request] = {
         'finishes the cycles in hand, then stops; orders wait for a start',
         _OPERATORS,
         why=Why.AFTERWARDS,
+        moves=False,
     ),
     Cause.ABORT: _request(
         About.CELL,
@@ -85,6 +95,7 @@ CELL: Mapping[Cause, Request] = {
         'cancels every goal now; items and queue are kept',
         _OPERATORS,
         why=Why.AFTERWARDS,
+        moves=False,
     ),
     Cause.CLEAR: _request(
         About.CELL,
@@ -95,11 +106,19 @@ CELL: Mapping[Cause, Request] = {
         _AS_SHOWN,
         is_confirmed=True,
         is_limited=True,
+        moves=True,
     ),
 }
 
 STOP_AFTERS: Mapping[str, Request] = {
-    after: _request(About.CELL, STOP_AFTER + after, effect, _OPERATORS, is_limited=True)
+    after: _request(
+        About.CELL,
+        STOP_AFTER + after,
+        effect,
+        _OPERATORS,
+        moves=after == NEVER,
+        is_limited=True,
+    )
     for after, effect in (
         *(
             (after, f'begins no more {after}s, lets the line run empty, then stops')
@@ -110,6 +129,26 @@ STOP_AFTERS: Mapping[str, Request] = {
 }
 """By the word for after what."""
 
+CONTROLS: Mapping[Control, Request] = {
+    Control.LOCAL: _request(
+        About.CELL,
+        Control.LOCAL.value,
+        'lets only the panels of the line move it; what runs goes on',
+        _OPERATORS,
+        moves=False,
+        is_limited=True,
+    ),
+    Control.REMOTE: _request(
+        About.CELL,
+        Control.REMOTE.value,
+        'lets everybody move the line again who may; asked at a panel',
+        _OPERATORS,
+        moves=True,
+        is_limited=True,
+    ),
+}
+"""From where the line may be moved (semantics 7.8)."""
+
 # --- the queue and its jobs (semantics 6.6) -----------------------------------------------------
 
 ADD = _request(
@@ -117,7 +156,7 @@ ADD = _request(
     Parameter('orders', Kind.ORDERS, 'work orders', is_required=True),
     Parameter('position', Kind.WHOLE, 'place of the first, from 1; else by priority and start'),
     Parameter('held', Kind.YES_NO, 'keep them from starting'),
-    why=Why.NEVER, is_limited=True,
+    moves=False, why=Why.NEVER, is_limited=True,
 )  # fmt: skip
 
 ARRANGE = _request(
@@ -127,17 +166,17 @@ ARRANGE = _request(
         'queue_digest', Kind.TEXT, 'of the queue that it was proposed for', is_required=True
     ),
     Parameter('jobs', Kind.TEXTS, 'ids in the new order, as proposed', is_required=True),
-    is_limited=True,
+    moves=True, is_limited=True,
 )  # fmt: skip
 
 MOVE = _request(
     About.JOB, 'move', 'puts a queued job at another place', _OPERATORS,
     Parameter('position', Kind.WHOLE, 'place in the queue, from 1', is_required=True),
-    is_limited=True,
+    moves=True, is_limited=True,
 )  # fmt: skip
 NEXT = _request(
     About.JOB, 'next', 'puts a queued job in front of all others, and releases it', _OPERATORS,
-    is_limited=True,
+    moves=True, is_limited=True,
 )  # fmt: skip
 
 
@@ -168,6 +207,7 @@ UPDATE = _of_method(
     Parameter('start', Kind.TEXT, 'when it should begin, with time zone; none: take it away'),
     Parameter('due', Kind.TEXT, 'when it should have ended, with time zone; none: take it away'),
     Parameter('details', Kind.VALUES, 'JSON of the customer; empty: take it away'),
+    moves=True,
     is_limited=True,
 )
 
@@ -175,28 +215,29 @@ REQUEUE = _of_method(
     job_control.REQUEUE,
     _BOTH,
     Parameter('order', Kind.TEXT, 'id of the new order; else that of the job, with -rest'),
+    moves=True,
     is_limited=True,
 )
 
 _CONTROLS = (
-    _of_method(job_control.START, _BOTH, is_limited=True),
-    _of_method(job_control.REVOKE_START, _BOTH),
+    _of_method(job_control.START, _BOTH, moves=True, is_limited=True),
+    _of_method(job_control.REVOKE_START, _BOTH, moves=False),
     UPDATE,
-    _of_method(job_control.PAUSE, _BOTH),
-    _of_method(job_control.RESUME, _BOTH, is_limited=True),
-    _of_method(job_control.STOP, _BOTH),
+    _of_method(job_control.PAUSE, _BOTH, moves=False),
+    _of_method(job_control.RESUME, _BOTH, moves=True, is_limited=True),
+    _of_method(job_control.STOP, _BOTH, moves=False),
     REQUEUE,
-    _of_method(job_control.ABORT, _ENGINEERS, is_confirmed=True),
-    _of_method(job_control.CANCEL, _PLANNERS, is_confirmed=True),
+    _of_method(job_control.ABORT, _ENGINEERS, moves=True, is_confirmed=True),
+    _of_method(job_control.CANCEL, _PLANNERS, moves=True, is_confirmed=True),
     # It changes only the list; the MES that ordered a job must be able to clear it.
-    _of_method(job_control.CLEAR, _BOTH, is_of_list=True),
+    _of_method(job_control.CLEAR, _BOTH, moves=False, is_of_list=True),
 )
 
 # --- items and holds (semantics 7.1) ------------------------------------------------------------
 
 REMOVE_ITEM = _request(
     About.ITEM, 'remove_item', 'records that an item was taken off the belt by hand; it leaves an '
-    'empty position', _ENGINEERS, is_confirmed=True,
+    'empty position', _ENGINEERS, moves=True, is_confirmed=True,
 )  # fmt: skip
 
 _RESULTS = Parameter(
@@ -206,51 +247,53 @@ _RESULTS = Parameter(
 ANSWERS: Mapping[str, Request] = {
     request.word: request
     for request in (
-        _request(About.HOLD, failures.RETRY, 'tries the task once more', _OPERATORS),
+        _request(About.HOLD, failures.RETRY, 'tries the task once more', _OPERATORS, moves=True),
         _request(
             About.HOLD, failures.AGAIN, 'does the repeat that the task is in once more, from its '
-            'first task', _OPERATORS,
+            'first task', _OPERATORS, moves=True,
         ),
         _request(
             About.HOLD, failures.CHANGE, 'changes the setup that the task lacks, and then does '
-            'the task', _OPERATORS,
+            'the task', _OPERATORS, moves=True,
         ),
         _request(
             About.HOLD, failures.MARK_DONE, 'the task was done: its item goes on as after success',
-            _OPERATORS, _RESULTS,
+            _OPERATORS, _RESULTS, moves=True,
         ),
         _request(
             About.HOLD, failures.SKIP, 'the item goes on without the task; its flags count as '
-            'performed', _OPERATORS,
+            'performed', _OPERATORS, moves=True,
         ),
         _request(
             About.HOLD, failures.REJECT, 'the item is rejected: later tasks are skipped, and it '
-            'leaves the line as scrap', _OPERATORS, is_confirmed=True,
+            'leaves the line as scrap', _OPERATORS, moves=True, is_confirmed=True,
         ),
         _request(
             About.HOLD, failures.ABORT_JOB, 'ends the job of the item: its goals are cancelled, '
-            'its items on the line are rejected and drain', _ENGINEERS, is_confirmed=True,
+            'its items on the line are rejected and drain', _ENGINEERS,
+            moves=True, is_confirmed=True,
         ),
     )
 }  # fmt: skip
 
 ACKNOWLEDGE = _request(
     About.HOLD, 'acknowledge', 'records that somebody has seen it; it stays', _OPERATORS,
-    why=Why.NEVER, is_limited=True, is_remark=True,
+    moves=False, why=Why.NEVER, is_limited=True, is_remark=True,
 )  # fmt: skip
 COMMENT = _request(
     About.HOLD, 'comment', 'records what somebody says about it; it stays', _OPERATORS,
-    is_limited=True, is_remark=True,
+    moves=False, is_limited=True, is_remark=True,
 )  # fmt: skip
 # --- components (semantics 7.5) -----------------------------------------------------------------
 
 OUT_OF_SERVICE = _request(
     About.COMPONENT, 'out_of_service', 'sends a component no goal, and lets the queue pass jobs '
     'that need it; what runs goes on; this is no lockout', _OPERATORS,
+    moves=False,
 )  # fmt: skip
 IN_SERVICE = _request(
     About.COMPONENT, 'in_service', 'lets a component get goals again, and lets jobs that need it '
-    'start', _OPERATORS, is_limited=True,
+    'start', _OPERATORS, moves=True, is_limited=True,
 )  # fmt: skip
 
 # --- scripts (semantics 6.10) -------------------------------------------------------------------
@@ -259,12 +302,14 @@ RELEASE_SCRIPT = _request(
     About.SCRIPT, 'release_script', 'lets jobs of a generated script start on this cell',
     _ENGINEERS,
     Parameter('cell_digest', Kind.TEXT, 'refuse it unless this is the digest of the cell'),
+    moves=True,
     is_limited=True,
 )  # fmt: skip
 
 TABLE: tuple[Request, ...] = (
     *CELL.values(),
     *STOP_AFTERS.values(),
+    *CONTROLS.values(),
     ADD,
     ARRANGE,
     MOVE,

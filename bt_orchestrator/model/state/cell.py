@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.goal import Contest
@@ -58,6 +59,8 @@ class CellState:
     seq: int = 0
     """Last event applied."""
     packml: PackmlState = PackmlState.STOPPED
+    control: Control = Control.REMOTE
+    """From where the line may be moved (semantics 7.8)."""
     stopped_by: Wish | None = None
     """An operator stopped, aborted or cleared the cell, and none has started it since."""
     had_work: bool = False

@@ -10,7 +10,7 @@ from bt_orchestrator_interfaces import srv
 from rclpy.node import Node
 
 from bt_orchestrator.base.diagnosis.ros_environment import is_local
-from bt_orchestrator.base.errors import NotRead
+from bt_orchestrator.base.errors import NotRead, OrchestratorError
 from bt_orchestrator.engine.asking.handler import RequestHandler
 from bt_orchestrator.engine.asking.orders import size_of
 from bt_orchestrator.model.by import By, Known, Role
@@ -24,6 +24,7 @@ from bt_orchestrator.ros.services.patient_service import serve
 from bt_orchestrator.ros.types.order_messages import asked_change, asked_order
 from bt_orchestrator.ros.types.status_messages import order_answer_message
 from bt_orchestrator.script.orders.desk import AskedOrder, WrittenOrder
+from bt_orchestrator.script.users.file import UsersFile, default_file
 
 _Read = Callable[[Any], tuple[str, Any]]
 """Returns the name of the request in a message, and its arguments."""
@@ -174,6 +175,7 @@ class Senders:
         """
         self.is_local = is_local(environment, middleware)
         self.unauthenticated = _unauthenticated(parameters, is_local=self.is_local)
+        self._users, self._environment = parameters.users, environment
         self.trusts_doors = parameters.trust_local_doors and self.is_local
 
     def by(self, request: Any, otherwise: str = 'service') -> By:
@@ -188,6 +190,30 @@ class Senders:
             # A role that this node does not know may do nothing.
             return By(*said, _ROLES.get(request.role, Role.VIEW), door)
         return By(*said, self.unauthenticated, Known.ROS, _claims(request))
+
+    def why_no_panel(self) -> str:
+        """Say why no request can come from a panel of the line (7.8); empty: one can.
+
+        The users file is read anew: a panel may have been named a moment ago.
+        """
+        if not self.trusts_doors:
+            return (
+                'this node believes no page and no OPC UA server who is at a panel; start it with '
+                '--trust-local-doors, where the discovery range of ROS is this computer'
+            )
+        try:
+            path = self._users or default_file(self._environment)
+            panels = UsersFile(path).content().panels
+        except OrchestratorError as error:
+            return str(error)
+        return (
+            ''
+            if panels
+            else (
+                f'there is no panel in {path}; name one with: bt-orchestrator user panel '
+                'address 192.168.3.20'
+            )
+        )
 
     def of_cancel(self, goal_by: By) -> By:
         """Return the sender of a cancel request, which may be any client."""

@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -20,6 +21,7 @@ from bt_orchestrator.base.ordinary_file import open_ordinary, read_up_to
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.limits import WHO
 from bt_orchestrator.script.users.folders import own_folder
+from bt_orchestrator.script.users.panels import PANEL_KINDS, NoSuchChange, Panels, panels_of
 from bt_orchestrator.script.users.passwords import NOBODYS, Cost, Hashed, hashed
 
 FORMAT = 1
@@ -36,10 +38,6 @@ class UsersUnusable(OrchestratorError):
     """The file cannot be believed, read or written; says why and what to do."""
 
 
-class NoSuchChange(OrchestratorError):
-    """A user is there already, or is not there; says who is."""
-
-
 @dataclass(frozen=True)
 class User:
     """Somebody who may log in."""
@@ -50,6 +48,13 @@ class User:
 
 Users = Mapping[str, User]
 """By name."""
+
+
+class Content(NamedTuple):
+    """The content of the file."""
+
+    users: Users = MappingProxyType({})
+    panels: Panels = Panels()
 
 
 def default_file(environment: Mapping[str, str]) -> Path:
@@ -64,7 +69,11 @@ class UsersFile:
         self._path = path
 
     def read(self) -> Users:
-        """Return all users; no user where there is no file.
+        """Return all users; raises as `content` does."""
+        return self.content().users
+
+    def content(self) -> Content:
+        """Return all users and panels; nothing where there is no file.
 
         :raises UsersUnusable: it is damaged, or others may read or write it
         """
@@ -73,7 +82,7 @@ class UsersFile:
                 mode = os.fstat(file.fileno()).st_mode
                 text = read_up_to(file, LARGEST_FILE)
         except FileNotFoundError:
-            return {}
+            return Content()
         except OSError as error:
             raise UsersUnusable(_out_of_reach(self._path, error)) from error
         if mode & _OTHERS:
@@ -83,8 +92,15 @@ class UsersFile:
                 'changed, then chmod 600 it'
             )
         try:
-            return _users(yaml.safe_load(text))
-        except (yaml.YAMLError, KeyError, TypeError, ValueError, RecursionError) as error:
+            return _content(yaml.safe_load(text))
+        except (
+            yaml.YAMLError,
+            KeyError,
+            TypeError,
+            ValueError,
+            RecursionError,
+            NoSuchChange,
+        ) as error:
             raise UsersUnusable(
                 f'{self._path}: this is not a file of users, or it is damaged '
                 f'({_in_short(error)}); bring a copy of it back, or remove it and add the users '
@@ -113,16 +129,24 @@ class UsersFile:
             )
         user = User(role, hashed(password))
 
-        def change(users: dict[str, User]) -> None:
-            if name in users:
+        def change(content: Content) -> Content:
+            if name in content.users:
                 raise NoSuchChange(f'{name} is there already; remove that user first')
-            users[name] = user
+            return content._replace(users={**content.users, name: user})
 
         self._change(change)
 
     def remove(self, name: str) -> None:
-        """Remove a user; raises as `change_role` does."""
-        self._change(lambda users: _delete(users, name))
+        """Remove a user, who is no panel any more either; raises as `change_role` does."""
+
+        def change(content: Content) -> Content:
+            _found(content.users, name)
+            left = {one: user for one, user in content.users.items() if one != name}
+            panels = content.panels
+            named = tuple(one for one in panels.users if one != name)
+            return Content(left, replace(panels, users=named))
+
+        self._change(change)
 
     def change_role(self, name: str, role: Role) -> None:
         """Give a user another role.
@@ -131,19 +155,34 @@ class UsersFile:
         :raises UsersUnusable: as `read`, or it cannot be written
         """
 
-        def change(users: dict[str, User]) -> None:
-            users[name] = replace(_found(users, name), role=role)
+        def change(content: Content) -> Content:
+            user = replace(_found(content.users, name), role=role)
+            return content._replace(users={**content.users, name: user})
 
         self._change(change)
 
-    def _change(self, change: Callable[[dict[str, User]], object]) -> None:
+    def change_panel(self, kind: str, name: str, *, named: bool) -> None:
+        """Name a panel, or take its name out.
+
+        :param kind: user, address or certificate
+        :raises NoSuchChange: see `Panels.changed`; or there is no such user
+        :raises UsersUnusable: as `content`, or it cannot be written
+        """
+
+        def change(content: Content) -> Content:
+            if kind == 'user' and named:
+                _found(content.users, name)
+            return content._replace(panels=content.panels.changed(kind, name, named=named))
+
+        self._change(change)
+
+    def _change(self, change: Callable[[Content], Content]) -> None:
         if not self._path.name:
             raise UsersUnusable(f'{self._path}: Is a directory; name the file in it')
         try:
             with self._alone():
-                users = dict(self.read())
-                change(users)
-                self._write(_HEAD + yaml.safe_dump(_plain(users), sort_keys=False))
+                content = change(self.content())
+                self._write(_HEAD + yaml.safe_dump(_plain(content), sort_keys=False))
         except OSError as error:
             raise UsersUnusable(_out_of_reach(self._path, error)) from error
 
@@ -193,21 +232,18 @@ def _found(users: Users, name: str) -> User:
     return users[name]
 
 
-def _delete(users: dict[str, User], name: str) -> None:
-    _found(users, name)
-    del users[name]
-
-
 # --- as YAML ------------------------------------------------------------------------------------
 
 
-def _plain(users: Users) -> dict[str, Any]:
+def _plain(content: Content) -> dict[str, Any]:
+    panels = {field: list(getattr(content.panels, field)) for field in PANEL_KINDS.values()}
     return {
         'format': FORMAT,
         'users': {
             name: {'role': user.role.value, 'password': _plain_hash(user.password)}
-            for name, user in users.items()
+            for name, user in content.users.items()
         },
+        **({'panels': panels} if content.panels else {}),
     }
 
 
@@ -219,12 +255,13 @@ def _plain_hash(password: Hashed) -> dict[str, Any]:
     }
 
 
-def _users(plain: Any) -> Users:
+def _content(plain: Any) -> Content:
     if not isinstance(plain, Mapping) or not isinstance(plain.get('users'), Mapping):
         raise TypeError('expected the keys format and users')
     if plain['format'] != FORMAT:
         raise ValueError(f'format {plain["format"]!r}; expected {FORMAT}')
-    return {_name(name): _user(fields) for name, fields in plain['users'].items()}
+    users = {_name(name): _user(fields) for name, fields in plain['users'].items()}
+    return Content(users, panels_of(plain.get('panels') or {}))
 
 
 def _name(name: Any) -> str:
@@ -266,7 +303,7 @@ class KnownUsers:
         self._path = path
         self._file = UsersFile(path)
         self._version: _Version = None
-        self._users: Users = {}
+        self._content = Content()
 
     def get(self, name: str) -> User | None:
         """Return a user; None: no user has that name.
@@ -280,11 +317,21 @@ class KnownUsers:
 
         :raises UsersUnusable: the file cannot be believed or read
         """
+        return self._now().users
+
+    def panels(self) -> Panels:
+        """Return all panels.
+
+        :raises UsersUnusable: the file cannot be believed or read
+        """
+        return self._now().panels
+
+    def _now(self) -> Content:
         version = self._look()
         if version is None or version != self._version:
-            self._users = self._file.read()
+            self._content = self._file.content()
             self._version = version
-        return self._users
+        return self._content
 
     def verify(self, name: str, password: str) -> User | None:
         """Return a user; None: no user has that name and password.

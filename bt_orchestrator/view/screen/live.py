@@ -149,6 +149,8 @@ class Picture:
             yield words.silence(self.node, self.silent_s)
         if self.view.failure:
             yield self.view.failure
+        if self.view.in_local:
+            yield self.view.in_local
         if self.view.stopped:
             yield self.view.stopped
         if self.view.stands:

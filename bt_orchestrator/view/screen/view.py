@@ -79,6 +79,8 @@ class CellView:
     """Why the node does nothing any more; empty: all is well."""
     stopped: str
     """The person who stopped the cell; empty: no person."""
+    in_local: str
+    """Only panels move the line; empty: everybody does who may."""
     stands: str
     """Why nothing moves; empty: something does, or another line says so."""
     belt: str
@@ -114,6 +116,7 @@ def cell_view(status: CellStatus, shell: Shell) -> CellView:
         state=status.state.value,
         failure=words.failure(status),
         stopped=words.stopped(status),
+        in_local=words.in_local(status),
         stands=words.stands(status),
         belt=words.belt(status),
         belt_waiting=tuple(words.reasons(status.belt.waits)),

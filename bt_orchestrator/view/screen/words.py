@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from datetime import datetime
 
+from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.hold_words import again_words, hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.needs import on_the_line_words
@@ -68,6 +69,8 @@ def _cell_lines(status: CellStatus) -> Iterator[str]:
     yield f'cell {one_line(status.cell)}: {since}, belt {belt(status)}, seq {status.seq}'
     if failure(status):
         yield f'  {failure(status)}'
+    if in_local(status):
+        yield f'  {in_local(status)}'
     if status.stop_after:
         yield f'  the cell stops after the current {status.stop_after}'
     if status.wish:
@@ -94,6 +97,12 @@ def _job_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
     if unlisted(status):
         where = f': {shell.command("queue")}' if shell else ''
         yield f'  {unlisted(status)} more jobs in the queue{where}'
+
+
+def in_local(status: CellStatus) -> str:
+    """Say that only panels move the line; nothing if everybody does who may."""
+    is_local = status.control is Control.LOCAL
+    return 'in local: only the panels of the line move it' if is_local else ''
 
 
 def unlisted(status: CellStatus) -> int:

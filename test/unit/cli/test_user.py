@@ -49,7 +49,29 @@ def test_add_list_role_remove(path: Path, capsys: pytest.CaptureFixture[str]) ->
     capsys.readouterr()
     assert user(path, 'list', '--json') == 0
     told = json.loads(capsys.readouterr().out)
-    assert told == {'users': [{'name': 'ann', 'role': 'engineer'}]}
+    assert told == {'users': [{'name': 'ann', 'role': 'engineer'}], 'panels': []}
+
+
+def test_panels_are_named_listed_and_taken_back(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert user(path, 'add', 'ann', '--role', 'operate', typed=f'{PASSWORD}\n') == 0
+    assert user(path, 'panel', 'user', 'ann') == 0
+    assert user(path, 'panel', 'address', '192.168.3.20') == 0
+    assert user(path, 'list') == 0
+    assert user(path, 'no-panel', 'user', 'ann') == 0
+    assert user(path, 'no-panel', 'user', 'ann') == 1
+    said = capsys.readouterr()
+    assert said.out.splitlines()[1:] == [
+        'the user ann is a panel',
+        'the address 192.168.3.20 is a panel',
+        'ann  operate',
+        'panels: user ann, address 192.168.3.20',
+        'the user ann is no panel any more',
+    ]
+    assert 'the user ann is no panel; there are: address 192.168.3.20' in said.err
+    assert user(path, 'panel', 'ann') == 2
+    assert user(path, 'panel', 'room', 'ann') == 2
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,7 @@ def test_who_may_ask_what() -> None:
     }
     remarks = {'hold.acknowledge', 'hold.comment'}
     cell = {f'cell.{word}' for word in ('reset', 'start', 'pause', 'resume', 'stop', 'abort')}
+    cell |= {'cell.local', 'cell.remote'}
     after = {f'cell.stop_after_{word}' for word in ('item', 'job', 'never')}
     places = {'job.move', 'job.next', 'queue.arrange'}
     service = {'component.out_of_service', 'component.in_service'}

@@ -28,7 +28,7 @@ from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.commands import Command
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.requests import REQUESTS, About, Why
+from bt_orchestrator.model.requests import REQUESTS, About, Why, ask
 
 LINE = Line()
 SCRIPT = LINE.script(THREE)
@@ -43,6 +43,10 @@ def eve(role: Role, reason: str = 'a test', known: Known = Known.ROS) -> By:
 
 COMMANDS: dict[str, Callable[[By], Command]] = {
     **{f'cell.{verb}': kind for verb, kind in CELL.items()},
+    **{
+        f'cell.{word}': lambda by, word=word: ask(f'cell.{word}', by)  # type: ignore[misc]
+        for word in ('local', 'remote')
+    },
     'cell.stop_after_item': lambda by: StopAfter('item', by),
     'cell.stop_after_never': lambda by: StopAfter('never', by),
     'queue.add': lambda by: AddJobs((Job('K', SCRIPT, 1, {}),), by),

@@ -101,6 +101,8 @@ class Caller:
     """Name and address of the program; the name is what it says of itself."""
     session: str = ''
     """Unique among the sessions of the server."""
+    is_panel: bool = False
+    """It is at a panel of the line (semantics 7.8)."""
 
 
 CALLER: ContextVar[Caller] = ContextVar('caller')
@@ -121,7 +123,10 @@ def by_caller(reason: str, ticket: str) -> By:
     """Return the caller as the sender of a command."""
     caller = CALLER.get()
     origin = origin_with(PROGRAM, ticket, caller.client)
-    return By(caller.name, origin, reason, caller.role, Known.OPC_UA_USER)
+    known = Known.OPC_UA_USER
+    return By(
+        caller.name, origin, reason, caller.role, known.at_panel() if caller.is_panel else known
+    )
 
 
 def client_of(name: str | None, address: str) -> str:

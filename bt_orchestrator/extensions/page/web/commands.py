@@ -122,7 +122,7 @@ def _asked(path: str, given: dict[str, Any], session: Session, ticket: str) -> A
         raise Problem(422, f'reason is a text of at most {REASON} characters')
     remark = 'locked session' if session.is_locked else ''
     origin = origin_with(PROGRAM, ticket, remark)
-    by = By(session.name, origin, reason, session.role, session.how.known)
+    by = By(session.name, origin, reason, session.role, session.known)
     try:
         request = request_at(path, given)
         _check_texts(given)

@@ -123,6 +123,7 @@ def _about(session: Session | None) -> dict[str, Any]:
             'role': '',
             'how': '',
             'is_locked': False,
+            'is_panel': False,
             'ends': None,
             'idle_s': None,
         }
@@ -132,6 +133,7 @@ def _about(session: Session | None) -> dict[str, Any]:
         'role': session.role.value,
         'how': session.how.value,
         'is_locked': session.is_locked,
+        'is_panel': session.is_panel,
         'ends': None if left_s is None else round(time.time() + left_s),
         'idle_s': session.idle_left_s,
     }

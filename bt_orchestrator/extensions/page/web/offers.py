@@ -150,6 +150,7 @@ def _offer(
         'effect': request.effect,
         'why': request.why.value,
         'is_confirmed': request.is_confirmed,
+        'moves': request.moves,
         'roles': _roles(request.roles),
         'path': ANY.format(name=request.name),
         'subject': subject,

@@ -52,9 +52,9 @@ class People:
             return self._by_proxy(caller)
         kept = self._kept(caller.key)
         if kept is not None:
-            return self._session(kept)
+            return self._session(kept, caller.address)
         if self.access.local_user and is_loopback(caller.address):
-            return Session(self.access.local_user, Role.ENGINEER, How.COMPUTER)
+            return Session(self.access.local_user, Role.ENGINEER, How.COMPUTER)  # never a panel
         return None
 
     def may_look(self, caller: Caller) -> bool:
@@ -65,7 +65,16 @@ class People:
         if not caller.proxied or not self.access.is_proxy(caller.address):
             return None
         user = self._user(caller.proxied)
-        return None if user is None else Session(caller.proxied, user.role, How.PROXY)
+        if user is None:
+            return None
+        is_panel = self._is_panel(caller.proxied)  # the address is that of the proxy
+        return Session(caller.proxied, user.role, How.PROXY, is_panel=is_panel)
+
+    def _is_panel(self, name: str, address: str = '') -> bool:
+        try:
+            return self._users.panels().have(name, address)
+        except UsersUnusable:
+            return False
 
     def _kept(self, key: str) -> Kept | None:
         """Return a session that goes on: its user is there, with the same password."""
@@ -78,7 +87,7 @@ class People:
             return None
         return kept
 
-    def _session(self, kept: Kept) -> Session:
+    def _session(self, kept: Kept, address: str) -> Session:
         user = self._user(kept.name)
         idle_left_s = None if kept.is_locked else self._sessions.idle_left_s(kept)
         return Session(
@@ -88,6 +97,7 @@ class People:
             kept.is_locked,
             self._sessions.left_s(kept),
             idle_left_s,
+            self._is_panel(kept.name, address),
         )
 
     def _user(self, name: str) -> User | None:
@@ -192,6 +202,13 @@ class Session:
     """Seconds until it ends; None: it does not."""
     idle_left_s: float | None = None
     """Seconds until it is locked, unless it is used; None: it does not lock, or it is locked."""
+    is_panel: bool = False
+    """It is at a panel of the line (semantics 7.8)."""
+
+    @property
+    def known(self) -> Known:
+        """The knowledge of the sender that the node gets."""
+        return self.how.known.at_panel() if self.is_panel else self.how.known
 
 
 @dataclass

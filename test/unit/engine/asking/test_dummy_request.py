@@ -28,6 +28,7 @@ OIL = Request(
     About.COMPONENT,
     'records that a component was oiled',
     frozenset({Role.OPERATE, Role.ENGINEER}),
+    False,
     (NAMED[About.COMPONENT], Parameter('drops', Kind.WHOLE, 'how many', span=(1, 9))),
 )
 

@@ -86,6 +86,8 @@ def of_a_setup() -> Iterator[Step]:
 def of_the_cell() -> Iterator[Step]:
     yield 'queue.add', {'orders': orders('A')}
     yield 2.0
+    yield 'cell.local', {}
+    yield 'cell.remote', {}
     yield 'cell.pause', {}
     yield 'cell.resume', {}
     yield 'cell.pause', {}

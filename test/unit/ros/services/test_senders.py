@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +12,7 @@ from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.limits import NAME
 from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.services.services import Senders
+from bt_orchestrator.script.users.file import UsersFile
 
 HERE = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
 EVERYWHERE = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SUBNET'}
@@ -48,6 +50,30 @@ def test_a_door_on_this_computer_is_believed_where_the_node_is_told_so() -> None
     assert (by.role, by.known, by.claims) == (Role.OPERATE, Known.PAGE_LOGIN, '')
     by = asked(HERE, 'mes', 'opc ua user', trust_local_doors=True)
     assert (by.role, by.known) == (Role.MES, Known.OPC_UA_USER)
+
+
+def test_a_door_says_who_is_at_a_panel_and_nobody_else_does() -> None:
+    by = asked(HERE, 'operate', 'page panel', trust_local_doors=True)
+    assert (by.role, by.known, by.known.is_panel) == (Role.OPERATE, Known.PAGE_PANEL, True)
+    assert asked(HERE, 'operate', 'opc ua panel', trust_local_doors=True).known.is_panel
+    assert not asked(HERE, 'operate', 'page panel').known.is_panel
+    assert not asked(EVERYWHERE, 'operate', 'page panel', trust_local_doors=True).known.is_panel
+    assert not asked(HERE, 'operate', 'local user', trust_local_doors=True).known.is_panel
+
+
+def test_7_8_4_a_node_says_why_no_request_could_come_from_a_panel(tmp_path: Path) -> None:
+    path = tmp_path / 'users.yaml'
+
+    def why(**parameters: Any) -> str:
+        given = NodeParameters(users=path, **parameters)
+        return Senders(given, HERE, 'rmw_fastrtps_cpp').why_no_panel()
+
+    assert 'start it with --trust-local-doors' in why()
+    assert f'there is no panel in {path}' in why(trust_local_doors=True)
+    UsersFile(path).change_panel('address', '10.0.0.9', named=True)
+    assert why(trust_local_doors=True) == ''
+    path.chmod(0o644)
+    assert 'chmod 600' in why(trust_local_doors=True)
 
 
 def test_a_role_that_there_is_not_may_do_nothing() -> None:

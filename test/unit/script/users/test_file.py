@@ -11,8 +11,9 @@ import pytest
 import yaml
 
 from bt_orchestrator.model.by import Role
-from bt_orchestrator.script.users.file import NoSuchChange, UsersFile, UsersUnusable, default_file
+from bt_orchestrator.script.users.file import UsersFile, UsersUnusable, default_file
 from bt_orchestrator.script.users.folders import NoHome
+from bt_orchestrator.script.users.panels import NoSuchChange
 
 PASSWORD = 'correct horse'
 
@@ -194,3 +195,52 @@ def test_a_user_without_a_home_is_told_what_to_do(monkeypatch: pytest.MonkeyPatc
 
 def nobodys_home() -> Path:
     raise RuntimeError('Could not determine home directory.')
+
+
+def test_panels_are_kept_beside_the_users(users: UsersFile, path: Path) -> None:
+    users.add('ann', Role.OPERATE, PASSWORD)
+    users.change_panel('user', 'ann', named=True)
+    users.change_panel('address', '::FFFF:192.168.3.20', named=True)
+    users.change_panel('certificate', THUMBPRINT.upper(), named=True)
+    users.add('bob', Role.MES, PASSWORD)
+    panels = UsersFile(path).content().panels
+    assert list(panels) == [
+        ('user', 'ann'),
+        ('address', '192.168.3.20'),
+        ('certificate', THUMBPRINT),
+    ]
+    assert panels.have('ann', '10.0.0.1')
+    assert panels.have('bob', '192.168.3.20')
+    assert panels.have('bob', '', THUMBPRINT)
+    assert not panels.have('bob', '192.168.3.2', THUMBPRINT[:-1])
+    assert not panels.have('bob')
+    users.remove('ann')
+    assert 'ann' not in UsersFile(path).content().panels.users
+
+
+THUMBPRINT = '5d362cc2a1b0c9d8e7f6a5b4c3d2e1f00a1b2c3d'
+
+
+@pytest.mark.parametrize(
+    ('kind', 'name', 'named', 'said'),
+    [
+        ('user', 'eve', True, 'there is no user eve; there are: ann'),
+        ('address', 'panel.plant', True, "'panel.plant' is no IP address"),
+        ('certificate', '5d36', True, "'5d36' is no thumbprint of 40 hexadecimal digits"),
+        ('address', '10.0.0.1', False, 'the address 10.0.0.1 is no panel; there are: none'),
+    ],
+)
+def test_a_panel_that_cannot_be_is_refused(
+    users: UsersFile, kind: str, name: str, named: bool, said: str
+) -> None:
+    users.add('ann', Role.OPERATE, PASSWORD)
+    with pytest.raises(NoSuchChange) as refused:
+        users.change_panel(kind, name, named=named)
+    assert said in str(refused.value)
+
+
+def test_panels_that_somebody_damaged_let_nobody_in(users: UsersFile, path: Path) -> None:
+    users.add('ann', Role.OPERATE, PASSWORD)
+    path.write_text(f'{path.read_text()}panels: {{addresses: [here]}}\n')
+    with pytest.raises(UsersUnusable, match='this is not a file of users'):
+        users.content()

@@ -192,7 +192,11 @@ class Processor(UaProcessor):
         if why or role is None:
             await session.end(why)
             raise ServiceError(ua.StatusCodes.BadSessionClosed)
-        return Caller(session.person.name, role, session.client, str(session.session_id))
+        person, is_panel = session.person, self._security.people.is_panel
+        return Caller(
+            person.name, role, session.client, str(session.session_id),
+            is_panel(person, self._address, session.certificate),
+        )  # fmt: skip
 
     async def _create(self, typeid: ua.NodeId, requesthdr: Any, seqhdr: Any, body: Buffer) -> Any:
         wanted = struct_from_binary(ua.CreateSessionParameters, body.copy())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import hmac
 import logging
 import time
@@ -98,6 +99,17 @@ class People:
             log.warning('%s', error)
             return None
         return user.role if user is not None and user.password == person.password else None
+
+    def is_panel(self, person: Person, address: str, certificate: bytes) -> bool:
+        """Tell whether somebody is at a panel of the line now (semantics 7.8).
+
+        :param certificate: DER, of the client that signs the connection; empty: none does
+        """
+        thumbprint = hashlib.sha1(certificate).hexdigest() if certificate else ''
+        try:
+            return self._users.panels().have(person.name, address, thumbprint)
+        except UsersUnusable:
+            return False
 
     def close(self) -> None:
         """Check no more passwords."""

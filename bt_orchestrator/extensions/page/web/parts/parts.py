@@ -74,6 +74,7 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'stop_reason': status.stop_reason.value if status.stop_reason else '',
         'stop_said': said_in_each(status.stop_message),
         'wish': _wish_part(status.wish) if status.wish else None,
+        'control': status.control.value,
         'unauthenticated_role': role.value if role else '',
         'initialization': wait_parts(status.initialization, status.holds),
         'offers': cell_offers(status),
@@ -87,7 +88,16 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
 
 _ELSEWHERE = (
     *('cell', 'stamp', 'seq', 'history', 'state_since', 'stop_reason', 'stop_words', 'wish'),
-    *('unauthenticated_role', 'initialization', 'sections', 'holds', 'jobs', 'belt', 'flags'),
+    *(
+        'control',
+        'unauthenticated_role',
+        'initialization',
+        'sections',
+        'holds',
+        'jobs',
+        'belt',
+        'flags',
+    ),
     *('components', 'state_times', 'commands'),
 )
 """Fields that other parts have, or this one under another name."""

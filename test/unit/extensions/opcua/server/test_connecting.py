@@ -16,6 +16,7 @@ from fakes.quick_users import write_users
 
 from bt_orchestrator.extensions.opcua.server.client_certificates import thumbprint
 from bt_orchestrator.model.by import Role
+from bt_orchestrator.script.users.file import UsersFile
 
 CODES = ua.StatusCodes
 
@@ -56,6 +57,24 @@ def test_every_user_calls_with_the_role_of_the_file(secure: Served) -> None:
             async with await bench.secure(made, name) as client:
                 await called(bench, client)
         assert {one.name: one.role for one in bench.callers} == dict(ROLES)
+
+    secure(work)
+
+
+def test_7_8_3_who_signs_with_the_certificate_of_a_panel_is_at_it(secure: Served) -> None:
+    async def work(bench: Bench) -> None:
+        made = bench.trusted()
+        users = UsersFile(bench.security.access.users)
+        async with await bench.secure(made) as client:
+            for named in (False, True, False):
+                if named or bench.callers:
+                    users.change_panel('certificate', thumbprint(made), named=named)
+                await called(bench, client)
+        assert [one.is_panel for one in bench.callers] == [False, True, False]
+        users.change_panel('address', '127.0.0.1', named=True)
+        async with await bench.secure(made) as client:
+            await called(bench, client)
+        assert bench.callers[-1].is_panel
 
     secure(work)
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import asyncua
 import pytest
 from asyncua import ua
 from fakes.opcua_access import ROLES, with_login
+from fakes.who_may import differences
 from opcua_reader import Reader, client_of
 from opcua_stand import opcua_stand
 from web.stand_cell import StandCell
@@ -172,6 +175,50 @@ def test_the_methods_of_isa_95_are_for_the_roles_of_their_requests(
                 assert scene.events == before
 
     asyncio.run(work())
+
+
+async def answer_to(reader: Reader, name: str, given: Any) -> str:
+    """Return what the method for any request says."""
+    try:
+        _, message, findings = await reader.call('Simple/Request', name, json.dumps(given), 'why')
+    except ua.UaStatusCodeError as error:
+        denied = error.code == DENIED
+        return f'{name} is for the role' if denied else str(error)
+    return ' '.join([message, *findings])
+
+
+def test_7_8_1_every_request_is_as_the_hand_written_table(tmp_path: Path) -> None:
+    with opcua_stand(tmp_path) as (cell, server):
+        cell.node.running.handler.why_no_panel = lambda: ''
+        loop = asyncio.new_event_loop()
+        address = server.address.partition('@')[2]
+        names = {role: name for name, role in USERS.items()}
+        readers: dict[str, Reader] = {}
+
+        async def log_in(stack: AsyncExitStack) -> None:
+            for name in (*USERS, *(f'panel_{one}' for one in USERS)):
+                url = with_login(f'opc.tcp://{address}', name)
+                client = await stack.enter_async_context(client_of(url))
+                readers[name] = await Reader.of(client)
+
+        def asked(name: str, given: Any, role: Role, is_panel: bool) -> str:
+            reader = readers[f'{"panel_" if is_panel else ""}{names[role]}']
+            return loop.run_until_complete(answer_to(reader, name, given))
+
+        def hand_over(control: str) -> None:
+            if cell.node.running.engine.state.control.value != control:
+                said = asked(f'cell.{control}', {}, Role.ENGINEER, True)
+                assert said.startswith(f'the line is in {control}'), said
+
+        stack = AsyncExitStack()
+        try:
+            loop.run_until_complete(log_in(stack))
+            assert list(differences(asked, hand_over)) == []
+            control = readers['vic'].wait('Simple/Control', lambda one: one == 'local')
+            loop.run_until_complete(control)
+        finally:
+            loop.run_until_complete(stack.aclose())
+            loop.close()
 
 
 def test_the_journal_says_who_how_that_is_known_and_from_where(scene: Scene) -> None:

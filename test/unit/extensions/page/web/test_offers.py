@@ -32,7 +32,10 @@ def offer(part: dict[str, Any], word: str) -> Any:
 def test_a_working_cell_offers_what_stops_it_and_nothing_to_resume() -> None:
     run = Line(3).begin(quantity=3)
     run.go(until=2.0)
-    assert words(run) == {'pause', 'stop', 'abort', 'stop_after_item', 'stop_after_job'}
+    assert words(run) == {
+        *('pause', 'stop', 'abort', 'stop_after_item', 'stop_after_job'),
+        'local',
+    }
 
 
 def test_a_pause_is_resumed_by_the_cell_or_by_its_own_name() -> None:
@@ -94,7 +97,7 @@ def test_clear_says_which_status_was_looked_at() -> None:
     assert clear['body'] == {'as_shown': parts['now']['seq']}
     assert clear['roles'] == ['engineer']
     assert parts['cell']['state_kind'] == 'trouble'
-    assert words(run) == {'pause', 'clear'}, 'the line stands already'
+    assert words(run) == {'pause', 'clear', 'local'}, 'the line stands already'
     run.command(Clear, belt=_as_it_is(run))
     assert 'reset' in words(run)
     run.command(Reset)
@@ -124,7 +127,7 @@ def test_clear_waits_until_it_is_known_whether_the_belt_has_moved() -> None:
 def test_nothing_is_reset_or_started_where_nothing_is_to_be_done() -> None:
     run = Line(3).run()
     assert run.state.packml.value == 'Complete'
-    assert words(run) == {'pause', 'stop', 'abort'}
+    assert words(run) == {'pause', 'stop', 'abort', 'local'}
     run.command(Stop)
     run.go()
     assert 'reset' in words(run)

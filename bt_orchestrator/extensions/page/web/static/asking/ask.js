@@ -7,7 +7,7 @@
 
 import { newTicket, send } from '../core/api.js';
 import { h } from '../core/dom.js';
-import { may, who } from '../core/me.js';
+import { who, whyNot } from '../core/me.js';
 import { isEmergency, rolesOf, titleOf } from '../core/requests.js';
 import { t } from '../core/text.js';
 import { askAfterwards } from './afterwards.js';
@@ -31,7 +31,7 @@ import { clock } from '../core/store.js';
 export async function ask(offer, { about = '', values = {}, hold = '', said = '' } = {}) {
   if (isEmergency(offer)) return sendAtOnce(offer, titleOf(offer, about));
   if ((!who().role || who().is_locked) && !(await askToLogIn())) return false;
-  if (may(offer.name)) return openCommand(offer, titleOf(offer, about), values, hold, said);
+  if (!whyNot(offer)) return openCommand(offer, titleOf(offer, about), values, hold, said);
   const isOther = await askForAnother(offer, titleOf(offer, about));
   return isOther ? ask(offer, { about, values, hold, said }) : false;
 }
@@ -40,7 +40,10 @@ export async function ask(offer, { about = '', values = {}, hold = '', said = ''
 async function askForAnother(offer, title) {
   const { name, role } = who();
   const roles = rolesOf(offer.roles);
-  const words = t('ask.not_allowed', { roles, name, role: t(`role.${role}`) });
+  const words =
+    whyNot(offer) === 'local'
+      ? t('ask.in_local')
+      : t('ask.not_allowed', { roles, name, role: t(`role.${role}`) });
   const isWished = await new Promise((resolve) => {
     const answer = (wish) => {
       resolve(wish);

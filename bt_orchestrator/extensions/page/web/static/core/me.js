@@ -1,6 +1,7 @@
 /** Who sits here: name, role, what they may do, and whether the session is locked. */
 
 import { get, post } from './api.js';
+import { part } from './store.js';
 
 /** @type {Object<string, *>} */
 const NOBODY = { name: '', role: '', how: '', is_locked: false, may: {}, languages: [] };
@@ -17,6 +18,17 @@ export function who() {
 /** Tell whether the person may send a request, by its name. */
 export function may(request) {
   return Boolean(me.may?.[request]);
+}
+
+/**
+ * Tell why the person may not send an offered request now; empty: they may.
+ * @param {Object} offer
+ * @returns {'' | 'role' | 'local'}
+ */
+export function whyNot(offer) {
+  if (!may(offer.name)) return 'role';
+  const isElsewhere = offer.moves && part('cell')?.control === 'local' && !me.is_panel;
+  return isElsewhere ? 'local' : '';
 }
 
 /** Call a function whenever the person changes, or the lock. */
@@ -78,6 +90,13 @@ function become(person) {
  * What matters of a person here: the time that is left of the session changes with every look.
  * @param {Object<string, *>} person
  */
-function sign({ name, role, how, is_locked: isLocked, looks_freely: looksFreely }) {
-  return JSON.stringify([name, role, how, isLocked, looksFreely]);
+function sign({
+  name,
+  role,
+  how,
+  is_locked: isLocked,
+  is_panel: isPanel,
+  looks_freely: looksFreely,
+}) {
+  return JSON.stringify([name, role, how, isLocked, isPanel, looksFreely]);
 }

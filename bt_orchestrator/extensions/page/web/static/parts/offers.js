@@ -1,7 +1,7 @@
 /** Buttons for the requests that are possible now. Which there are, only the page knows. */
 
 import { attribute, h, keyed, text } from '../core/dom.js';
-import { may, onPerson, who } from '../core/me.js';
+import { onPerson, who, whyNot } from '../core/me.js';
 import { news, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
 import { ask } from '../asking/ask.js';
@@ -29,7 +29,7 @@ export function offers({
   });
   const buttons = new Set();
   const judge = () => buttons.forEach((button) => button.judge());
-  const ends = [subscribe('news', judge), onPerson(judge)];
+  const ends = [subscribe('news', judge), subscribe('cell', judge), onPerson(judge)];
   const list = keyed(
     element,
     (offer) => offer.name + offer.subject,
@@ -57,14 +57,15 @@ function offerButton(subject, isCompact) {
   function judge() {
     // Old news may offer what is no longer possible; danger does not wait for news.
     element.disabled = news().kind !== 'fresh' && !isEmergency(offer);
-    const isMine = !who().name || may(offer.name);
-    attribute(element, 'data-locked', !isMine);
-    locked.style.display = isMine ? 'none' : '';
-    attribute(
-      element,
-      'title',
-      isMine ? effectOf(offer) : t('ask.not_your_role', { roles: rolesOf(offer.roles) }),
-    );
+    const why = who().name ? whyNot(offer) : '';
+    attribute(element, 'data-locked', why !== '');
+    locked.style.display = why ? '' : 'none';
+    const told = {
+      '': () => effectOf(offer),
+      role: () => t('ask.not_your_role', { roles: rolesOf(offer.roles) }),
+      local: () => t('ask.in_local'),
+    };
+    attribute(element, 'title', told[why]());
   }
 
   return {

@@ -14,7 +14,7 @@ import { reshape, shape } from '../core/shape.js';
 import { standsSilently, whyItStands } from '../core/stands.js';
 
 const SHAPES = { working: 'play', quiet: 'ring', stopped: 'square', trouble: 'triangle' };
-const LATER = /^cell\.stop_after_/;
+const LATER = /^cell\.(stop_after_|local$|remote$)/;
 
 /**
  * Make the bar: an element, `choose(screen)` and `end()`.
@@ -62,12 +62,13 @@ function stateBlock() {
   const name = h('span', { class: 'cell-name' });
   const word = h('strong', { class: 'state-word' });
   const since = h('span', { class: 'state-since' });
+  const local = h('span', { class: 'in-local' });
   const why = room('state-why');
   const element = h(
     'div',
     { class: 'state', 'data-part': 'cell' },
     drawn,
-    h('div', { class: 'state-line' }, name, word, since),
+    h('div', { class: 'state-line' }, name, word, local, since),
     why.element,
   );
 
@@ -78,6 +79,10 @@ function stateBlock() {
     attribute(element, 'data-news', news().kind);
     reshape(drawn, news().kind === 'fresh' ? (SHAPES[cell?.state_kind] ?? 'ring') : 'broken');
     text(name, cell?.name ?? '');
+    const isLocal = cell?.control === 'local';
+    show(local, isLocal);
+    text(local, isLocal ? t('topbar.in_local') : '');
+    attribute(local, 'title', isLocal ? t('ask.in_local') : null);
     text(word, cell ? stateWords(cell) : t('news.waiting'));
     text(
       since,

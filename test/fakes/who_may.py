@@ -1,0 +1,85 @@
+"""The table `test/data/who_may.csv`: which request is refused for whom, where, why."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator, Mapping
+from enum import Enum
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bt_orchestrator.model.by import Role
+from bt_orchestrator.model.requests import REQUESTS, Kind
+
+FILE = Path(__file__).parents[1] / 'data' / 'who_may.csv'
+
+ANY = 'because'
+
+
+class Where(Enum):
+    """A state of the line, and where somebody stands; the name of a column."""
+
+    REMOTE = 'remote'
+    ELSEWHERE = 'elsewhere in local'
+    PANEL = 'panel in local'
+
+
+class Row(NamedTuple):
+    """One row, as somebody wrote it."""
+
+    request: str
+    cells: Mapping[str, str]
+
+    def expected(self, role: Role, where: Where) -> str:
+        """Return for what the request is refused: role, local; or yes."""
+        return self.cells[where.value] if self.cells[role.value] == 'yes' else 'role'
+
+
+def rows() -> list[Row]:
+    """Read the table; it names every request once."""
+    lines = [line for line in FILE.read_text().splitlines() if not line.startswith('#')]
+    table = [Row(row.pop('request'), row) for row in csv.DictReader(lines)]
+    assert [row.request for row in table] == list(REQUESTS)
+    assert all(set(row.cells.values()) <= {'yes', 'no', 'local'} for row in table)
+    return table
+
+
+_VALUES: Mapping[Kind, Any] = {
+    Kind.TEXT: 'none',
+    Kind.WHOLE: 1,
+    Kind.TEXTS: ['none'],
+    Kind.VALUES: {},
+    Kind.ORDERS: [{'order': 'W-1', 'script': 'none'}],
+}
+
+
+def arguments(request: str) -> dict[str, Any]:
+    """Return arguments with which a request can be asked; its subject is not there."""
+    return {one.name: _VALUES[one.kind] for one in REQUESTS[request].parameters if one.is_required}
+
+
+def outcome(message: str) -> str:
+    """Return what a refusal is for: role or local; yes for any other answer."""
+    for words, what in (('is for the role', 'role'), ('which is in local', 'local')):
+        if words in message:
+            return what
+    return 'yes'
+
+
+Ask = Callable[[str, Mapping[str, Any], Role, bool], str]
+"""Makes a request with some arguments, by a role, at a panel or not; returns the message."""
+
+
+def differences(ask: Ask, hand_over: Callable[[str], None]) -> Iterator[str]:
+    """Ask everything in every column, and yield what is not as the table says.
+
+    :param hand_over: brings the line into local or remote
+    """
+    for where in Where:
+        for row in rows():
+            for role in Role:
+                hand_over('remote' if where is Where.REMOTE else 'local')
+                said = ask(row.request, arguments(row.request), role, where is Where.PANEL)
+                expected, found = row.expected(role, where), outcome(said)
+                if found != expected:
+                    yield f'{row.request} {role.value} {where.value}: {expected}, found {said}'

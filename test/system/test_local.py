@@ -1,0 +1,152 @@
+"""Local and remote of a real line: a node, a page at which people log in, and clients over ROS."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cell_processes import CellProcesses, StartCell, run_verb, small_script
+from fakes.who_may import differences
+from page_process import PageProcess
+from program_process import PATIENCE_S
+from served_process import PASSWORD
+
+from bt_orchestrator.model.by import By, Known, Role
+from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.model.requests import ask
+from bt_orchestrator.ros.link.ros_link import RosLink
+from bt_orchestrator.script.users.file import UsersFile
+
+
+class Browser:
+    """Somebody at the page."""
+
+    def __init__(self, port: int, name: str) -> None:
+        self._at = f'127.0.0.1:{port}'
+        self._http = http.client.HTTPConnection(self._at, timeout=PATIENCE_S)
+        self._cookie = ''
+        login = self.post('/api/login', {'name': name, 'password': PASSWORD})
+        assert login['role'] == name, login
+
+    def post(self, path: str, body: Mapping[str, Any]) -> Any:
+        """Send something; returns what is answered."""
+        headers = {
+            'Content-Type': 'application/json',
+            'Origin': f'http://{self._at}',
+            'Cookie': self._cookie,
+        }
+        self._http.request('POST', path, json.dumps(body), headers)
+        answer = self._http.getresponse()
+        self._cookie = (answer.getheader('Set-Cookie') or self._cookie).partition(';')[0]
+        return json.loads(answer.read())
+
+    def ask(self, name: str, **given: Any) -> Any:
+        """Make a request."""
+        return self.post(f'/api/requests/{name}', {'reason': 'a test', **given})
+
+    def close(self) -> None:
+        """Leave."""
+        self._http.close()
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Iterator[PageProcess]:
+    found = PageProcess(tmp_path, '/bt_orchestrator')
+    yield found
+    found.close()
+
+
+def line_of(start_cell: StartCell, folder: Path, *options: str) -> CellProcesses:
+    trusting = ['--trust-local-doors', '--users', str(folder / 'users.yaml')]
+    return start_cell(run_options=[*trusting, *options])
+
+
+def test_7_8_control_goes_to_a_panel_and_back_over_kills_of_the_node(
+    start_cell: StartCell, page: PageProcess, tmp_path: Path
+) -> None:
+    cell = line_of(
+        start_cell, tmp_path, '--journal', str(tmp_path / 'journal.db'), '--auto-resume'
+    )
+    cell.connect()
+    page.wait_ready()
+    cell.script(small_script())
+    local = ('cell', 'local', '--reason', 'work at section 2')
+    status, _, errors = run_verb(cell.folder, *local)
+    assert (status, 'there is no panel in' in errors) == (1, True), errors
+
+    users = UsersFile(page.users)
+    users.change_panel('user', 'operate', named=True)
+    status, output, errors = run_verb(cell.folder, *local)
+    assert (status, 'the line is in local' in output) == (0, True), errors
+
+    status, _, errors = run_verb(cell.folder, 'cell', 'reset', '--reason', 'why not')
+    assert (status, 'cell.reset moves the line, which is in local' in errors) == (1, True)
+    order = cell.folder / 'order.yaml'
+    order.write_text('order: WO-1\nscript: small\nquantity: 1\n')
+    status, output, errors = run_verb(cell.folder, 'submit', str(order))
+    assert (status, 'a panel has to release' in output) == (0, True), output + errors
+
+    cell.kill_and_restart_node()
+    told = cell.watch.until_status(lambda one: one.control == 'local', 'local after a kill')
+    assert told.state == 'Stopped'
+    status, output, _ = run_verb(cell.folder, 'status')
+    assert 'in local: only the panels of the line move it' in output
+
+    with closing(Browser(page.port, 'engineer')) as elsewhere:
+        refused = elsewhere.ask('job.release', job='WO-1')
+        assert 'engineer (page login) is at none' in refused['message']
+    with closing(Browser(page.port, 'operate')) as panel:
+        assert panel.ask('job.release', job='WO-1')['accepted']
+        assert cell.watch.until_ended('WO-1').packed == 1
+        assert panel.ask('cell.remote')['accepted']
+        assert panel.ask('cell.local')['accepted']
+    decided = cell.watch.until('operator.decided', answer='remote')
+    assert (decided['who'], decided['known']) == ('operate', 'page panel')
+
+    users.change_panel('user', 'operate', named=False)
+    cell.node.kill()
+    cell.start_node(options=['--control', 'remote'])
+    cell.node.wait_ready()
+    cell.watch.until_status(lambda one: one.control == 'remote', 'remote by the option')
+    cell.stop()
+
+
+def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
+    start_cell: StartCell, tmp_path: Path
+) -> None:
+    users = UsersFile(tmp_path / 'users.yaml')
+    users.change_panel('address', '10.0.0.9', named=True)
+    cell = line_of(start_cell, tmp_path)
+    cell.connect()
+    with RosLink('/bt_orchestrator', PATIENCE_S) as link:
+        sent = 0
+
+        def told(name: str, by: By, given: Mapping[str, Any]) -> str:
+            if name == 'queue.add':
+                given = {'orders': [WorkOrder('none', 'W-1', 1)]}
+            return link.ask(ask(name, by, **given)).message
+
+        def asked(name: str, given: Mapping[str, Any], role: Role, is_panel: bool) -> str:
+            nonlocal sent
+            sent += 1  # a sender of its own: else their number would be limited
+            known = Known.PAGE_PANEL if is_panel else Known.OPC_UA_USER
+            return told(name, By(f'{role.value} {sent}', 'a door', 'why', role, known), given)
+
+        def hand_over(wanted: str) -> None:
+            said = asked(f'cell.{wanted}', {}, Role.ENGINEER, True)
+            assert said.startswith(f'the line is in {wanted}'), said
+
+        began = time.monotonic()
+        assert list(differences(asked, hand_over)) == []
+        assert time.monotonic() - began < PATIENCE_S
+        # Whoever claims to be at a panel, without a door that is believed, is at none.
+        hand_over('local')
+        said = told('cell.reset', By('Eve', 'over there', 'why', Role.ENGINEER, Known.ROS), {})
+        assert 'somebody who claims to be Eve (ros unauthenticated) is at none' in said
+    cell.stop()
