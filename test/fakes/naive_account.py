@@ -11,12 +11,23 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from fakes.naive_causes import OF_COMPONENTS, NaiveCauses, naive_causes
+
 Records = Sequence[Mapping[str, Any]]
 
 BEGINS = ('Execute', 'Suspending', 'Suspended', 'Unsuspending')
 UNPLANNED = ('not_recorded', 'no_order', 'orders_wait')
 PRODUCES = ('production', 'rework')
 JOB_ENDS = ('job.completed', 'job.aborted', 'job.removed')
+
+
+class NaiveComponents(NamedTuple):
+    """What each component worked, and how it failed."""
+
+    operated: Counter[str]
+    failures: Counter[str]
+    down: Counter[str]
+    repair: Counter[str]
 
 
 class NaiveAccount(NamedTuple):
@@ -27,6 +38,8 @@ class NaiveAccount(NamedTuple):
     good: int
     produced: int
     oee: Fraction | None
+    components: NaiveComponents
+    causes: NaiveCauses
 
 
 def naive_account(
@@ -38,26 +51,73 @@ def naive_account(
     :param pace_us: of a job
     """
     times: Counter[str] = Counter()
+    parts = NaiveComponents(Counter(), Counter(), Counter(), Counter())
+    failed: set[str] = set()
     for number, record in enumerate(records):
         begin = us(record)
         is_last = number + 1 == len(records)
         end = planned[-1][1] if is_last else before_a_step(records[number + 1])
         if overlap(begin, end, planned):
             after = records[number + 1]['event'] if number + 1 < len(records) else ''
-            times[what_is_it(records[: number + 1], after)] += overlap(begin, end, planned)
+            past, took = records[: number + 1], overlap(begin, end, planned)
+            what = what_is_it(past, after)
+            times[what] += took
+            of_components(past, what, took, parts, failed)
+        if record['event'] == 'hold.raised' and failing(records, record):
+            is_busy = number > 0 and what_is_it(records[:number], '') not in UNPLANNED
+            if is_busy and is_planned(left_at(records, number), planned):
+                failed.add(record['hold'])
+    for record in records:
+        if record['event'] == 'hold.raised' and record['hold'] in failed:
+            parts.failures[record['component']] += 1
     times['not_recorded'] += overlap(min(planned)[0], us(records[0]), planned)
     out = [one for one in records if one['event'] == 'item.removed']
-    ends = [left_at(records, records.index(one)) for one in out]
-    counted = [
-        one
-        for one, end in zip(out, ends, strict=True)
-        if any(here < end <= there for here, there in planned)
-    ]
+    counts = [is_planned(left_at(records, number), planned) for number in range(len(records))]
+    counted = [one for one in out if counts[records.index(one)]]
     good = [one for one in counted if is_good(one, records)]
     busy = sum(times.values()) - sum(times[name] for name in UNPLANNED)
     value = sum((pace_us(one['job']) for one in good), start=Fraction(0))
     oee = value / busy if busy else None
-    return NaiveAccount(times, len(good), len(counted), oee)
+    causes = naive_causes(records, counts)
+    return NaiveAccount(times, len(good), len(counted), oee, parts, causes)
+
+
+def of_components(
+    past: Records, what: str, took: int, parts: NaiveComponents, failed: set[str]
+) -> None:
+    """Add what components did in a stretch of time that was booked as something."""
+    if what in UNPLANNED:
+        return
+    if what != 'no_node':
+        for name in {one['component'] for one in in_flight(past)}:
+            parts.operated[name] += took
+    standing = holds(past)
+    for hold in standing:
+        if failing(past, hold):
+            parts.down[hold['component']] += took
+            failed.add(hold['hold'])
+    is_stop = what == last(past, 'cell.stop_reason_changed', 'stop_reason')
+    if standing and is_stop and what in ('own_fault', 'operator') and failing(past, standing[0]):
+        parts.repair[standing[0]['component']] += took
+
+
+def holds(past: Records) -> list[Mapping[str, Any]]:
+    """Return those that stand, the oldest first."""
+    over = [one['hold'] for one in past if one['event'] == 'hold.released']
+    raised = [one for one in past if one['event'] == 'hold.raised']
+    return [one for one in raised if one['hold'] not in over]
+
+
+def failing(records: Records, hold: Mapping[str, Any]) -> bool:
+    """Tell whether a hold is a failure of its component."""
+    past = records[: records.index(hold)]
+    is_emergency = last(past, 'cell.stop_reason_changed', 'stop_reason') == 'emergency'
+    is_cancelled = is_emergency or has_stopped(past)
+    return bool(hold.get('component')) and hold['reason'] in OF_COMPONENTS and not is_cancelled
+
+
+def is_planned(moment: int, planned: Sequence[tuple[int, int]]) -> bool:
+    return any(here < moment <= there for here, there in planned)
 
 
 STOPS = ('no_node', 'own_fault', 'operator', 'starved', 'blocked', 'emergency', 'setup', 'waiting')

@@ -6,8 +6,10 @@ from fractions import Fraction
 
 from bt_orchestrator.view.drawing.account.tables import (
     failing,
+    flaws,
     holds,
     made,
+    measured,
     repairs,
     stops,
     waterfall,
@@ -26,7 +28,8 @@ DEFINITIONS = (
     'Availability: actual production time of planned busy time. '
     'Performance: produced items at the pace of their scripts, of the actual production time. '
     'Quality: good items of produced ones. '
-    'MTBF: planned busy time without repairs, for each failure; MTTR: from a hold to its release.'
+    'MTBF: time in which goals of the component were in flight, for each of its failures; '
+    'MTTR: time that is booked to these failures.'
 )
 
 
@@ -47,6 +50,8 @@ def _write(page: Html, account: Account) -> None:
     stops(sheet, shown)
     holds(sheet, account)
     made(sheet, shown)
+    flaws(sheet, shown)
+    measured(sheet, shown)
     failing(sheet, shown)
     repairs(sheet, shown)
     foot = sheet.add('footer')
@@ -91,8 +96,12 @@ def _facts(sheet: Html, shown: Figures) -> None:
     outside = sum(one.outside for one in shown.times.made)
     bad = shown.produced - shown.good
     said = f'{shown.produced}: {shown.good} good, {bad} not'
+    passed = shown.first_pass
     facts = {
         'made': f'{said}; {outside} more outside planned time' if outside else said,
+        'first pass': ''
+        if passed is None or not shown.produced
+        else f'{passed} good, first-pass yield {percent(shown.first_pass_yield)}',
         'rate': rate(shown.per_item_us) if shown.produced else '',
         'pace': rate(shown.pace_us) if shown.pace_us else '',
     }

@@ -12,6 +12,13 @@ from typing import NamedTuple
 from bt_orchestrator.view.drawing.documents.html import Html
 from bt_orchestrator.view.drawing.svg import Svg
 from bt_orchestrator.view.report.account.account import Account
+from bt_orchestrator.view.report.account.causes.flaws import (
+    EFFECTS,
+    MEASURED_TITLES,
+    flaw_words,
+    measured_name,
+    measured_texts,
+)
 from bt_orchestrator.view.report.account.figures import Bar, Figures
 from bt_orchestrator.view.report.account.losses import WORDS, Step
 from bt_orchestrator.view.report.account.stops import Held
@@ -128,6 +135,36 @@ def made(sheet: Html, shown: Figures) -> None:
         )
 
 
+def flaws(sheet: Html, shown: Figures) -> None:
+    """Write the Pareto of the causes of scrap, then that of rework."""
+    for title, is_scrap in (('Not good, by cause', True), ('Done again, by cause', False)):
+        found = [one for one in shown.times.flaws if one.of.effect.is_scrap is is_scrap]
+        if not found:
+            continue
+        columns = (Column(''), BAR, *_numbers('times', 'so far'))
+        body = add_table(sheet, title, columns)
+        whole, so_far = sum(one.times for one in found), 0
+        for one in found:
+            so_far += one.times
+            named = ', '.join(filter(None, (EFFECTS[one.of.effect], one.of.product)))
+            drawn = TableCell('', drawing=bar(0, Fraction(one.times, found[0].times)))
+            texts = (str(one.times), percent(Fraction(so_far, whole)))
+            name = TableCell(named, flaw_words(one.of))
+            kind = _step(Step.QUALITY if is_scrap else Step.PERFORMANCE)
+            add_row(body, (name, drawn, *map(TableCell, texts)), columns, kind)
+
+
+def measured(sheet: Html, shown: Figures) -> None:
+    """Write the measured values of verdicts beside their bounds."""
+    if not shown.times.measured:
+        return
+    columns = (Column('value'), *_numbers(*MEASURED_TITLES))
+    body = add_table(sheet, 'Measured values beside their bounds', columns)
+    for one in shown.times.measured:
+        name = TableCell(measured_name(one), one.of.product)
+        add_row(body, (name, *map(TableCell, measured_texts(one))), columns)
+
+
 def failing(sheet: Html, shown: Figures) -> None:
     """Write the Pareto of the attempts that failed."""
     found = shown.times.failing
@@ -149,12 +186,14 @@ def repairs(sheet: Html, shown: Figures) -> None:
     columns = (Column('component'), *_numbers('failures', 'down', 'MTBF', 'MTTR'))
     body = add_table(sheet, 'Components that failed', columns)
     for repair in shown.times.repairs:
-        times: tuple[Fraction | int, ...] = (
-            repair.down_us,
-            shown.mtbf_us(repair),
-            shown.mttr_us(repair),
+        between = shown.mtbf_us(repair)
+        texts = (
+            repair.component,
+            str(repair.failures),
+            duration(repair.down_us),
+            UNKNOWN if between is None else duration(between),
+            duration(shown.mttr_us(repair)),
         )
-        texts = (repair.component, str(repair.failures), *map(duration, times))
         add_row(body, map(TableCell, texts), columns)
 
 

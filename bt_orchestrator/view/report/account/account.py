@@ -139,6 +139,11 @@ class Account:
             named = ', '.join(shown.unpaced)
             why = 'does not fit' if self.has_cell else 'is needed: --cell CELL'
             said.append(f'no performance and no OEE: for the pace of {named} the cell file {why}')
+        if shown.times.lacks_causes:
+            said.append(
+                'a part of the time is from books of an older program: first-pass yield and MTBF '
+                'are not known, and causes of scrap and rework are those of the rest'
+            )
         if self.cell_differs:
             said.append('the pace is by a cell file that is not the one that the node ran with')
         said += [old_step_words(step, self.period) for step in source.not_taken_out]

@@ -96,12 +96,14 @@ def _sound(reading: Reading, slots: Sequence[KeptSlot]) -> Iterator[Slot]:
 
 _T = TypeVar('_T')
 
-BOOKS_VERSION = 3
+BOOKS_VERSION = 4
 """Of what the texts mean. Books of another version are not read: their time is not recorded."""
 
-WITHOUT_STEPS, WITHOUT_STOPS = 1, 2
-"""Versions before, which are read: the first leaves out time if a clock was set back, and both
-tell no stop by itself."""
+WITHOUT_STEPS, WITHOUT_STOPS, WITHOUT_CAUSES = 1, 2, 3
+"""Versions before, which are read: the first leaves out time if a clock was set back, the first
+two tell no stop by itself, and no causes of scrap and rework and no times of work are in any."""
+
+OLDER_VERSIONS = (WITHOUT_STEPS, WITHOUT_STOPS, WITHOUT_CAUSES)
 
 
 def keep_slot(slot: Slot, made_of: int) -> KeptSlot:
@@ -114,7 +116,9 @@ def keep_slot(slot: Slot, made_of: int) -> KeptSlot:
 
 def read_slot(kept: KeptSlot) -> Slot | None:
     """Return what a text says; None: it is of another version."""
-    return _read(lambda: from_plain(Slot, json.loads(kept.text)), kept.version)
+    slot = _read(lambda: from_plain(Slot, json.loads(kept.text)), kept.version)
+    is_old = kept.version in OLDER_VERSIONS
+    return replace(slot, lacks_causes=True) if slot is not None and is_old else slot
 
 
 def keep_state(
@@ -160,7 +164,7 @@ def read_script(kept: KeptScript) -> Script:
 
 
 def _read(read: Callable[[], _T], version: int) -> _T | None:
-    if version not in (BOOKS_VERSION, WITHOUT_STEPS, WITHOUT_STOPS):
+    if version not in (BOOKS_VERSION, *OLDER_VERSIONS):
         return None
     try:
         return read()

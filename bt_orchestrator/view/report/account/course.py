@@ -10,9 +10,10 @@ from typing import Any, NamedTuple, Protocol
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.task_spans import TaskSpan
+from bt_orchestrator.view.report.account.causes.items import FOLLOWED as OF_ITEMS
+from bt_orchestrator.view.report.account.causes.items import ItemsAtWork
+from bt_orchestrator.view.report.account.causes.made import Happening
 from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
-from bt_orchestrator.view.report.account.made import FOLLOWED as OF_ITEMS
-from bt_orchestrator.view.report.account.made import ItemsAtWork, Left
 from bt_orchestrator.view.report.account.planned import us_of
 from bt_orchestrator.view.report.account.standing import FOLLOWED as OF_STANDING
 from bt_orchestrator.view.report.account.standing import Cause, Standing
@@ -51,6 +52,8 @@ class Stretch(NamedTuple):
     """Of the event with which the time of this cause began, without a break since."""
     since: int = 0
     """When that was."""
+    working: tuple[str, ...] = ()
+    """The components that operated."""
 
 
 class Bookings(Protocol):
@@ -68,8 +71,8 @@ class Bookings(Protocol):
     def failed(self, event: e.TaskFailed, span: TaskSpan | None) -> None:
         """Take in an attempt that failed."""
 
-    def left(self, item: Left) -> None:
-        """Take in an item that left the line."""
+    def happened(self, what: Happening) -> None:
+        """Take in what became of an item."""
 
     def runs(self, cell: str, digest: str) -> None:
         """Take in that a node began to run with a cell file."""
@@ -94,6 +97,8 @@ class Course:
         self._since = 0
         """From when on."""
         self._items = ItemsAtWork()
+        self._working: tuple[str, ...] | None = ()
+        """The components with a goal in flight; None: that has to be looked up."""
         self._last: Cause | None = None
         """The loss of the time just before."""
         self._name = 0
@@ -173,13 +178,23 @@ class Course:
             return None
         goes_on = cause == self._last
         name, since = (self._name, self._since) if goes_on else (seq, self.now)
-        return Stretch(self.now, end, cause, goes_on, name, since)
+        return Stretch(self.now, end, cause, goes_on, name, since, self._operating(cause))
+
+    def _operating(self, cause: Cause | None) -> tuple[str, ...]:
+        """Return the components that operate: without a node that is not known."""
+        if self._working is None:
+            running = {one.component for one in self._standing.spans.open()}
+            self._working = tuple(sorted(running))
+        is_known = is_busy(cause) and (cause is None or cause.loss is not Loss.NO_NODE)
+        return self._working if is_known else ()
 
     def _take(self, event: e.Event, ledger: Bookings) -> None:
         assert self.now is not None
         span = self._standing.spans.follow(event)
         if isinstance(event, e.TaskFailed):
             ledger.failed(event, span)
+        if isinstance(event, (e.TaskStarted, e.TaskSucceeded, e.TaskFailed)):
+            self._working = None
         elif isinstance(event, e.HoldRaised):
             self._raised(event, self.now, ledger)
         elif isinstance(event, e.OrchestratorStarted):
@@ -192,9 +207,8 @@ class Course:
         released = self.holds.follow(event, self.now)
         if released is not None:
             ledger.released(released)
-        left = self._items.follow(event)
-        if left is not None:
-            ledger.left(left)
+        for what in self._items.follow(event, span):
+            ledger.happened(what)
 
     def _raised(self, event: e.HoldRaised, now: int, ledger: Bookings) -> None:
         # Where the goal was cancelled its component has not failed.
@@ -235,6 +249,7 @@ class Course:
         made._standing.go_on_from(plain['standing'])
         made.holds.go_on_from(plain['holds'])
         made._items.go_on_from(plain['items'])
+        made._working = None
         return made
 
 

@@ -75,6 +75,20 @@ class Figures:
         """Good quantity."""
         return sum(one.good for one in self.times.made)
 
+    @property
+    def first_pass(self) -> int | None:
+        """Good quantity of the first pass; None: books of an older program do not know it."""
+        return self.of_causes(sum(one.first_pass for one in self.times.made))
+
+    @property
+    def first_pass_yield(self) -> Fraction | None:
+        """The same, of the produced quantity."""
+        return None if self.first_pass is None else _ratio(self.first_pass, self.produced)
+
+    def of_causes(self, number: int) -> int | None:
+        """Return a number about causes; None: books of an older program lack a part of it."""
+        return None if self.times.lacks_causes else number
+
     # --- times ------------------------------------------------------------------------------
 
     @property
@@ -152,13 +166,14 @@ class Figures:
 
     # --- components -------------------------------------------------------------------------
 
-    def mtbf_us(self, one: Repairs) -> Fraction:
-        """Return the mean time between failures: planned busy time in which it was not down."""
-        return Fraction(self.times.busy_us - one.down_us, one.failures)
+    def mtbf_us(self, one: Repairs) -> Fraction | None:
+        """Return the mean operating time between failures."""
+        operated = self.of_causes(self.times.operated_us.get(one.component, 0))
+        return None if operated is None else Fraction(operated, one.failures)
 
     def mttr_us(self, one: Repairs) -> Fraction:
-        """Return the mean time to repair: from a hold to its release."""
-        return Fraction(one.down_us, one.failures)
+        """Return the mean time to repair: that which is booked to its holds."""
+        return Fraction(one.repair_us, one.failures)
 
     # --- the waterfall ----------------------------------------------------------------------
 

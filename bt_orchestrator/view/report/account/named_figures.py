@@ -7,9 +7,10 @@ from enum import Enum
 from fractions import Fraction
 from typing import NamedTuple
 
+from bt_orchestrator.view.report.account.causes.flaws import Effect
+from bt_orchestrator.view.report.account.causes.made import Made
 from bt_orchestrator.view.report.account.figures import Figures
 from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
-from bt_orchestrator.view.report.account.made import Made
 from bt_orchestrator.view.report.account.stops import Repairs, Stop
 from bt_orchestrator.view.report.account.words import duration, percent
 
@@ -63,6 +64,9 @@ OF_LINE = (
     Figure('quality', 'quality', Unit.RATIO, lambda shown: shown.quality),
     Figure('produced', 'produced', Unit.COUNT, lambda shown: shown.produced),
     Figure('good', 'good', Unit.COUNT, lambda shown: shown.good),
+    Figure(
+        'first_pass_yield', 'first-pass yield', Unit.RATIO, lambda shown: shown.first_pass_yield
+    ),
     Figure('per_item', 'time of an item', Unit.SECONDS, lambda shown: shown.per_item_us),
     Figure('pace', 'pace', Unit.SECONDS, lambda shown: shown.pace_us),
     Figure('planned', 'planned time', Unit.SECONDS, lambda shown: shown.times.planned.total_us),
@@ -79,19 +83,20 @@ def of_loss(loss: Loss) -> Figure:
     return Figure(loss.value, f'- {WORDS[loss].title}', Unit.SECONDS, tell)
 
 
-def _product(made: Made) -> str:
-    return made.recipe or made.script or made.job
-
-
 def _of_made(name: str, by: By) -> tuple[Figure, ...]:
     def made(shown: Figures) -> list[Made]:
         return [
-            one for one in shown.times.made if name == (one.job if by is By.JOB else _product(one))
+            one for one in shown.times.made if name == (one.job if by is By.JOB else one.product)
         ]
 
     def good_of_produced(shown: Figures) -> Fraction | None:
         produced = sum(one.produced for one in made(shown))
         return Fraction(sum(one.good for one in made(shown)), produced) if produced else None
+
+    def first_pass_yield(shown: Figures) -> Fraction | None:
+        passed = shown.of_causes(sum(one.first_pass for one in made(shown)))
+        produced = sum(one.produced for one in made(shown))
+        return Fraction(passed, produced) if produced and passed is not None else None
 
     def at_pace(shown: Figures) -> Fraction | None:
         left = [one for one in made(shown) if one.produced]
@@ -106,6 +111,12 @@ def _of_made(name: str, by: By) -> tuple[Figure, ...]:
             field, title, Unit.COUNT, lambda shown: sum(getattr(one, field) for one in made(shown))
         )
 
+    def again(field: str, title: str) -> Figure:
+        def told(shown: Figures) -> int | None:
+            return shown.of_causes(sum(getattr(one, field) for one in made(shown)))
+
+        return Figure(field, title, Unit.COUNT, told)
+
     return (
         count('produced', 'produced'),
         count('good', 'good'),
@@ -113,6 +124,10 @@ def _of_made(name: str, by: By) -> tuple[Figure, ...]:
         count('rejected', 'rejected'),
         count('by_hand', 'by hand'),
         Figure('good_of_produced', 'good of produced', Unit.RATIO, good_of_produced),
+        again('first_pass', 'first pass'),
+        Figure('first_pass_yield', 'first-pass yield', Unit.RATIO, first_pass_yield),
+        again('attempts', 'further attempts'),
+        again('rounds', 'rework rounds'),
         Figure('at_pace', 'time at the pace', Unit.SECONDS, at_pace),
     )
 
@@ -139,15 +154,33 @@ def _of_component(name: str) -> tuple[Figure, ...]:
     def attempts(shown: Figures) -> int:
         return sum(one.times for one in shown.times.failing if one.component == name)
 
+    def operated(shown: Figures) -> int | None:
+        return shown.of_causes(shown.times.operated_us.get(name, 0))
+
+    def caused(field: str, title: str, *effects: Effect) -> Figure:
+        def told(shown: Figures) -> int | None:
+            return shown.of_causes(
+                sum(
+                    flaw.times
+                    for flaw in shown.times.flaws
+                    if flaw.of.component == name and flaw.of.effect in effects
+                )
+            )
+
+        return Figure(field, title, Unit.COUNT, told)
+
     return (
         Figure('lost', 'lost', Unit.SECONDS, lambda shown: sum(stop.us for stop in stops(shown))),
         Figure(
             'stops', 'stops', Unit.COUNT, lambda shown: sum(stop.times for stop in stops(shown))
         ),
+        Figure('operated', 'operating time', Unit.SECONDS, operated),
         Figure('failures', 'failures', Unit.COUNT, failures),
         Figure('mtbf', 'MTBF', Unit.SECONDS, mtbf),
         Figure('mttr', 'MTTR', Unit.SECONDS, mttr),
         Figure('failed_attempts', 'failed attempts', Unit.COUNT, attempts),
+        caused('scrap', 'not good by it', Effect.REJECTED, Effect.NONCONFORMING),
+        caused('again', 'done again by it', Effect.ATTEMPT, Effect.ROUND),
     )
 
 
@@ -162,5 +195,5 @@ def names_of(shown: Figures, by: By) -> Iterable[str]:
     if by is By.COMPONENT:
         lists = (times.stops, times.repairs, times.failing)
         named = (one.component for found in lists for one in found)
-        return dict.fromkeys(filter(None, named))
-    return dict.fromkeys(one.job if by is By.JOB else _product(one) for one in times.made)
+        return dict.fromkeys(filter(None, (*named, *times.operated_us)))
+    return dict.fromkeys(one.job if by is By.JOB else one.product for one in times.made)

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import IO, Any, NamedTuple
 
 from bt_orchestrator.view.report.account.account import Account
+from bt_orchestrator.view.report.account.causes.flaws import flaw_plain, measured_plain
 from bt_orchestrator.view.report.account.figures import LACKS, Bar, Figures, Lack
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import US
@@ -30,7 +31,12 @@ def account_plain(account: Account) -> dict[str, Any]:
         'oee': _oee(shown),
         'targets': {name: _number(ratio) for name, ratio in account.period.targets.items()},
         'lack': None if shown.lack is None else shown.lack.value,
-        'quantities': {'produced': shown.produced, 'good': shown.good},
+        'quantities': {
+            'produced': shown.produced,
+            'good': shown.good,
+            'first_pass': shown.first_pass,
+        },
+        'first_pass_yield': _number(shown.first_pass_yield),
         'rate': {'per_item_s': seconds_of(shown.per_item_us), 'pace_s': seconds_of(shown.pace_us)},
         'waterfall': [_bar(bar) for bar in shown.waterfall()],
         'losses': {bar.loss.value: seconds_of(bar.us) for bar in shown.waterfall() if bar.loss},
@@ -48,7 +54,10 @@ def account_plain(account: Account) -> dict[str, Any]:
             'seconds': {loss.value: seconds_of(us) for loss, us in times.left_out_us.items()},
         },
         'failed_attempts': [summed(one) for one in times.failing],
+        'scrap_and_rework': [flaw_plain(one) for one in times.flaws],
+        'measured': [measured_plain(one) for one in times.measured],
         'components': [_component(shown, repair) for repair in times.repairs],
+        'operated_s': {name: seconds_of(us) for name, us in times.operated_us.items()},
     }
 
 
@@ -71,6 +80,7 @@ def _component(shown: Figures, one: Repairs) -> dict[str, Any]:
         'component': one.component,
         'failures': one.failures,
         'down_s': seconds_of(one.down_us),
+        'repair_s': seconds_of(one.repair_us),
         'mtbf_s': seconds_of(shown.mtbf_us(one)),
         'mttr_s': seconds_of(shown.mttr_us(one)),
     }
@@ -116,6 +126,9 @@ def _job(shown: Figures, number: int) -> dict[str, Any]:
         'rejected': one.rejected,
         'by_hand': one.by_hand,
         'outside_planned_time': one.outside,
+        'first_pass': shown.of_causes(one.first_pass),
+        'further_attempts': shown.of_causes(one.attempts),
+        'rework_rounds': shown.of_causes(one.rounds),
     }
 
 
@@ -195,6 +208,7 @@ def _rows(plain: dict[str, Any]) -> Iterator[Row]:
     yield Row('period', period['name'], detail=period['from'], seconds=period['planned_s'])
     yield from (Row('oee', name, ratio=ratio) for name, ratio in plain['oee'].items())
     yield from (Row('quantity', name, number=n) for name, n in plain['quantities'].items())
+    yield Row('quantity', 'first_pass_yield', ratio=plain['first_pass_yield'])
     yield from (Row('rate', name, seconds=seconds) for name, seconds in plain['rate'].items())
     if plain['lack'] is not None:
         yield Row('note', plain['lack'], detail=LACKS[Lack(plain['lack'])])
@@ -219,6 +233,13 @@ def _rows(plain: dict[str, Any]) -> Iterator[Row]:
     for one in plain['failed_attempts']:
         named = one['task'], one['component'], one['reason']
         yield Row('failed attempt', *named, one['times'], one['seconds'])
+    for one in plain['scrap_and_rework']:
+        why = ' '.join(filter(None, (one['decision'], one['task'], one['reason'], one['bound'])))
+        yield Row(one['effect'], one['product'], one['component'], why, one['times'])
+    for one in plain['measured']:
+        what = f'{one["task"]} {one["value"]}'
+        for name in ('least', 'mean', 'greatest'):
+            yield Row('measured', what, one['component'], name, one['times'], None, one[name])
     for one in plain['components']:
         for name in ('mtbf_s', 'mttr_s'):
             yield Row('component', name[:-2], one['component'], '', one['failures'], one[name])

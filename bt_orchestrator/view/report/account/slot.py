@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
+from bt_orchestrator.view.report.account.causes.flaws import FlawSum, MeasuredSum
+from bt_orchestrator.view.report.account.causes.made import Made
 from bt_orchestrator.view.report.account.losses import Loss
-from bt_orchestrator.view.report.account.made import Made
 from bt_orchestrator.view.report.account.planned import US
 from bt_orchestrator.view.report.account.stops import Held
 
@@ -93,6 +95,10 @@ class Slot:
     rest: tuple[RestOfHolds, ...] = ()
     made: tuple[Made, ...] = ()
     failed: tuple[FailedSum, ...] = ()
+    flaws: tuple[FlawSum, ...] = ()
+    measured: tuple[MeasuredSum, ...] = ()
+    operated_us: Mapping[str, int] = field(default_factory=dict)
+    """Time in which components operated."""
     cell: str = ''
     cells: tuple[str, ...] = ()
     """Digests of the cell files with which the node ran in it."""
@@ -100,6 +106,8 @@ class Slot:
     """All of it has one cause, and nothing else happened: each part of it is as the whole."""
     spans: tuple[StopSpan, ...] = ()
     """Its stops one by one, in their order: those of `LEAST_STOP_US`, and of many the longest."""
+    lacks_causes: bool = False
+    """It is of an older program: causes of scrap and rework and times of work are not in it."""
 
     @property
     def is_one_stop(self) -> bool:
@@ -135,4 +143,5 @@ class Slot:
             stops=tuple(stops),
             holds=tuple(holds),
             spans=tuple(replace(span, until_us=until) for span in self.spans),
+            operated_us=dict.fromkeys(self.operated_us, us),
         )

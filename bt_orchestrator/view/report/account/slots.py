@@ -10,9 +10,10 @@ from dataclasses import replace
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.task_spans import TaskSpan
+from bt_orchestrator.view.report.account.causes.flaws import Bounds, Flaw, FlawSum, MeasuredSum
+from bt_orchestrator.view.report.account.causes.made import Happening, Made, Measured, count
 from bt_orchestrator.view.report.account.course import EVER_US, Stretch, is_busy
 from bt_orchestrator.view.report.account.losses import Loss, is_stop
-from bt_orchestrator.view.report.account.made import Left, Made, count
 from bt_orchestrator.view.report.account.slot import (
     LEAST_STOP_US,
     MOST_SPANS,
@@ -93,10 +94,10 @@ class Slots:
         if self._open is not None:
             self._open.failed(event, span)
 
-    def left(self, item: Left) -> None:
-        """Take in an item that left the line."""
+    def happened(self, what: Happening) -> None:
+        """Take in what became of an item."""
         if self._open is not None:
-            self._open.left(item)
+            self._open.happened(what)
 
     def runs(self, cell: str, digest: str) -> None:
         """Take in that a node began to run with a cell file; before the begin: that it runs."""
@@ -179,6 +180,10 @@ class OpenSlot:
         self._made: dict[tuple[str, str], Made] = {}
         self._failed: Counter[tuple[str, str, str]] = Counter()
         self._took: Counter[tuple[str, str, str]] = Counter()
+        self._flaws: Counter[Flaw] = Counter()
+        self._measured: dict[Bounds, MeasuredSum] = {}
+        self._operated: Counter[str] = Counter()
+        self._working: tuple[str, ...] | None = None
         self._cell = cell
         self._cells = dict.fromkeys([digest] if digest else ())
         self._is_steady = True
@@ -195,11 +200,17 @@ class OpenSlot:
         for one in slot.failed:
             key = (one.component, one.task, one.reason)
             self._failed[key], self._took[key] = one.times, one.us
+        self._flaws.update({flaw.of: flaw.times for flaw in slot.flaws})
+        self._measured = {one.of: one for one in slot.measured}
+        self._operated.update(slot.operated_us)
+        self._working = tuple(slot.operated_us) if slot.is_steady else None
         self._cell, self._cells = slot.cell, dict.fromkeys(slot.cells)
         self._is_steady = slot.is_steady
         self._rest_before = slot.rest
+        self._lacks_causes = slot.lacks_causes
 
     _rest_before: tuple[RestOfHolds, ...] = ()
+    _lacks_causes = False
 
     def passes(self, stretch: Stretch, holds: Iterable[Held]) -> None:
         """Let time pass, within the slot.
@@ -208,7 +219,10 @@ class OpenSlot:
         """
         us, cause = stretch.end - stretch.begin, stretch.cause
         is_first = self.now == self.begin
-        self._is_steady &= is_first or stretch.goes_on
+        self._is_steady &= is_first or (stretch.goes_on and stretch.working == self._working)
+        self._working = stretch.working
+        for name in stretch.working:
+            self._operated[name] += us
         self.now = stretch.end
         if cause is None:
             self._producing += us
@@ -265,11 +279,20 @@ class OpenSlot:
         self._failed[key] += 1
         self._took[key] += max(0, round(span.seconds * 1e6)) if span is not None else 0
 
-    def left(self, item: Left) -> None:
-        """Take in an item that left the line."""
+    def happened(self, what: Happening) -> None:
+        """Take in what became of an item."""
         self._is_steady = False
-        key = (item.of.job, item.of.digest)
-        count(self._made.setdefault(key, replace(item.of)), item)
+        if isinstance(what, Measured):
+            known = self._measured.get(what.of)
+            if known is None:
+                known = MeasuredSum(what.of, what.value, what.value)
+                self._measured[what.of] = known
+            known.measured(what.value)
+            return
+        key = (what.of.job, what.of.digest)
+        count(self._made.setdefault(key, replace(what.of)), what)
+        if what.flaw is not None:
+            self._flaws[what.flaw] += 1
 
     def runs(self, cell: str, digest: str) -> None:
         """Take in that a node began to run with a cell file."""
@@ -297,10 +320,14 @@ class OpenSlot:
             rest,
             tuple(self._made.values()),
             tuple(FailedSum(*key, n, self._took[key]) for key, n in self._failed.items()),
+            tuple(FlawSum(flaw, n) for flaw, n in self._flaws.items()),
+            tuple(self._measured.values()),
+            dict(self._operated),
             self._cell,
             tuple(self._cells),
             self._is_steady,
             tuple(self._told_spans()),
+            self._lacks_causes,
         )
 
     def _told_spans(self) -> Iterator[StopSpan]:

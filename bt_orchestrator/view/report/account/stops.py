@@ -177,3 +177,5 @@ class Repairs:
     failures: int = 0
     down_us: int = 0
     """Planned busy time from its holds to their release."""
+    repair_us: int = 0
+    """The same, without the time that is booked to older holds, or to other losses."""

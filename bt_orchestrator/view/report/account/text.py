@@ -5,6 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.view.report.account.account import Account
+from bt_orchestrator.view.report.account.causes.flaws import (
+    EFFECTS,
+    MEASURED_TITLES,
+    flaw_words,
+    measured_name,
+    measured_texts,
+)
 from bt_orchestrator.view.report.account.figures import Figures
 from bt_orchestrator.view.report.account.fold import Times
 from bt_orchestrator.view.report.account.losses import WORDS
@@ -29,6 +36,8 @@ def account_text(account: Account) -> Iterator[str]:
     yield from titled('made', _made(shown))
     yield from titled('stops, the longest first', stop_lines(shown.times))
     yield from titled('holds', hold_lines(shown.times, period))
+    yield from titled('scrap and rework by cause', flaw_lines(shown.times))
+    yield from titled('measured values beside their bounds', measured_lines(shown.times))
     yield from titled('failed attempts', failing_lines(shown.times))
     yield from titled('components that failed', _repairs(shown))
 
@@ -53,7 +62,7 @@ def _head(shown: Figures, period: Period) -> Iterator[str]:
     if period.targets:
         wanted = (f'{name} {percent(ratio)}' for name, ratio in period.targets.items())
         yield f'target: {", ".join(wanted)}'
-    yield f'made {shown.produced}, {shown.good} of them good'
+    yield f'made {shown.produced}, {shown.good} of them good{first_pass_words(shown)}'
     if shown.produced:
         yield f'rate {rate(shown.per_item_us)} of production; the pace is {rate(shown.pace_us)}'
 
@@ -110,6 +119,30 @@ def _from_to(period: Period, held: Held) -> str:
     return f'{begun} to {end}, {duration(held.lost_us)} lost'
 
 
+def first_pass_words(shown: Figures) -> str:
+    """Say how many were good in the first pass; nothing if that is not known."""
+    if not shown.produced or shown.first_pass is None:
+        return ''
+    share = percent(shown.first_pass_yield)
+    return f', {shown.first_pass} in the first pass (first-pass yield {share})'
+
+
+def flaw_lines(times: Times) -> Iterator[str]:
+    """Yield the causes of scrap and rework, the most frequent first."""
+    products = {one.of.product for one in times.flaws}
+    rows = []
+    for one in times.flaws:
+        named = (EFFECTS[one.of.effect], one.of.product if len(products) > 1 else '')
+        rows.append((': '.join(filter(None, named)), flaw_words(one.of), str(one.times)))
+    yield from _pareto(('', 'cause', 'times'), rows)
+
+
+def measured_lines(times: Times) -> Iterator[str]:
+    """Yield the measured values of each task with a verdict."""
+    rows = [(measured_name(one), *measured_texts(one)) for one in times.measured]
+    yield from _pareto(('', *MEASURED_TITLES), rows)
+
+
 def failing_lines(times: Times) -> Iterator[str]:
     """Yield the tasks that failed most often."""
     rows = [
@@ -132,7 +165,7 @@ def _repairs(shown: Figures) -> Iterator[str]:
                 one.component,
                 str(one.failures),
                 duration(one.down_us),
-                duration(between),
+                UNKNOWN if between is None else duration(between),
                 duration(repair),
             )
         )

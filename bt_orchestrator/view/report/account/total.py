@@ -7,8 +7,9 @@ from collections import Counter
 from dataclasses import dataclass, replace
 
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.view.report.account.causes.flaws import Bounds, Flaw, FlawSum, MeasuredSum
+from bt_orchestrator.view.report.account.causes.made import Made, add
 from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step, is_stop
-from bt_orchestrator.view.report.account.made import Made, add
 from bt_orchestrator.view.report.account.planned import Planned
 from bt_orchestrator.view.report.account.slot import RestOfHolds, Slot, StopSum
 from bt_orchestrator.view.report.account.spans import LineStop, SpanTotal
@@ -40,10 +41,17 @@ class Times:
     left_out_us: dict[Loss, int]
     failing: tuple[FailingTask, ...]
     repairs: tuple[Repairs, ...]
+    flaws: tuple[FlawSum, ...]
+    """Causes of scrap and rework, the most frequent first."""
+    measured: tuple[MeasuredSum, ...]
+    operated_us: dict[str, int]
+    """Time in which each component operated."""
     cell: str
     """Name of the cell; empty: not known."""
     cells: tuple[str, ...]
     """Digests of the cell files that the node ran with in this time; empty: not known."""
+    lacks_causes: bool = False
+    """A part of it is from books of an older program, without causes and times of work."""
     line_stops: tuple[LineStop, ...] = ()
     """The longest stops one by one, in their order."""
     line_stops_count: int = 0
@@ -92,6 +100,10 @@ class Total:
         self._made: dict[tuple[str, str], Made] = {}
         self._failures: Counter[tuple[str, str, str]] = Counter()
         self._took: Counter[tuple[str, str, str]] = Counter()
+        self._flaws: Counter[Flaw] = Counter()
+        self._measured: dict[Bounds, MeasuredSum] = {}
+        self._operated: Counter[str] = Counter()
+        self._lacks_causes = False
         self._cell = ''
         self._cells: dict[str, None] = {}
 
@@ -117,6 +129,7 @@ class Total:
             self._has_counted = False
 
     def _add_times(self, slot: Slot) -> None:
+        self._lacks_causes |= slot.lacks_causes
         self._producing += slot.producing_us
         for stop in slot.stops:
             key = (stop.loss, stop.detail, stop.component)
@@ -130,6 +143,15 @@ class Total:
             self._took[task] += failed.us
         for rest in slot.rest:
             self._add_rest(rest)
+        self._operated.update(slot.operated_us)
+        for flaw in slot.flaws:
+            self._flaws[flaw.of] += flaw.times
+        for measured in slot.measured:
+            known_sum = self._measured.get(measured.of)
+            if known_sum is None:
+                self._measured[measured.of] = replace(measured)
+            else:
+                known_sum.add(measured)
 
     def _add_rest(self, rest: RestOfHolds) -> None:
         self._left_out_count += rest.told
@@ -139,6 +161,7 @@ class Total:
             repairs = self._repairs.setdefault(rest.component, Repairs(rest.component))
             repairs.failures += rest.failures
             repairs.down_us += rest.down_us
+            repairs.repair_us += rest.lost_us
 
     # --- holds --------------------------------------------------------------------------------
 
@@ -160,6 +183,7 @@ class Total:
     def _failed(self, held: Held) -> None:
         repairs = self._repairs.setdefault(held.component, Repairs(held.component))
         repairs.down_us += held.down_us
+        repairs.repair_us += held.lost_us
         if held.hold not in self._counted:
             self._counted.add(held.hold)
             repairs.failures += 1
@@ -202,8 +226,12 @@ class Total:
             dict(self._left_out),
             self._failing(),
             tuple(sorted(self._repairs.values(), key=lambda one: (-one.down_us, one.component))),
+            self._sorted_flaws(),
+            tuple(sorted(self._measured.values(), key=lambda one: one.of.order)),
+            {name: us for name, us in sorted(self._operated.items()) if us},
             self._cell,
             tuple(self._cells),
+            self._lacks_causes,
             *self._spans.stops(),
         )
 
@@ -221,3 +249,7 @@ class Total:
         """Return the tasks that failed, the most frequent first."""
         found = (FailingTask(*key, n, self._took[key]) for key, n in self._failures.items())
         return tuple(sorted(found, key=lambda one: (-one.times, -one.us, one[:3])))
+
+    def _sorted_flaws(self) -> tuple[FlawSum, ...]:
+        found = (FlawSum(flaw, n) for flaw, n in self._flaws.items())
+        return tuple(sorted(found, key=lambda one: (-one.times, one.of.order)))

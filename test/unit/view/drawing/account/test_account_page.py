@@ -77,7 +77,8 @@ def test_every_figure_is_in_its_row(page: str) -> None:
     assert 'own fault|\N{MINUS SIGN}0:22:00|4.9 %|' in rows
     assert 'own fault|a2, TASK_A aborted|0:20:00|1|24.4 %|' in rows
     assert 'J|test|30.0 s|500|6|10|2|20|' in rows
-    assert 'a2|1|0:20:00|7:00:00|0:20:00|' in rows
+    assert 'a2|1|0:20:00|6:09:58|0:20:00|' in rows
+    assert 'rejected, test|by the script|10|55.6 %|' in rows
 
 
 def test_it_needs_nothing_else(page: str) -> None:

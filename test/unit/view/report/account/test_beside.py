@@ -83,7 +83,8 @@ def test_products_and_jobs_add_up_to_the_line(by: By) -> None:
 def test_components_have_their_stops_failures_and_failed_attempts() -> None:
     groups = {one.name: one.rows for one in made().groups(By.COMPONENT)}
     told = {row.name: row for row in groups['a2']}
-    assert list(groups) == ['a2', 'a1', 'a3']  # as they cost
+    assert list(groups) == ['a2', 'a1', 'a3', 'lamp']  # as they cost, then those that worked
+    assert told['operated'].together == 22_198 * 1_000_000
     assert told['lost'].together == 1200 * 1_000_000
     assert [float(one or 0) for one in told['lost'].values] == [0, 1.2e9, 0, 0, 0, 0]
     # the hold is raised at the end of the first hour, which has it, and stands in the next one

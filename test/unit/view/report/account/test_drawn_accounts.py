@@ -11,7 +11,7 @@ import pytest
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.line import Line
-from fakes.naive_account import naive_account, naive_stops
+from fakes.naive_account import NaiveAccount, naive_account, naive_stops
 from fakes.plan_operator import operate
 from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.codec import from_record, to_record
+from bt_orchestrator.model.codec import from_record, to_plain, to_record
 from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.view.report.account.figures import Figures, Paces, figures
@@ -78,7 +78,7 @@ def accounts(
     naive = naive_account(records, planned.pieces, pace_us)
     booked = {loss.value: us for loss, us in mine.times.lost_us.items()}
     assert +Counter({**booked, 'production': mine.times.producing_us}) == +naive.times
-    assert (mine.good, mine.produced) == (naive.good, naive.produced)
+    agrees(mine, naive)
     same_stops(mine.times, records, planned)
     if mine.has_paces:  # one that gets stuck has none, and an item of it may be taken off by hand
         assert mine.oee == naive.oee
@@ -105,7 +105,51 @@ def stepped_accounts(records: list[dict[str, Any]], marks: list[int], steps: Ste
     naive = naive_account(known, planned.pieces, lambda _: Fraction(0))
     booked = {loss.value: us for loss, us in shown.times.lost_us.items()}
     assert +Counter({**booked, 'production': shown.times.producing_us}) == +naive.times
+    agrees(shown, naive)
+
+
+def agrees(shown: Figures, naive: NaiveAccount) -> None:
+    """Assert that counts, causes, measured values and components are the same."""
+    times, causes = shown.times, naive.causes
     assert (shown.good, shown.produced) == (naive.good, naive.produced)
+    rows = {tuple(to_plain(one.of, whole=True).values()): one.times for one in times.flaws}
+    assert rows == {
+        (one.effect, one.decision, one.product, one.task, one.component, one.reason, one.bound): n
+        for one, n in causes.rows.items()
+    }
+    assert shown.first_pass == sum(job['first_pass'] for job in causes.made.values())
+    kinds = ('good', 'nonconforming', 'rejected', 'by_hand', 'first_pass', 'attempts', 'rounds')
+    made = {
+        one.job: {kind: getattr(one, kind) for kind in kinds}
+        for one in times.made
+        if any(getattr(one, kind) for kind in kinds)
+    }
+    assert made == {
+        job: {kind: found[kind] for kind in kinds} for job, found in causes.made.items()
+    }
+    assert {
+        (*(getattr(one.of, name) for name in BOUNDS),): (
+            one.times,
+            one.below,
+            one.above,
+            one.least,
+            one.mean,
+            one.greatest,
+        )
+        for one in times.measured
+    } == causes.measured
+    parts = naive.components
+    assert times.operated_us == +parts.operated
+    repairs = {one.component: one for one in times.repairs}
+    assert {name: one.failures for name, one in repairs.items()} == parts.failures
+    assert +Counter({name: one.down_us for name, one in repairs.items()}) == +parts.down
+    assert +Counter({name: one.repair_us for name, one in repairs.items()}) == +parts.repair
+    for name, one in repairs.items():
+        assert shown.mtbf_us(one) == Fraction(parts.operated[name], parts.failures[name])
+        assert shown.mttr_us(one) == Fraction(parts.repair[name], parts.failures[name])
+
+
+BOUNDS = ('product', 'task', 'component', 'value', 'at_least', 'at_most')
 
 
 def same_stops(times: Times, records: list[dict[str, Any]], planned: Planned) -> None:

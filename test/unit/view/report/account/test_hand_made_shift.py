@@ -33,6 +33,7 @@ from fakes.hand_made_shift import LINE, SHIFTS, the_day
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 from bt_orchestrator.view.report.account.account import Account, account
 from bt_orchestrator.view.report.account.calendar import shift_on, zone_of
+from bt_orchestrator.view.report.account.causes.flaws import flaw_words
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.plain import account_plain
 from bt_orchestrator.view.report.account.stops import FailingTask, Repairs, Stop
@@ -127,9 +128,24 @@ def test_failures_and_the_time_to_repair(made: Account) -> None:
     assert first == FailingTask('a2', 'TASK_A', 'in_doubt', 1, 3299 * S)
     assert last == FailingTask('a2', 'TASK_A', 'aborted', 1, 2400 * S)
     (repairs,) = times.repairs
-    assert repairs == Repairs('a2', 1, 1200 * S)
+    assert repairs == Repairs('a2', 1, 1200 * S, 1200 * S)
     assert made.figures.mttr_us(repairs) == 1200 * S
-    assert made.figures.mtbf_us(repairs) == 25200 * S
+    # its goals were in flight from 06:20 to 07:00, 07:20 to 10:00, 10:10:01 to 11:00, 11:05:01 to
+    # 12:00 and 12:15 to 14:00, without the break and the time without a node
+    assert made.figures.mtbf_us(repairs) == (2400 + 7800 + 2999 + 3299 + 5700) * S
+
+
+def test_the_causes_of_what_is_not_good(made: Account) -> None:
+    told = [
+        (flaw_words(one.of), one.of.effect.value, one.times) for one in made.figures.times.flaws
+    ]
+    assert told == [
+        ('by the script', 'rejected', 10),
+        ('work, answer mark_done', 'nonconforming', 6),
+        ('remove-item', 'by_hand', 2),
+        ('work at a2 aborted, answer retry', 'attempt', 1),
+    ]
+    assert made.figures.first_pass_yield == Fraction(500, 518)
 
 
 def test_text_and_json_say_the_same(made: Account) -> None:

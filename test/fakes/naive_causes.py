@@ -1,0 +1,338 @@
+"""A second opinion on scrap, rework and components, written from docs/account.md alone.
+
+It imports nothing of the product. For each item that left, each attempt and each hold it looks
+through the records before it, and asks what the page says.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+Record = Mapping[str, Any]
+Records = Sequence[Record]
+
+COUNTED = ('nonconforming', 'rejected', 'by_hand')
+OF_COMPONENTS = (
+    'server_unavailable',
+    'goal_rejected',
+    'aborted',
+    'timeout',
+    'task_result_false',
+    'server_lost',
+    'in_doubt',
+)
+
+
+class Row(NamedTuple):
+    """A cause of scrap or rework."""
+
+    effect: str
+    decision: str
+    product: str
+    task: str = ''
+    component: str = ''
+    reason: str = ''
+    bound: str = ''
+
+
+class Values(NamedTuple):
+    """Measured values beside their bounds."""
+
+    times: int
+    below: int
+    above: int
+    least: float
+    mean: Fraction
+    greatest: float
+
+
+class NaiveCauses(NamedTuple):
+    """Why items were not good, and what was done again."""
+
+    rows: Counter[Row]
+    made: dict[str, Counter[str]]
+    """By job: the kinds of items, `first_pass`, `attempts` and `rounds`."""
+    measured: dict[tuple[Any, ...], Values]
+
+
+def naive_causes(records: Records, counts: Sequence[bool]) -> NaiveCauses:
+    """Return the causes in planned time.
+
+    :param counts: of each record whether its moment is in planned time
+    """
+    rows: Counter[Row] = Counter()
+    made: dict[str, Counter[str]] = {}
+    values: dict[tuple[Any, ...], list[float]] = {}
+    for number, one in enumerate(records):
+        if not counts[number]:
+            continue
+        past = records[:number]
+        if one['event'] == 'item.removed':
+            kind, row = what_became(past, one)
+            of_job = made.setdefault(one['job'], Counter())
+            of_job[kind] += 1
+            of_job['first_pass'] += kind == 'good' and is_first_pass(past, one)
+            rows.update([row] if row else [])
+        elif again := done_again(past, one):
+            rows[again] += 1
+            made.setdefault(one['job'], Counter())[f'{again.effect}s'] += 1
+        for key, value in measured(past, one):
+            values.setdefault(key, []).append(value)
+    return NaiveCauses(rows, made, {key: beside(key, found) for key, found in values.items()})
+
+
+# --- items ------------------------------------------------------------------------------------
+
+
+def of_item(past: Records, item: Any) -> list[Record]:
+    return [one for one in past if one.get('item') == item]
+
+
+def what_became(past: Records, out: Record) -> tuple[str, Row | None]:
+    """Return good, nonconforming, rejected or by_hand, and the cause."""
+    about, product = of_item(past, out['item']), product_of(past, out['job'])
+    if out['how'] == 'by_hand':
+        return 'by_hand', Row('by_hand', 'remove_item', product)
+    if out['how'] == 'rejected':
+        return 'rejected', why_rejected(past, out, product)
+    for one in about:
+        number = past.index(one)
+        if one['event'] == 'item.nonconforming':
+            answers = [said['answer'] for said in past[:number] if is_decision(said)]
+            decision = 'skip' if answers[-1:] == ['skip'] else 'mark_done'
+        elif one['event'] == 'task.continued' and one['policy'] == 'continue':
+            decision = 'on_failure'
+        else:
+            continue
+        return 'nonconforming', failed(past[:number], one, 'nonconforming', decision, product)
+    return 'good', None
+
+
+def why_rejected(past: Records, out: Record, product: str) -> Row:
+    said = [one for one in of_item(past, out['item']) if one['event'] == 'item.rejected']
+    first = past.index(said[0]) if said else len(past)
+    if any(one['event'] == 'job.aborting' and one['job'] == out['job'] for one in past[:first]):
+        return Row('rejected', 'abort_job', product)
+    for one in of_item(past[first:], out['item']):
+        if one['event'] == 'task.continued' and one['policy'] == 'reject':
+            before = past[: past.index(one)]
+            decision = 'reject' if was_held(before, one) else 'on_failure'
+            return failed(before, one, 'rejected', decision, product)
+    return Row('rejected', 'on_failure', product)
+
+
+def is_first_pass(past: Records, out: Record) -> bool:
+    about = of_item(past, out['item'])
+    holds = [one['hold'] for one in about if one['event'] == 'hold.raised']
+    for one in past:
+        if (
+            is_decision(one)
+            and one['answer'] in ('mark_done', 'skip')
+            and one.get('hold') in holds
+        ):
+            return False
+    return not any(
+        one['event'] == 'round.begun'
+        or (one['event'] == 'task.started' and (one['attempt'] > 1 or one.get('round', 0) > 0))
+        for one in about
+    )
+
+
+def is_decision(one: Record) -> bool:
+    return bool(one['event'] == 'operator.decided')
+
+
+def product_of(past: Records, job: str) -> str:
+    orders = [one for one in past if one['event'] in ('job.queued', 'job.updated')]
+    newest = [one for one in orders if one['job'] == job][-1]
+    return str(newest.get('recipe') or newest['script'])
+
+
+# --- what was done again ----------------------------------------------------------------------
+
+
+def done_again(past: Records, one: Record) -> Row | None:
+    if one.get('item') is None:
+        return None
+    if one['event'] == 'task.started' and one['attempt'] > 1:
+        decision = 'retry' if was_held(past, one) else 'retries'
+        return failed(past, one, 'attempt', decision, product_of(past, one['job']))
+    if one['event'] != 'round.begun':
+        return None
+    ends = [
+        failure
+        for failure in of_item(past, one['item'])
+        if failure['event'] == 'task.failed' and failure['task'] in one['tasks']
+    ]
+    decision = 'again' if was_held(past, ends[-1]) else 'repeat'
+    return failed(past, ends[-1], 'round', decision, product_of(past, one['job']))
+
+
+def same_task(one: Record, other: Record) -> bool:
+    return all(one.get(name) == other.get(name) for name in ('job', 'section', 'item', 'task'))
+
+
+def last_failure(past: Records, about: Record) -> Record | None:
+    """Return the last failed attempt of a task; a round begins anew."""
+    found = None
+    for one in past:
+        if one['event'] == 'task.failed' and same_task(one, about):
+            found = one
+        elif one['event'] == 'round.begun' and one['item'] == about.get('item'):
+            found = None if about['task'] in one['tasks'] else found
+    return found
+
+
+def was_held(past: Records, about: Record) -> bool:
+    failure = last_failure(past, about)
+    since = past[past.index(failure) :] if failure is not None else []
+    return any(one['event'] == 'hold.raised' and same_task(one, about) for one in since)
+
+
+def failed(past: Records, about: Record, effect: str, decision: str, product: str) -> Row:
+    failure = last_failure(past, about)
+    if failure is None:
+        component = about.get('component', '') if effect == 'attempt' else ''
+        return Row(effect, decision, product, about['task'], component)
+    number = past.index(failure)
+    bound = ''
+    if failure['reason'] == 'result_refused':
+        parts = comparisons(past[:number], failure)
+        bound = '; '.join(words for words, is_met, _ in parts if not is_met)
+    component = component_of(past[:number], failure)
+    return Row(effect, decision, product, about['task'], component, failure['reason'], bound)
+
+
+def component_of(past: Records, end: Record) -> str:
+    """Return the component of the attempt that ended; nothing may have been sent."""
+    for one in reversed(past):
+        if one['event'] in ('task.succeeded', 'task.failed') and same_task(one, end):
+            return ''
+        if one['event'] == 'task.started' and same_task(one, end):
+            return str(one['component'])
+    return ''
+
+
+# --- verdicts ---------------------------------------------------------------------------------
+
+
+def comparisons(past: Records, end: Record) -> Iterator[tuple[str, bool, Record]]:
+    """Yield each comparison of a field of the own result: its words, and whether it is met."""
+    orders = [one for one in past if one['event'] in ('job.queued', 'job.updated')]
+    order = [one for one in orders if one['job'] == end['job']][-1]
+    loaded = [one for one in past if one['event'] == 'script.loaded']
+    script = [one for one in loaded if one['digest'] == order['digest']][-1]['definition']
+    for task in tasks_in(script):
+        if task.get('id') == end['task'] and 'fails_unless' in task:
+            for part in parts_of(task['fails_unless']):
+                if own_field(part, end['task']) is not None:
+                    whole = {**part, **bounds(part, order.get('params', {}))}
+                    yield words_of(whole), is_met(whole, end), whole
+
+
+def tasks_in(plain: Any) -> Iterator[Record]:
+    """Yield everything in a script that has an id."""
+    if isinstance(plain, Mapping):
+        if 'id' in plain:
+            yield plain
+        for member in plain.values():
+            yield from tasks_in(member)
+    elif isinstance(plain, list):
+        for member in plain:
+            yield from tasks_in(member)
+
+
+def parts_of(verdict: Record) -> Iterator[Record]:
+    parts = verdict.get('all') or verdict.get('any')
+    if not parts:
+        yield verdict
+    for part in parts or ():
+        yield from parts_of(part)
+
+
+def own_field(part: Record, task: str) -> list[str] | None:
+    text = part.get('value', {}).get('$', [])
+    if len(text) != 1 or not isinstance(text[0], Mapping):
+        return None
+    is_own = (text[0]['source'], text[0]['name']) == ('results', task)
+    return list(text[0].get('fields', ())) if is_own else None
+
+
+def bounds(part: Record, params: Record) -> Record:
+    found = {}
+    for name in ('at_least', 'at_most'):
+        bound = part.get(name)
+        if isinstance(bound, Mapping):
+            bound = params[bound['$'][0]['name']]
+        if bound is not None:
+            found[name] = bound
+    return found
+
+
+def words_of(part: Record) -> str:
+    reference = part['value']['$'][0]
+    named = '.'.join((reference['source'], reference['name'], *reference.get('fields', ())))
+    low, high = part.get('at_least'), part.get('at_most')
+    if part.get('one_of'):
+        compared = f' one of {", ".join(str(one) for one in part["one_of"])}'
+    elif part.get('not_equals') is not None:
+        compared = f' is not {part["not_equals"]}'
+    elif low is not None and high is not None:
+        compared = f' from {low} to {high}'
+    elif low is not None:
+        compared = f' at least {low}'
+    elif high is not None:
+        compared = f' at most {high}'
+    else:
+        equals = part.get('equals', True)
+        compared = '' if equals is True else f' = {str(equals).lower()}'
+    return f'${{{named}}}{compared}'
+
+
+def value_of(part: Record, end: Record) -> Any:
+    value = end.get('results', {})
+    for name in part['value']['$'][0].get('fields', ()):
+        value = value.get(name) if isinstance(value, Mapping) else None
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return (
+        None if isinstance(value, Mapping) or (is_number and not math.isfinite(value)) else value
+    )
+
+
+def is_met(part: Record, end: Record) -> bool:
+    value = value_of(part, end)
+    low, high = part.get('at_least'), part.get('at_most')
+    if value is None:
+        return False
+    if part.get('one_of'):
+        return value in part['one_of']
+    if part.get('not_equals') is not None:
+        return bool(value != part['not_equals'])
+    if low is None and high is None:
+        return bool(value == part.get('equals', True))
+    return (low is None or value >= low) and (high is None or value <= high)
+
+
+def measured(past: Records, end: Record) -> Iterator[tuple[tuple[Any, ...], float]]:
+    is_refused = end['event'] == 'task.failed' and end['reason'] == 'result_refused'
+    if end.get('item') is None or not (is_refused or end['event'] == 'task.succeeded'):
+        return
+    for _, _, part in comparisons(past, end):
+        value, low, high = value_of(part, end), part.get('at_least'), part.get('at_most')
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if is_number and (low is not None or high is not None):
+            field = '.'.join(part['value']['$'][0].get('fields', ()))
+            product, component = product_of(past, end['job']), component_of(past, end)
+            yield (product, end['task'], component, field, low, high), value
+
+
+def beside(key: tuple[Any, ...], found: Sequence[float]) -> Values:
+    low, high = key[-2:]
+    below = sum(low is not None and one < low for one in found)
+    above = sum(high is not None and one > high for one in found)
+    mean = sum((Fraction(one) for one in found), start=Fraction(0)) / len(found)
+    return Values(len(found), below, above, min(found), mean, max(found))
