@@ -21,8 +21,11 @@ def hold_words(hold: Hold | HoldRaised) -> str:
 
 
 def hold_name(hold: Hold) -> str:
-    """Name a hold: its number, what is held, and why; of the whole cell with its message."""
-    what = hold.task or hold.item
+    """Name a hold: its number, what is held, and why; of the whole cell with its message.
+
+    The message about a run of rejects is too long for that.
+    """
+    what = hold.task or hold.item or hold.job
     if what:
         return f'hold {hold.id} ({what}: {hold.reason})'
     return f'hold {hold.id} ({", ".join(filter(None, (hold.reason, one_line(hold.message))))})'

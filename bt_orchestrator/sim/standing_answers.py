@@ -11,12 +11,13 @@ from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.failures import AGAIN, CHANGE, MARK_DONE, RETRY
 from bt_orchestrator.model.hold_words import hold_name
+from bt_orchestrator.model.packml import VERBS, Cause
 from bt_orchestrator.model.requests import Asked, answering, possible_answers
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.sim.simulation import Simulation
 
-POSSIBLE = possible_answers()
-"""The possible predefined answers."""
+POSSIBLE = (*possible_answers(), VERBS[Cause.UNHOLD])
+"""The possible predefined answers; the last one is for too many rejects (semantics 7.7)."""
 
 MOST_RETRIES = 10
 """Maximum retries of one task of one item; after that it would fail always."""

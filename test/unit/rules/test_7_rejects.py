@@ -14,6 +14,10 @@ from fakes.world import World, begun
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import HoldAfter
 from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.sim.simulation import Outcome, Simulation
+from bt_orchestrator.sim.standing_answers import StandingAnswers
+from bt_orchestrator.store.memory import MemoryStore
 
 OUT = 'qty_change: -1, runs_for: all'
 INSPECT = '- {id: inspect, @a2, on_failure: reject}'
@@ -289,3 +293,18 @@ def test_7_7_killed_after_any_settle_the_count_goes_on() -> None:
         if over:
             break
     assert kills > 10
+
+
+def test_7_7_what_waits_names_the_hold_in_short() -> None:
+    run = limited(1, 1, a2=bad(1)).run(SORTED, 2)
+    assert run.waits()['belt'] == 'waiting for an answer to hold 1 (J: too_many_rejects)'
+
+
+def test_7_7_a_simulated_operator_resumes() -> None:
+    line = limited(2, 2, a2=bad(1, 2, 3, 4))
+    simulation = Simulation(line.cell, line.types, MemoryStore())
+    operator = StandingAnswers(simulation, ('resume',), 60.0, 'the shift')
+    simulation.submit([Job('J', line.script(SORTED), 4, {})])
+    assert simulation.run(operator.look) is Outcome.FINISHED
+    assert operator.complaints() == []
+    assert simulation.state.time > 2 * 60.0
