@@ -146,6 +146,15 @@ class CellProcesses:
         """
         self.node = ProgramProcess([*self._node_words, *options], self.folder, 'node', program)
 
+    def start_beside(
+        self, name: str, options: Sequence[str] = (), program: Sequence[str] = PROGRAM
+    ) -> ProgramProcess:
+        """Start another node of the cell, for instance a standby; the caller ends it.
+
+        :param options: of `run`, on top of those of the node
+        """
+        return ProgramProcess([*self._node_words, *options], self.folder, name, program)
+
     def connect(self, *, wait_servers: bool = True) -> None:
         """Wait until everything is up and knows of each other."""
         for process in (*self.sims, self.node):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -13,7 +13,8 @@ from bt_orchestrator.base.diagnosis.check import Check
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.base.extending import POSTGRES
 from bt_orchestrator.model.keeping.journal_place import Address, JournalPlace
-from bt_orchestrator.ports import Journal, Records
+from bt_orchestrator.model.uptime import ClockReading
+from bt_orchestrator.ports import Journal, Records, StandbyJournal
 
 
 def open_records(journal: JournalPlace) -> Records:
@@ -46,6 +47,23 @@ def open_journal(journal: JournalPlace, synchronous: str) -> Journal:
             '--journal-synchronous out'
         )
     return cast('Journal', _postgres('journal').PostgresStore(journal))
+
+
+def open_standby(
+    journal: JournalPlace, clocks: Callable[[], ClockReading | None]
+) -> StandbyJournal:
+    """Open a journal that another node writes, to go on with it later.
+
+    :param clocks: reads the clocks of this machine
+    :raises JournalUnusable: it is in a file, or cannot be used
+    :raises ExtensionMissing: the extension is not installed
+    """
+    if isinstance(journal, Path):
+        raise JournalUnusable(
+            'a standby needs a journal that two machines reach: expected --journal '
+            f'postgresql://USER@HOST/DATABASE/CELL, found the file {journal}'
+        )
+    return cast('StandbyJournal', _postgres('standing_by').PostgresStandby(journal, clocks))
 
 
 def checks_of(journal: Address) -> Iterator[Check]:

@@ -91,7 +91,7 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         build_generating,
         memory_store,
     )
-    from bt_orchestrator.cli.journal_file import open_journal
+    from bt_orchestrator.cli.journal_file import open_journal, open_standby
     from bt_orchestrator.ros.node import Parts, run_node
 
     told = {name: getattr(args, name) for name, _ in described()}
@@ -99,7 +99,14 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     told['recipes'] = tuple(recipe_folders(args.recipes))
     defaults = NodeParameters(**told)
     ros_args = getattr(args, 'ros_args', ())
-    parts = Parts(open_journal, memory_store, build_foresight, build_bookkeeping, build_generating)
+    parts = Parts(
+        open_journal,
+        open_standby,
+        memory_store,
+        build_foresight,
+        build_bookkeeping,
+        build_generating,
+    )
     parts = parts._replace(sinks=_sinks(args.sink))
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:

@@ -60,6 +60,8 @@ SENTENCES: Mapping[str, str] = {
     # ends of attempts
     'no_end': 'no end came within {seconds} s of the cancel request ({cause})',
     'after_restart': 'after a restart of the orchestrator: {words}',
+    'after_take_over': 'after a take-over from another machine: {words}. Before retry, make sure '
+    'that the process of the earlier leader is dead: it may send this goal late',
     'foreign_cancel': 'cancelled by somebody else: another client, an HMI, or the controller '
     'itself',
     'after_abort_canceled': 'after an abort of the cell: the controller cancelled the goal as '

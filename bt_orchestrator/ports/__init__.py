@@ -6,7 +6,7 @@ Every implementation of a port passes the contract tests of that port (test/cont
 from bt_orchestrator.ports.clock import Clock, Timer
 from bt_orchestrator.ports.door import CellLink, EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.ports.generating import Generating, MadeScript
-from bt_orchestrator.ports.journal import EventStore, Journal, Snapshot
+from bt_orchestrator.ports.journal import EventStore, Journal, Seen, Snapshot, StandbyJournal
 from bt_orchestrator.ports.planning import (
     CheckedOrder,
     Consequence,
@@ -35,6 +35,8 @@ __all__ = [
     'Snapshot',
     'EventStore',
     'Journal',
+    'Seen',
+    'StandbyJournal',
     'Records',
     'Writing',
     'Writer',

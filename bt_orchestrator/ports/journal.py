@@ -9,6 +9,7 @@ from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.judging.used_ids import SealedIds
+from bt_orchestrator.model.uptime import ClockReading
 
 
 class Snapshot(NamedTuple):
@@ -83,6 +84,26 @@ class EventStore(Protocol):
     def used_ids(self, digest: str) -> str | None:
         """Return a part of the ids that were ever used, which a state names; None: it is lost."""
 
+    @property
+    def epoch(self) -> int:
+        """Return the number of this writer, higher than that of every earlier one.
+
+        0: another writer is impossible as long as this one lives.
+        """
+
+    def may_command(self) -> bool:
+        """Tell whether a goal may be sent at this moment (semantics 9.4).
+
+        It may not once another node may have taken over the journal. Only `append` and `renew`
+        find that out; each answer is valid for a short time.
+        """
+
+    def absent_at(self, seq: int) -> ClockReading | None:
+        """Return a moment at which an event was not yet in the journal; None: not known.
+
+        This machine has looked itself: the moment is by its own clocks (semantics 9.4).
+        """
+
 
 class Journal(EventStore, Protocol):
     """A journal that outlives its process, and is kept short for the next start."""
@@ -90,6 +111,16 @@ class Journal(EventStore, Protocol):
     @property
     def is_shared(self) -> bool:
         """Tell whether another machine can go on with it: then a node that cannot write ends."""
+
+    @property
+    def alone_from_s(self) -> float:
+        """Return the time from which no earlier writer sends a goal, by the monotonic clock."""
+
+    def renew(self) -> None:
+        """Check that this is still the writer, and let it command for some more seconds.
+
+        :raises JournalFailed: another node has taken over, or that is not known
+        """
 
     def save(self, snapshot: Snapshot, ended: Sequence[JobRecord] = ()) -> None:
         """Store a state to start from, and the summaries of jobs that ended.
@@ -140,3 +171,41 @@ class Journal(EventStore, Protocol):
 
     def close(self) -> None:
         """Close it and release its lock."""
+
+
+# The journal of another node, as a standby sees it.
+
+
+class Seen(NamedTuple):
+    """The end of the journal of a leader."""
+
+    history: str
+    """Empty: there is no journal yet."""
+    seq: int
+    """The last event in it."""
+    epoch: int
+    leader: str
+    """The last node that wrote it: host and process."""
+    is_led: bool
+    """A node has it now."""
+
+
+class StandbyJournal(Protocol):
+    """A journal that another node writes, and that this one may go on with. One thread uses it."""
+
+    def look(self) -> Seen:
+        """Look at its end, and note when that was (`EventStore.absent_at`).
+
+        :raises JournalAway: it cannot be reached at this moment
+        :raises JournalUnusable: no node can go on with it
+        """
+
+    def take(self) -> Journal | None:
+        """Become its writer, if it has none; None: it has one.
+
+        :raises JournalAway: it cannot be reached at this moment
+        :raises JournalUnusable: no node can go on with it
+        """
+
+    def close(self) -> None:
+        """Stop looking."""

@@ -10,7 +10,7 @@ from typing import Any, cast
 from rclpy.node import Node
 
 from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, instant_ns
-from bt_orchestrator.model.uptime import Uptime
+from bt_orchestrator.model.uptime import ClockReading, Uptime
 from bt_orchestrator.ros.executor.alarms import Alarms
 
 
@@ -82,6 +82,12 @@ class MachineUptime:
             return Uptime(self._boot, round(time.clock_gettime(self._clock), 3))
         except OSError:  # a program such as faketime stands between, and has no such clock
             return None
+
+
+def clock_reading() -> ClockReading | None:
+    """Read the clocks of this machine, in any thread; None: its uptime cannot be known."""
+    up = MachineUptime().now()
+    return None if up is None else ClockReading(time.time(), up)
 
 
 def _boot_id(proc: Path) -> str | None:

@@ -74,21 +74,28 @@ class Presence:
                 'one another name with --namespace'
             )
 
-    def announce(self, cell: Cell, history: str, found: Callable[[str], object]) -> None:
-        """Say from now on who is here, and call back with words for each other one that is."""
+    def announce(
+        self, cell: Cell, history: str, epoch: int, found: Callable[[str], object]
+    ) -> None:
+        """Say from now on who is here, and call back with words for each other one that is.
+
+        :param epoch: which writer of its journal it is; 0: it has no other one
+        """
         self._listener.close()
         name = self._node.get_fully_qualified_name()
         known = {self.own.instance}
 
         def heard(other: Identity) -> None:
             is_new = other.instance not in known and len(known) < _MOST_KNOWN
-            if is_new and not other.standby:
+            # Of two writers of one journal the journal itself ends the older one.
+            is_successive = epoch and other.epoch and other.history == history
+            if is_new and not is_successive:
                 known.add(other.instance)
                 found(f'{name} also runs elsewhere: {where(other)}; stop one of the two')
 
         self._publisher = publisher(self._node, Identity, f'~/{TOPIC}', LATCHED)
         subscribe(self._node, Identity, f'~/{TOPIC}', heard, _FROM_ALL)
-        self.own.cell, self.own.history = cell.name, history
+        self.own.cell, self.own.history, self.own.epoch = cell.name, history, epoch
         self._publisher.publish(self.own)
 
 
@@ -101,11 +108,11 @@ class Listener:
     def listen(
         self, is_enough: Callable[[Sequence[Identity]], bool], within_s: float
     ) -> Sequence[Identity]:
-        """Return those heard, without standbys, when they are enough or the time is over."""
+        """Return those heard when they are enough or the time is over."""
         heard: dict[str, Identity] = {}
         until = time.monotonic() + within_s
         while True:
-            heard |= {one.instance: one for one in self._take() if not one.standby}
+            heard |= {one.instance: one for one in self._take()}
             if is_enough(tuple(heard.values())) or time.monotonic() >= until:
                 return tuple(heard.values())
             time.sleep(_STEP_S)

@@ -17,7 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from bt_orchestrator.base.diagnosis.ros_environment import ros_says
-from bt_orchestrator.base.errors import JournalAway, OrchestratorError
+from bt_orchestrator.base.errors import JournalAway, JournalUnusable, OrchestratorError
 from bt_orchestrator.base.replies import begin
 from bt_orchestrator.base.stop_signals import StopSignals, leaving
 from bt_orchestrator.engine.asking.handler import RequestHandler
@@ -32,6 +32,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.keeping.journal_place import JournalPlace
+from bt_orchestrator.model.uptime import ClockReading
 from bt_orchestrator.ports import (
     Bookkeeping,
     EventSink,
@@ -39,10 +40,11 @@ from bt_orchestrator.ports import (
     Foresight,
     Generating,
     Journal,
+    StandbyJournal,
 )
 from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.actions.gateway import RosGateway
-from bt_orchestrator.ros.clock import RosClock
+from bt_orchestrator.ros.clock import RosClock, clock_reading
 from bt_orchestrator.ros.executor.executors import make_executor, soon, spin_once
 from bt_orchestrator.ros.executor.heart import Heart, Pulse
 from bt_orchestrator.ros.identity import Presence
@@ -66,6 +68,7 @@ from bt_orchestrator.ros.services.prompt_profile import prompt_answers
 from bt_orchestrator.ros.services.reading_services import EventsService, StateService, serve_lists
 from bt_orchestrator.ros.services.run_job import RunJobServer
 from bt_orchestrator.ros.services.services import Senders, Services
+from bt_orchestrator.ros.standby import Leading, NeverLed, Standby
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.script.cell_file import CELL_FILE, read_cell
 
@@ -94,6 +97,8 @@ class Parts(NamedTuple):
 
     open_journal: Callable[[JournalPlace, str], Journal]
     """Opens a journal, to be written with a value of `journal_synchronous`."""
+    open_standby: Callable[[JournalPlace, Callable[[], ClockReading | None]], StandbyJournal]
+    """Opens the journal of a leader; what it is given reads the clocks of this machine."""
     make_memory_store: Callable[[], EventStore]
     """Makes one that is gone with the process, where no file is named."""
     make_foresight: Callable[[Cell], Foresight]
@@ -109,14 +114,25 @@ class Parts(NamedTuple):
 class TreeNode:
     """A cell's engine with its gateway, services and outputs on one ROS node and one thread."""
 
-    def __init__(self, node: Node, defaults: NodeParameters, parts: Parts) -> None:
-        """Read the parameters and the cell file, and wire everything.
+    def __init__(
+        self,
+        node: Node,
+        defaults: NodeParameters,
+        parts: Parts,
+        stop: StopSignals,
+        say: Callable[[str], None],
+    ) -> None:
+        """Read the parameters and the cell file, and wire everything; a standby waits first.
+
+        :param stop: ends the wait of a standby
+        :param say: is told that a standby is ready
 
         :raises NoCell: the parameter `cell` is empty, and this folder has no cell file
         :raises Refused: the cell file, with every mistake in it
         :raises BadParameter: a parameter is none of its choices
         :raises NoEventsExecutor: the parameter `executor` asks for one that this ROS 2 has not
         :raises TwinFound: another process runs a cell under this name
+        :raises NeverLed: the standby was stopped
         :raises NoLibrary: the parameter `inspection` asks for one that cannot be loaded
         """
         self.node = node
@@ -133,11 +149,19 @@ class TreeNode:
         self._gateway = RosGateway(
             node, cell, types, server_timeout_s=self.parameters.server_timeout
         )
-        presence.refuse_a_twin()
+        pulse = Pulse(node)
+        if is_told():  # the thread that ticks says so: a node that stands says nothing
+            pulse.add(partial(tell, ALIVE))
         self._durations = ObservedDurations()
-        self._journal = _open_journal(self.parameters, parts)
+        self._journal: Journal | None
+        if self.parameters.standby:
+            self._journal = self._stand_by(cell, parts, pulse, stop, say)
+        else:
+            presence.refuse_a_twin()
+            self._journal = _open_journal(self.parameters, parts)
         self._writer = WriterThread(self.heart.wake) if self._journal is not None else None
         self._readings = Readings(partial(soon, self.executor))
+        self._leading = self._lead(pulse)
         store = self._journal or parts.make_memory_store()
         self.orchestrator = self._engine(cell, store, parts.sinks)
         self._overview = Overview(
@@ -146,9 +170,6 @@ class TreeNode:
         journal = self.parameters.journal
         self._bookkeeping = None if journal is None else parts.make_bookkeeping(journal)
         self._housekeeping = self._keep_house()
-        pulse = Pulse(node)
-        if is_told():  # the thread that ticks says so: a node that stands says nothing
-            pulse.add(partial(tell, ALIVE))
         self._expected = self._look_ahead(parts, pulse, store)
         self._order_process = self._read_orders()
         self._generating = self._generate(parts)
@@ -162,7 +183,10 @@ class TreeNode:
         widen_buffers()
         self.executor.add_node(node)
         presence.announce(
-            cell, store.history, lambda words: begin(self.orchestrator.carry_out(FoundTwin(words)))
+            cell,
+            store.history,
+            0 if self._journal is None else self._journal.epoch,
+            lambda words: begin(self.orchestrator.carry_out(FoundTwin(words))),
         )
 
     @property
@@ -181,16 +205,45 @@ class TreeNode:
         tell(READY, f'STATUS={self.ready_line}')
         while not stop.requested:
             self._spin_once()
-            if self.orchestrator.breakdown is not None:
-                self._leave_to_others()
+            if self._leading is not None:
+                self._leave_to_others(self._leading)
 
-    def _leave_to_others(self) -> None:
+    def _leave_to_others(self, leading: Leading) -> None:
         """End if another node may go on with the journal.
 
         :raises JournalAway: so it is; goals go on to their ends
         """
-        if self._journal is not None and self._journal.is_shared:
-            raise JournalAway(f'{self.orchestrator.broken}')
+        why = self.orchestrator.broken or leading.lost
+        if why:
+            raise JournalAway(why)
+
+    def _stand_by(
+        self, cell: Cell, parts: Parts, pulse: Pulse, stop: StopSignals, say: Callable[[str], None]
+    ) -> Journal:
+        """Wait until this node is the writer of the journal."""
+        if self.parameters.journal is None:
+            raise JournalUnusable('a standby needs a journal in a database: name it, --journal')
+        self.executor.add_node(self.node)
+        wake = partial(soon, self.executor, _nothing)
+        stop.notify(wake)
+        journal = parts.open_standby(self.parameters.journal, clock_reading)
+        standby = Standby(journal, self._gateway, cell, pulse)
+        name = self.node.get_fully_qualified_name()
+
+        def ready(leader: str) -> None:
+            words = f'standby ready: {name} waits to run cell {cell.name} ({self._cell_file})'
+            line = f'{words}, led by {leader}' if leader else words
+            tell(READY, f'STATUS={line}')
+            say(line)
+
+        return standby.until_it_leads(stop, self._spin_once, wake, ready)
+
+    def _lead(self, pulse: Pulse) -> Leading | None:
+        """Keep the right to lead, if another node can take over."""
+        if self._journal is None or self._writer is None or not self._journal.is_shared:
+            return None
+        self._gateway.obey(self._journal.may_command, self._journal.alone_from_s)
+        return Leading(self._journal, self._writer, pulse)
 
     def finish(self, stop: StopSignals) -> list[str]:
         """Cancel every goal and wait for the ends, not longer than FAREWELL_S.
@@ -302,6 +355,8 @@ class TreeNode:
 
     def _beat(self, settle: Callable[[], bool]) -> None:
         happened = settle()
+        if self._leading is not None:
+            self._leading.look()
         if self._housekeeping is not None and self._is_durable:
             self._housekeeping.turn(quiet=not happened)
 
@@ -357,7 +412,10 @@ def run_node(
     except RuntimeError as error:
         raise BadRosArguments(ros_says(error, os.environ)) from error
     try:
-        cell = _build(namespace, defaults, parts)
+        try:
+            cell = _build(namespace, defaults, parts, stop, on_ready)
+        except NeverLed:
+            return []
         # A task makes a waiting executor return; its own wake() would not.
         stop.notify(lambda: cell.executor.create_task(_nothing))
         collect_rarely()
@@ -389,11 +447,17 @@ def _open_journal(parameters: NodeParameters, parts: Parts) -> Journal | None:
     return parts.open_journal(parameters.journal, parameters.journal_synchronous)
 
 
-def _build(namespace: str, defaults: NodeParameters, parts: Parts) -> TreeNode:
+def _build(
+    namespace: str,
+    defaults: NodeParameters,
+    parts: Parts,
+    stop: StopSignals,
+    say: Callable[[str], None],
+) -> TreeNode:
     try:
         with prompt_answers(os.environ):
             node = Node(NODE_NAME, namespace=namespace)
-        return TreeNode(node, defaults, parts)
+        return TreeNode(node, defaults, parts, stop, say)
     except (NameValidationException, ParameterException) as error:
         raise BadRosArguments(f'ROS refuses a name or a parameter: {error}') from error
 

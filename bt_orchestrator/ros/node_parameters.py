@@ -132,6 +132,13 @@ class NodeParameters:
             read=journal_place,
         ),
     ] = None
+    standby: Annotated[
+        bool,
+        Words(
+            'wait beside the node that runs the cell, and go on when it is gone; the journal has '
+            'to be in a database. If no node runs the cell, it begins at once'
+        ),
+    ] = False
     journal_synchronous: Annotated[
         str,
         Words(

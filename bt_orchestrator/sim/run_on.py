@@ -254,6 +254,7 @@ class _From:
 
     history = ''
     is_restored = False
+    epoch = 0
 
     def missing(self, after: int) -> str:  # noqa: ARG002 - the port's
         """Return nothing: the state is whole."""
@@ -284,6 +285,13 @@ class _From:
     def used_ids(self, digest: str) -> str:  # noqa: ARG002 - the port's
         """Return an empty part: what was used before the state is no matter of a forecast."""
         return text_of((), {})
+
+    def may_command(self) -> bool:
+        """Return True: its goals are virtual."""
+        return True
+
+    def absent_at(self, seq: int) -> None:
+        """Return no moment: no goal is asked for."""
 
 
 # Forecasts when jobs of a running cell end: runs the real engine on from the present state.

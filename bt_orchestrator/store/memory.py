@@ -19,6 +19,8 @@ MOST = 1000
 class MemoryStore:
     """Keeps events in a list. Implements `ports.EventStore`."""
 
+    epoch = 0
+
     def __init__(self, history: str | None = None) -> None:
         """Begin a journal.
 
@@ -69,6 +71,13 @@ class MemoryStore:
 
     def beginning(self) -> None:
         """Return no state: replay begins with the first event of all."""
+
+    def may_command(self) -> bool:
+        """Return True: no other process has this journal."""
+        return True
+
+    def absent_at(self, seq: int) -> None:
+        """Return no moment: there is no other node whose goals are asked for."""
 
 
 class MemoryRecords(WithoutBooks):

@@ -64,6 +64,19 @@ class JournalContract(EventStoreContract):
         store.append(events(1, 2))
         assert list(store.read()) == events(1, 2)
 
+    def test_9_4_who_looks_whether_it_leads_may_command(self, store: Journal) -> None:
+        store.append(events(1, 2))
+        store.renew()
+        assert store.may_command()
+        assert bool(store.epoch) is store.is_shared
+
+    def test_9_4_each_writer_of_a_shared_journal_has_a_higher_number(self, tmp_path: Path) -> None:
+        epochs = []
+        for _ in range(3):
+            with closing(self.make(tmp_path)) as store:
+                epochs.append(store.epoch)
+        assert epochs == (sorted(set(epochs)) if store.is_shared else [0, 0, 0])
+
     # --- states to start from ---------------------------------------------------------------
 
     def test_states_are_there_for_the_next_newest_first(self, tmp_path: Path) -> None:

@@ -103,3 +103,12 @@ class EventStoreContract(ABC):
             store.append(events(2, 3))
         store.append(events(1, 3))
         assert list(store.read()) == events(1, 3)
+
+    def test_9_4_who_has_just_written_may_send_goals(self, store: EventStore) -> None:
+        store.append(events(1, 3))
+        assert store.may_command()
+
+    def test_9_4_who_has_not_looked_before_knows_of_no_absence(self, store: EventStore) -> None:
+        store.append(events(1, 3))
+        assert store.absent_at(2) is None
+        assert store.absent_at(9) is None

@@ -15,7 +15,7 @@ from ros_bench import RosBench, running_bench
 from thread_servers import LateYes, ThreadServers
 
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalStatus
+from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalStatus, SeenContest
 from bt_orchestrator.ros.actions.action_link import ActionLink
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.open_goals import RosGoal
@@ -361,3 +361,65 @@ def nothing_left(client: GoalClient) -> dict[str, Any]:
         'futures': client._futures,
     }
     return {name: each for name, each in kept.items() if len(each)}
+
+
+class TestLeave:
+    """Goals of a node that another one may have replaced (semantics 9.4)."""
+
+    def test_9_4_a_goal_that_may_not_be_sent_waits(self, cell: RosBench) -> None:
+        may_send: list[bool] = []
+        cell.gateway.obey(lambda: bool(may_send), 0.0)
+        goal = cell.gateway.send(goal_request('good'))
+        cell.run_for(0.5)
+        assert not goal.accepted
+        assert goal.end is None
+        may_send.append(True)
+        assert ended(cell, goal) is GoalStatus.SUCCEEDED
+
+    def test_9_4_a_cancel_waits_for_nobody(self, cell: RosBench) -> None:
+        goal = cell.gateway.send(goal_request('hanging'))
+        cell.run_until(lambda: goal.accepted, 'the acceptance')
+        cell.gateway.obey(lambda: False, 0.0)
+        goal.cancel()
+        assert ended(cell, goal) is GoalStatus.CANCELED
+
+    def test_9_4_a_goal_that_waits_is_withdrawn_by_its_cancel(self, cell: RosBench) -> None:
+        cell.gateway.obey(lambda: False, 0.0)
+        goal = cell.gateway.send(goal_request('good'))
+        goal.cancel()
+        assert goal.end is not None
+        assert goal.end.never_begun
+
+    def test_9_4_a_denial_counts_once_no_other_node_sends(self, cell: RosBench) -> None:
+        begun = time.monotonic()
+        alone_from_s = begun + RESULT_CHECK_S + 1.0
+        cell.gateway.obey(lambda: True, alone_from_s)
+        goal = cell.gateway.adopt(goal_request('good'))
+        assert ended(cell, goal) is GoalStatus.LOST
+        assert time.monotonic() >= alone_from_s, 'two denials came before that'
+        assert goal.end is not None
+        assert goal.end.denied_by is not None
+
+    def test_9_4_what_came_while_another_node_led_is_forgotten(self, cell: RosBench) -> None:
+        """A goal of the leader that has ended since is no unknown goal of its successor."""
+        leader = cell.make_gateway()
+        try:
+            goal = leader.send(goal_request('hanging'))
+            cell.run_until(lambda: goal.accepted, 'the acceptance')
+            cell.run_until(lambda: goals_told(cell) == [(goal.request.id,)], 'the goal of another')
+            cell.gateway.begin_anew()
+            cell.run_until(lambda: goals_told(cell) == [(goal.request.id,)], 'it, once more')
+            cell.gateway.begin_anew()
+            goal.cancel()
+            cell.run_until(lambda: goal.end is not None, 'its end')
+            cell.run_for(1.5)  # the end is told as well
+            cell.gateway.begin_anew()
+            cell.run_for(1.5)
+            assert goals_told(cell) == []
+        finally:
+            leader.close()
+
+
+def goals_told(bench: RosBench) -> list[tuple[str, ...]]:
+    """Return the goals of others that the gateway has told since the last time."""
+    return [x.contest.goals for x in bench.gateway.drain() if isinstance(x, SeenContest)]

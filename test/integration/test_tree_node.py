@@ -27,7 +27,7 @@ from bt_orchestrator.cli.bootstrap import (
     build_generating,
     memory_store,
 )
-from bt_orchestrator.cli.journal_file import open_journal
+from bt_orchestrator.cli.journal_file import open_journal, open_standby
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
 from bt_orchestrator.ros.node_parameters import NodeParameters
@@ -89,11 +89,9 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
         executor=request.param,
         server_timeout=1.0,
     )
-    node = TreeNode(
-        Node(NODE_NAME),
-        parameters,
-        Parts(open_journal, memory_store, build_foresight, build_bookkeeping, build_generating),
-    )
+    builders = (memory_store, build_foresight, build_bookkeeping, build_generating)
+    parts = Parts(open_journal, open_standby, *builders)
+    node = TreeNode(Node(NODE_NAME), parameters, parts, StopSignals(), print)
     yield node
     node.close()
     rclpy.try_shutdown()

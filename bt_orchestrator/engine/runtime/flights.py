@@ -19,10 +19,10 @@ from bt_orchestrator.model.goal import (
     StateReading,
 )
 from bt_orchestrator.model.script import Task, index_task
-from bt_orchestrator.model.state import CellState
-from bt_orchestrator.model.uptime import seconds_between
+from bt_orchestrator.model.state import CellState, TaskState
+from bt_orchestrator.model.uptime import Uptime, seconds_between
 from bt_orchestrator.model.words import sentence
-from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
+from bt_orchestrator.ports import ActionGateway, Clock, EventStore, Goal, Timer
 
 GRACE_S = 5.0
 """Seconds that a cancelled goal has to reach its terminal status (semantics 2.4)."""
@@ -39,12 +39,22 @@ class Flights:
     """All goals of the cell that have not ended."""
 
     def __init__(
-        self, ledger: Ledger, gateway: ActionGateway, clock: Clock, wake: Callable[[], None]
+        self,
+        ledger: Ledger,
+        gateway: ActionGateway,
+        clock: Clock,
+        wake: Callable[[], None],
+        store: EventStore,
     ) -> None:
+        """Begin without goals but those of an earlier orchestrator.
+
+        :param store: is asked what it knows of that one
+        """
         self._ledger = ledger
         self._gateway = gateway
         self._clock = clock
         self._wake = wake
+        self._store = store
         self._goals: dict[str, tuple[e.TaskKey, Goal]] = {}
         self._taken_over = tuple(key for key, task in ledger.state.running.items() if task.goal)
         """Tasks whose goals an earlier orchestrator sent."""
@@ -173,7 +183,9 @@ class Flights:
                 server=self._ledger.server(task.component),
                 uptime=self._ledger.uptime,
             )
-        message = sentence('after_restart', words=end.message)
+        may_live = self._store.epoch and running.sent_up and not self._is_of_this_boot(running)
+        kind = 'after_take_over' if may_live else 'after_restart'
+        message = sentence(kind, words=end.message)
         return failed(self._ledger.state, key, goal, Reason.IN_DOUBT, message)
 
     def _may_go_again(self, key: e.TaskKey, end: GoalEnd) -> bool:
@@ -190,6 +202,9 @@ class Flights:
         still remember even a goal that had ended at once. The steady clock proves that time. The
         wall clock has to agree, because servers forget by theirs. A status topic that lists the
         goal disproves it: the server forgets sooner than the cell file says.
+
+        A node on another machine counts from the last moment at which it did not see the goal in
+        the journal (semantics 9.4): the goal was sent after that.
         """
         running, component = self._ledger.state.running[key], self._task(key).component
         assert running.goal is not None
@@ -199,11 +214,27 @@ class Flights:
         if end.topic_says or running.copied:
             return False
         is_same = end.denied_by is not None and end.denied_by == running.server
-        ago_s = seconds_between(running.sent_up, self._clock.uptime())
-        passed = (ago_s, self._ledger.now - running.sent)
-        if is_same and all(s is not None and 0.0 <= s < remembered_s for s in passed):
+        if is_same and (
+            self._is_within(remembered_s, running.sent_up, running.sent)
+            or self._was_absent_within(remembered_s, running)
+        ):
             self._provably_lost.add(running.goal)
         return running.goal in self._provably_lost
+
+    def _is_of_this_boot(self, running: TaskState) -> bool:
+        return seconds_between(running.sent_up, self._clock.uptime()) is not None
+
+    def _was_absent_within(self, seconds: float, running: TaskState) -> bool:
+        """Tell whether this machine has seen a goal's absence from the journal so lately."""
+        if running.cancel_cause is not None:
+            return False
+        absent = self._store.absent_at(running.sent_seq)
+        return absent is not None and self._is_within(seconds, absent.up, absent.wall)
+
+    def _is_within(self, seconds: float, up: Uptime | None, wall: float) -> bool:
+        """Tell whether less time has passed since a moment, by both clocks."""
+        passed = (seconds_between(up, self._clock.uptime()), self._ledger.now - wall)
+        return all(s is not None and 0.0 <= s < seconds for s in passed)
 
     # --- during the commit ------------------------------------------------------------------
 

@@ -97,7 +97,7 @@ class Orchestrator:
         self._inbox = Inbox(self._ledger)
         self._starts = Starts(self._ledger)
         self._starvation = Starvation(self._ledger)
-        self.flights = Flights(self._ledger, gateway, clock, wake)
+        self.flights = Flights(self._ledger, gateway, clock, wake, store)
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)
         self._reader = reader or WritesAtOnce()

@@ -6,7 +6,7 @@ import json
 import logging
 import os
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import datetime, timezone
 from pathlib import Path
@@ -27,6 +27,15 @@ from bt_orchestrator.extensions.postgres.connecting import (
     connected,
     place_of,
 )
+from bt_orchestrator.extensions.postgres.leading import (
+    ABIDING,
+    GUARD_S,
+    RENEW_S,
+    WRITING,
+    Lease,
+    Looks,
+    now_s,
+)
 from bt_orchestrator.extensions.postgres.schema import (
     JOURNAL,
     LOCK,
@@ -39,6 +48,7 @@ from bt_orchestrator.extensions.postgres.schema import (
 from bt_orchestrator.extensions.postgres.session import NotOnReplicas, Session, array_of
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.uptime import ClockReading
 from bt_orchestrator.store.sequence import refuse_gap
 from bt_orchestrator.store.shared import rows
 from bt_orchestrator.store.shared.database import Database, history_of, kept_from, seal
@@ -59,7 +69,7 @@ RUNNING_S = 2.0
 AGAIN_S = 0.05
 """Time between two attempts to reach the server."""
 
-_SETTINGS = ('SET synchronous_commit = on', 'SET idle_in_transaction_session_timeout = 10000')
+SETTINGS = ('SET synchronous_commit = on', 'SET idle_in_transaction_session_timeout = 10000')
 
 _GONE = (psycopg.OperationalError, psycopg.errors.ReadOnlySqlTransaction, DatabaseAway)
 """Errors after which the same may succeed with another connection."""
@@ -81,12 +91,21 @@ class PostgresStore(KeptJournal):
     check = staticmethod(check_of_row)
     _reading: Session
 
-    def __init__(self, address: str, marks: Path | None = None) -> None:
+    def __init__(
+        self,
+        address: str,
+        marks: Path | None = None,
+        connection: Connection | None = None,
+        looks: Looks | None = None,
+    ) -> None:
         """Open or create a journal.
 
         :param address: as in `EXAMPLE`
         :param marks: folder of this machine's marks; None: the usual one
-        :raises JournalUnusable: it is in use, a copy, newer, damaged, or cannot be reached
+        :param connection: one that has the lock of the cell already; None: none has
+        :param looks: what this machine has seen of it before; None: nothing
+        :raises CellTaken: another node or a feed has it
+        :raises JournalUnusable: it is a copy, newer, damaged, or cannot be reached
         """
         self._place = place_of(address)
         if not self._place.cell:
@@ -99,7 +118,8 @@ class PostgresStore(KeptJournal):
         self._floor: int | None = None
         """The last event that has a row, or was removed by retention; None: not looked up."""
         self._is_running = False
-        connection = self._connected(STARTING_S)
+        self._lease, self._looks = Lease(), looks or Looks()
+        connection = connection or self._connected(STARTING_S, WRITING)
         self._writer = Session(connection, STARTING_S)
         try:
             with self._usable():
@@ -113,6 +133,7 @@ class PostgresStore(KeptJournal):
         """Become the writer; what can be read afterwards is on the replicas as well."""
         holder = f'{gethostname()}, process {os.getpid()}'
         self._cell = cell = enter(connection, self._place.cell, JOURNAL, holder)
+        self.epoch = cell.epoch
         found = stretches(connection, cell)
         history = uuid4().hex
         self._tables = (found[-1] if found else begin_stretch(connection, cell, history)).tables
@@ -121,6 +142,7 @@ class PostgresStore(KeptJournal):
             self._writer.ask('INSERT INTO history (one, id) VALUES (1, $1)', (history,))
             seal(self._writer)
         self._history = self._on_file = history_of(self._writer)
+        self.alone_from_s = time.monotonic() + GUARD_S
         self._checks_after(self._writer, EVERY)
 
     # --- events -----------------------------------------------------------------------------
@@ -134,21 +156,34 @@ class PostgresStore(KeptJournal):
         with self._failing():
             self._append(events, until)
         self._last = self._floor = events[-1].seq
-        self._is_running = True
-        self._reading.within_s = RUNNING_S
+        if not self._is_running:
+            self._is_running = True
+            self._reading.within_s = RUNNING_S
+            self._abide(self._writer)
         self._mark.write(Reached(self.history, events[-1].seq, events[-1].time))
 
     def _append(self, events: Sequence[Event], until: float) -> None:
-        is_unknown, columns = False, _columns(_new_rows(events))
-        last = self._last
+        last, columns = self._last, _columns(_new_rows(events))
+
+        def write(session: Session, is_unknown: bool) -> None:
+            nonlocal last
+            if last is None:
+                last = self._followed_by(session, events[0].seq)
+            refuse_gap(events, last)
+            if not (is_unknown and self._are_kept(session, last, columns)):
+                self._write(session, columns)
+
+        self._persist(until, write)
+
+    def _persist(self, until: float, write: Callable[[Session, bool], object]) -> None:
+        """Write something, and again with another connection when one breaks.
+
+        :param write: is told whether an answer was lost: then it may be written already
+        """
+        is_unknown = False
         while True:
             try:
-                session = self._session(until)
-                if last is None:
-                    last = self._followed_by(session, events[0].seq)
-                refuse_gap(events, last)
-                if not (is_unknown and self._are_kept(session, last, columns)):
-                    self._write(session, columns)
+                write(self._session(until), is_unknown)
                 return
             except NotOnReplicas:
                 raise
@@ -156,8 +191,33 @@ class PostgresStore(KeptJournal):
                 if time.monotonic() + AGAIN_S >= until:
                     raise
                 log.warning('the journal %s is asked again: %s', self._place, error)
-                is_unknown = True  # the answer is lost, and the events may be there
+                is_unknown = True
                 time.sleep(AGAIN_S)
+
+    # --- leading ----------------------------------------------------------------------------
+
+    def may_command(self) -> bool:
+        """Tell whether a goal may be sent at this moment."""
+        return self._lease.holds
+
+    def absent_at(self, seq: int) -> ClockReading | None:
+        """Return when this machine last looked before an event was there; None: not known."""
+        return self._looks.absent_at(seq)
+
+    def renew(self) -> None:
+        """Check that this is still the writer.
+
+        :raises JournalFailed: it is not, or that is not known
+        """
+        if self._lease.age_s >= RENEW_S:
+            until = time.monotonic() + self.patience_s
+            with self._failing():
+                self._persist(until, lambda session, _: self._checks_after(session, EVERY))
+
+    def _abide(self, session: Session) -> None:
+        """Let the server end the session soon if this node falls silent."""
+        with suppress(*_GONE):  # the next one is told as well
+            session.ask(ABIDING)
 
     def _are_kept(self, session: Session, last: int, columns: Sequence[str]) -> bool:
         """Tell whether events are there, whose commit was not answered.
@@ -182,6 +242,7 @@ class PostgresStore(KeptJournal):
 
         :raises AnotherWriter: this is no writer any more
         """
+        began_s = now_s()
         row = session.ask(
             'WITH seen AS MATERIALIZED (SELECT seq, checksum FROM events WHERE seq > $3) '
             'UPDATE plant.cells SET since = since WHERE number = $1 AND epoch = $2 '
@@ -190,9 +251,15 @@ class PostgresStore(KeptJournal):
         ).fetchone()
         if row is None:
             raise AnotherWriter(_TAKEN_OVER)
+        self._lease.confirm(began_s)
         return row[0] or []
 
     def _write(self, session: Session, columns: Sequence[str]) -> None:
+        began_s = now_s()
+        self._write_rows(session, columns)
+        self._lease.confirm(began_s)
+
+    def _write_rows(self, session: Session, columns: Sequence[str]) -> None:
         if self._history != self._on_file:
             with self._transaction(session):
                 self._set_aside(session)
@@ -246,7 +313,7 @@ class PostgresStore(KeptJournal):
         """Release the lock, and close the connections."""
         with suppress(psycopg.Error):
             self._writer.within_s = RUNNING_S
-            self._writer.ask('SELECT pg_advisory_unlock($1, $2)', (LOCK, self._cell.number))
+            self._writer.ask('SELECT pg_advisory_unlock_all()')
         self._writer.close()
         self._reading.close()
         self._mark.close()
@@ -266,18 +333,21 @@ class PostgresStore(KeptJournal):
         return self._writer
 
     def _once_more(self, until: float) -> Session:
-        connection = self._connected(max(until - time.monotonic(), 0.0))
+        connection = self._connected(max(until - time.monotonic(), 0.0), WRITING)
         session = Session(connection, self.patience_s)
         session.until = until
         try:
             self._enter_tables(session)
             while not self._is_locked(session):
+                self._refuse_another(session)
                 if time.monotonic() + AGAIN_S >= until:
                     raise AnotherWriter('another session has the lock of the cell')
                 time.sleep(AGAIN_S)
         except BaseException:
             session.close()
             raise
+        if self._is_running:
+            self._abide(session)
         return session
 
     def _is_locked(self, session: Session) -> bool:
@@ -304,8 +374,8 @@ class PostgresStore(KeptJournal):
     def _enter_tables(self, session: Session) -> None:
         session.ask(f'SET search_path = {self._tables}')
 
-    def _connected(self, within_s: float) -> Connection:
-        return connected(self._place, 'node', _SETTINGS, connect_s=within_s)
+    def _connected(self, within_s: float, settings: Sequence[str] = ()) -> Connection:
+        return connected(self._place, 'node', (*SETTINGS, *settings), connect_s=within_s)
 
     # --- contexts -----------------------------------------------------------------------------
 

@@ -167,6 +167,10 @@ class CellRefused(JournalUnusable):
     """The database cannot have this cell: a person has to change something."""
 
 
+class CellTaken(JournalUnusable):
+    """Another program writes the cell."""
+
+
 class Cell(NamedTuple):
     """A cell of the plant."""
 
@@ -285,11 +289,10 @@ def enter(connection: Connection, name: str, kept_by: str, holder: str) -> Cell:
             (name, kept_by),
         )
     cell = _row(connection, name)
-    if cell.kept_by != kept_by:
-        raise CellRefused(_KEPT_OTHERWISE[cell.kept_by].format(name))
+    refuse_kept_otherwise(cell, kept_by)
     known = stretches(connection, cell)
     if not _wait_for_lock(connection, cell.number):
-        raise JournalUnusable(
+        raise CellTaken(
             f'another program writes the cell {name}: {_holder_of(connection, name)}; the cell is '
             'in use by another orchestrator, or by a feed: end that one, or use another cell name'
         )
@@ -332,6 +335,15 @@ def begin_stretch(
             'UPDATE plant.cells SET history = %s WHERE number = %s', (history, cell.number)
         )
     return stretches(connection, cell)[-1]
+
+
+def refuse_kept_otherwise(cell: Cell, kept_by: str) -> None:
+    """Check that a cell is a journal, or that it is a copy.
+
+    :raises CellRefused: it is the other one
+    """
+    if cell.kept_by != kept_by:
+        raise CellRefused(_KEPT_OTHERWISE[cell.kept_by].format(cell.name))
 
 
 _KEPT_OTHERWISE = {

@@ -25,6 +25,7 @@ def task_started(event: e.TaskStarted, state: CellState) -> None:
         sent=event.time,
         server=event.server,
         sent_up=note_uptime(event, state),
+        sent_seq=event.seq,
     )
     key = event.key
     state.tasks[key] = state.running[key] = started
@@ -42,7 +43,7 @@ def task_resent(event: e.TaskResent, state: CellState) -> None:
     before = state.running[event.key]
     assert before.goal == event.goal
     up = note_uptime(event, state)
-    sent = changed(before, sent=event.time, server=event.server, sent_up=up)
+    sent = changed(before, sent=event.time, server=event.server, sent_up=up, sent_seq=event.seq)
     state.tasks[event.key] = state.running[event.key] = sent
 
 

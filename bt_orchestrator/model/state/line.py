@@ -65,6 +65,8 @@ class TaskState:
     """Instance of the server that it was sent to then; None: not known."""
     sent_up: Uptime | None = None
     """`sent` as uptime, which is never set."""
+    sent_seq: int = 0
+    """The event that let it be sent last; 0: from a state older than this field."""
     cancel_cause: str | None = None
     """Why the orchestrator itself cancelled the goal in flight, if it did."""
     cancelled_at: float = 0.0

@@ -26,7 +26,7 @@ from bt_orchestrator.ports.news import News
 from bt_orchestrator.ros.actions.fresh_participant import KEPT_FRESH_S, RenewableClient
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.goal_follower import GoalFollower
-from bt_orchestrator.ros.actions.open_goals import OpenGoals, RosGoal
+from bt_orchestrator.ros.actions.open_goals import Leave, OpenGoals, RosGoal
 from bt_orchestrator.ros.actions.rivals import RIVALS_FRESH_S, Rivals, Strangers
 from bt_orchestrator.ros.actions.server_watch import ServerWatch
 from bt_orchestrator.ros.executor.handles import report
@@ -51,11 +51,14 @@ class ActionLink:
         news: News,
         server_timeout_s: float,
         fresh_node: Callable[[float], Node],
+        leave: Leave,
     ) -> None:
         """Make the client.
 
         :param fresh_node: returns a node with a participant so many seconds old at most
+        :param leave: whether goals may be sent
         """
+        self._leave = leave
         self._component = component.name
         self._action = component.action
         self._told = SeenContest(component.name, Contest())
@@ -73,7 +76,9 @@ class ActionLink:
         """Messages of goals without arguments by task: they are written out when they are sent."""
         self._rivals = Rivals(self._clients, partial(fresh_node, RIVALS_FRESH_S))
         self._strangers = Strangers(self._clients, self._goals)
-        self._follower = GoalFollower(self._clients, self._goals, self._rivals, self._logger)
+        self._follower = GoalFollower(
+            self._clients, self._goals, self._rivals, self._logger, leave
+        )
         self._watch = ServerWatch(
             self._action, self._clients, self._goals, self._follower, self._rivals, self._logger
         )
@@ -111,6 +116,11 @@ class ActionLink:
             return None
         self._told = seen
         return seen
+
+    def forget(self) -> None:
+        """Forget what was seen while another node led the cell."""
+        self._told = SeenContest(self._component, Contest())
+        self._strangers.forget()
 
     @property
     def is_waiting(self) -> bool:
@@ -196,7 +206,7 @@ class ActionLink:
         several = self._rivals.look()
         for goal in tuple(self._goals.waiting):
             # What was sent before is asked for; nothing new goes to two servers.
-            if goal.adopted or not several:
+            if goal.adopted or not (several or not self._leave.may_send()):
                 del self._goals.waiting[goal]
                 self._start(goal)
 

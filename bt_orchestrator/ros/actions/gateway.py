@@ -13,7 +13,7 @@ from bt_orchestrator.ports import ActionTypes, Told
 from bt_orchestrator.ports.news import News
 from bt_orchestrator.ros.actions.action_link import ActionLink
 from bt_orchestrator.ros.actions.fresh_participant import FreshParticipants
-from bt_orchestrator.ros.actions.open_goals import RosGoal
+from bt_orchestrator.ros.actions.open_goals import Leave, RosGoal
 from bt_orchestrator.ros.actions.state_watch import StateWatch
 from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.executor.handles import guarded
@@ -55,6 +55,7 @@ class RosGateway:
         self._server_timeout_s = server_timeout_s
         components = cell.components.values()
         self._fresh = FreshParticipants(node)
+        self._leave = Leave()
         self._links = {component.name: self._link(component) for component in components}
         self._states = [
             StateWatch(node, component, component.state, self._news)
@@ -67,6 +68,25 @@ class RosGateway:
         self._has_looked = False
         look_timer = self._timer(_LOOK_PERIOD_S, self._look)
         self._timers = [self._poll_timer, self._watch_timer, look_timer]
+
+    def obey(self, may_send: Callable[[], bool], alone_from_s: float) -> None:
+        """Send goals only while this node may, and believe no denial from before it was alone.
+
+        A goal that may not be sent waits, as for a server (semantics 9.4).
+
+        :param may_send: asked before each goal
+        :param alone_from_s: when no other node sends goals any more, by the monotonic clock
+        """
+        self._leave.may_send, self._leave.alone_from_s = may_send, alone_from_s
+
+    def begin_anew(self) -> None:
+        """Forget what came while another node led the cell, and report the present once more."""
+        self._news.drain()
+        self._has_looked = False
+        for link in self._links.values():
+            link.forget()
+        for state in self._states:
+            state.tell_again()
 
     def listen(self, wake: Callable[[], None]) -> None:
         """Name the function to call when there is something new; it is called in callbacks."""
@@ -137,6 +157,7 @@ class RosGateway:
             self._news,
             self._server_timeout_s,
             self._fresh_node,
+            self._leave,
         )
 
     def _fresh_node(self, kept_s: float) -> Node:

@@ -14,7 +14,7 @@ from bt_orchestrator.model.goal import REQUEST_CHECKS, RESULT_CHECK_S, GoalStatu
 from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ros.actions.fresh_participant import RenewableClient
 from bt_orchestrator.ros.actions.goal_client import GoalClient
-from bt_orchestrator.ros.actions.open_goals import GIVEN_UP, OpenGoals, RosGoal
+from bt_orchestrator.ros.actions.open_goals import GIVEN_UP, Leave, OpenGoals, RosGoal
 from bt_orchestrator.ros.actions.rivals import Rivals
 from bt_orchestrator.ros.executor.handles import report
 from bt_orchestrator.ros.types.messages import to_plain
@@ -45,11 +45,13 @@ class GoalFollower:
         goals: OpenGoals,
         rivals: Rivals,
         logger: RcutilsLogger,
+        leave: Leave,
     ) -> None:
         self._clients = clients
         self._goals = goals
         self._rivals = rivals
         self._logger = logger
+        self._leave = leave
 
     @property
     def _client(self) -> GoalClient:
@@ -61,7 +63,9 @@ class GoalFollower:
         :param is_check: whether the server must know the goal by now; the question that follows
             an acceptance at once may overtake the server's own book-keeping
         """
-        self._client.ask_result(goal.id, partial(self._on_result, goal, is_check))
+        self._client.ask_result(
+            goal.id, partial(self._on_result, goal, is_check, time.monotonic())
+        )
 
     def repeat_cancel(self, goal: RosGoal) -> None:
         """Cancel a goal by its UUID, since its acceptance may never come."""
@@ -111,7 +115,7 @@ class GoalFollower:
             self._logger.warning(text)
             self._client.request_cancel(goal.id)
 
-    def _on_result(self, goal: RosGoal, is_check: bool, response: Any) -> None:
+    def _on_result(self, goal: RosGoal, is_check: bool, asked_s: float, response: Any) -> None:
         if goal.end is not None:
             return
         try:
@@ -120,11 +124,11 @@ class GoalFollower:
                 goal.accepted = True
                 self._goals.end(goal, _ENDS[status], result=to_plain(response.result))
             elif status == WireStatus.STATUS_UNKNOWN and is_check:
-                self._on_unknown(goal)
+                self._on_unknown(goal, asked_s)
         except Exception as error:  # noqa: BLE001 - as above
             self._on_failure(goal, error)
 
-    def _on_unknown(self, goal: RosGoal) -> None:
+    def _on_unknown(self, goal: RosGoal, asked_s: float) -> None:
         goal.heard_s = time.monotonic()
         if self._rivals.seen_within(RESULT_CHECK_S):
             return  # another server than the one that has it may have said so
@@ -133,7 +137,7 @@ class GoalFollower:
         if goal.refused:
             message = '; '.join([sentence('refused'), *self._busy_with()])
             self._goals.end(goal, GoalStatus.REJECTED, message=message)
-        elif goal.unknown_count >= believed:
+        elif goal.unknown_count >= believed and self._leave.is_alone(goal, asked_s):
             self._goals.end(
                 goal,
                 GoalStatus.LOST,

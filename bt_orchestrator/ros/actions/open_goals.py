@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from unique_identifier_msgs.msg import UUID
@@ -180,3 +180,28 @@ class RosGoal:
     def cancel(self) -> None:
         """Ask the server to cancel; see `ports.Goal`."""
         self._link.cancel(self)
+
+
+# The right of this node to send goals.
+
+
+class Leave:
+    """Whether goals may be sent, and since when no other node does (semantics 9.4)."""
+
+    def __init__(self) -> None:
+        """Begin with a node that is alone."""
+        self.may_send: Callable[[], bool] = _always
+        self.alone_from_s = 0.0
+        """By the monotonic clock."""
+
+    def is_alone(self, goal: RosGoal, asked_s: float) -> bool:
+        """Tell whether the answer to a question about a goal is final.
+
+        An earlier leader may still have sent a goal of its own after an earlier question.
+        """
+        return not goal.adopted or asked_s >= self.alone_from_s
+
+
+def _always() -> bool:
+    """Stand for the right of a node whose journal no other one can have."""
+    return True

@@ -176,6 +176,10 @@ class Strangers:
     def __init__(self, clients: RenewableClient, goals: OpenGoals) -> None:
         self._clients = clients
         self._goals = goals
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew: what runs from now on was begun before this node led the cell."""
         self._found_s: float | None = None
         self._before: dict[str, float] = {}
 

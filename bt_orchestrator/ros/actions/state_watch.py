@@ -65,6 +65,11 @@ class StateWatch:
         self._timer.cancel()
         self._subscribe(HEARS_ALL)
 
+    def tell_again(self) -> None:
+        """Report the last value once more, if there is one."""
+        if self._flow.told is not None:
+            self._tell([self._flow.told])
+
     def look(self) -> None:
         """Look at the publishers; called once a second."""
         publishers = self._node.get_publishers_info_by_topic(self._topic)
@@ -149,12 +154,13 @@ class StateFlow:
         self._ready = ready
         self._allowance = Allowance(STATES_OF_ONE)
         self._newest: Any = None
-        self._told: Any = None
+        self.told: Any = None
+        """The value that was reported last."""
 
     @property
     def is_waiting(self) -> bool:
         """Tell whether the newest value was not told yet."""
-        return not _same(self._newest, self._told)
+        return not _same(self._newest, self.told)
 
     def hear(self, value: Any, now: float) -> Iterator[Any]:
         """Take the newest value; yield the values that are due now."""
@@ -170,7 +176,7 @@ class StateFlow:
             size = _RECORD_BYTES + len(json_of(kept))
             if size <= left or self._must_be_told(kept):
                 self._allowance.use(size, now)
-                self._told = self._newest
+                self.told = self._newest
                 yield kept
                 return
 
@@ -184,7 +190,7 @@ class StateFlow:
         yield shortened(whole, STATE_VALUE_SHORT)
 
     def _must_be_told(self, kept: Any) -> bool:
-        ends = self._told in self._ready and self._newest not in self._ready
+        ends = self.told in self._ready and self._newest not in self._ready
         return ends and len(json_of(kept)) <= 8 * STATE_VALUE_SHORT
 
 

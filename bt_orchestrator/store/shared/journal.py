@@ -12,6 +12,7 @@ from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.judging.used_ids import SealedIds
+from bt_orchestrator.model.uptime import ClockReading
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.shared import books, rows, snapshots
 from bt_orchestrator.store.shared.database import (
@@ -35,6 +36,8 @@ class KeptJournal(ABC):
     """
 
     is_shared = False
+    epoch = 0
+    alone_from_s = 0.0
     patience_s = 0.0
     """How long a write may take, where that depends on others."""
     _reading: Database
@@ -130,6 +133,17 @@ class KeptJournal(ABC):
         """Begin a new history after an event."""
         self._history = History(uuid4().hex, False, self._on_file.checked_from)
         self._end = self._last = seq
+
+    def may_command(self) -> bool:
+        """Tell whether a goal may be sent at this moment: a lock keeps every other writer out."""
+        return True
+
+    def renew(self) -> None:  # noqa: B027 - a store may have others beside it
+        """Do nothing: the lock of a file lives as long as its process."""
+
+    def absent_at(self, seq: int) -> ClockReading | None:  # noqa: ARG002 - a store may know
+        """Return a moment at which an event was not yet in the journal; None: not known."""
+        return None
 
     def first_seq(self) -> int:
         """Return the seq of the first event that retention has left; if none, of the next one."""

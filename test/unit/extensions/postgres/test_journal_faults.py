@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 from contract.written_events import events
+from postgres_faults import IN_TIME_S, cancel, in_thread, wait_for, waiting, without_replica
 from postgres_proxy import through
 from postgres_server import PostgresServer, postgres_server
 
@@ -23,8 +23,6 @@ from bt_orchestrator.extensions.postgres.journal import (
     PostgresStore,
 )
 from bt_orchestrator.ports import Snapshot
-
-IN_TIME_S = 30.0
 
 
 @pytest.fixture(scope='module')
@@ -217,63 +215,3 @@ def test_9_1_a_server_that_hangs_holds_up_who_reads_for_a_moment(
                 os.kill(pid, signal.SIGCONT)
         store.append(events(3, 4))
         assert list(store.read()) == events(1, 4)
-
-
-@contextmanager
-def without_replica(person: Connection) -> Iterator[None]:
-    """Let commits wait for a replica that is not there."""
-    _set(person, "'nobody'")
-    person.execute('SET synchronous_commit = local')
-    try:
-        yield
-    finally:
-        _set(person, "''")
-
-
-def _set(person: Connection, names: str) -> None:
-    person.execute(f'ALTER SYSTEM SET synchronous_standby_names = {names}'.encode())
-    person.execute('SELECT pg_reload_conf()')
-    wait_for(
-        lambda: person.execute('SHOW synchronous_standby_names').fetchone() == (names.strip("'"),)
-    )
-
-
-def waiting(person: Connection) -> bool:
-    query = "SELECT count(*) FROM pg_stat_activity WHERE wait_event = 'SyncRep'"
-    return bool(person.execute(query).fetchone() != (0,))
-
-
-def cancel(person: Connection) -> None:
-    wait_for(lambda: waiting(person))
-    person.execute(
-        "SELECT pg_cancel_backend(pid) FROM pg_stat_activity WHERE wait_event = 'SyncRep'"
-    )
-
-
-def wait_for(is_there: Callable[[], bool]) -> None:
-    until = time.monotonic() + IN_TIME_S
-    while not is_there():
-        assert time.monotonic() < until
-        time.sleep(0.01)
-
-
-def in_thread(work: Callable[[], object]) -> Callable[[], None]:
-    """Begin some work, and return what waits for its end."""
-    raised: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            work()
-        except BaseException as error:  # noqa: BLE001 - raised again
-            raised.append(error)
-
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-
-    def ended() -> None:
-        thread.join(IN_TIME_S)
-        assert not thread.is_alive()
-        if raised:
-            raise raised[0]
-
-    return ended

@@ -1,0 +1,195 @@
+"""Leader and standby: two nodes, one database, controllers in other processes (semantics 9.4)."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import closing
+
+import pytest
+from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering
+from postgres_server import PostgresServer, postgres_server
+from program_process import ProgramProcess
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.model.records import Wanted
+
+ITEMS = 6
+
+
+@pytest.fixture(scope='module')
+def server() -> Iterator[PostgresServer]:
+    pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
+    with postgres_server() as found:
+        yield found
+
+
+@pytest.fixture
+def address(server: PostgresServer) -> str:
+    return server.place(server.database(), 'small_cell')
+
+
+class Pair:
+    """Two nodes of one cell: the one that leads is the node of `cell`."""
+
+    def __init__(self, cell: CellProcesses) -> None:
+        self.cell = cell
+        self._started = 0
+        self.others: list[ProgramProcess] = []
+        """Standbys, and leaders of before."""
+
+    @property
+    def leader(self) -> ProgramProcess:
+        return self.cell.node
+
+    def start_standby(self) -> ProgramProcess:
+        """Start a standby and wait until it is ready to take over."""
+        self._started += 1
+        standby = self.cell.start_beside(f'standby_{self._started}')
+        self.others.append(standby)
+        standby.wait_ready('standby ready: ')
+        return standby
+
+    def lead(self, standby: ProgramProcess, within_s: float = 20.0) -> float:
+        """Wait until a standby has taken over; return how long that took."""
+        began = time.monotonic()
+        self.until(lambda: 'tree node ready: ' in standby.output, 'a take-over', within_s)
+        self.others.remove(standby)
+        self.others.append(self.cell.node)
+        self.cell.node = standby
+        return time.monotonic() - began
+
+    def until(self, is_so: Callable[[], object], what: str, within_s: float = 60.0) -> None:
+        assert self.cell.watch.ros.spin_for(within_s, is_so), f'waited {within_s:g} s for {what}'
+
+    def until_goals(self, number: int) -> None:
+        """Wait until so many goals have been started at the controllers."""
+        self.until(lambda: len(self.cell.goals(event='started')) >= number, f'{number} goals')
+
+    def close(self) -> None:
+        for other in self.others:
+            other.kill()
+
+
+@pytest.fixture
+def pair(start_cell: StartCell, address: str) -> Iterator[Pair]:
+    options = ['--journal', address, '--standby', '--auto-resume']
+    cell = start_cell(remembering(SMALL_CELL), run_options=options)
+    cell.node.wait_ready('tree node ready: ')
+    cell.connect()
+    pair = Pair(cell)
+    yield pair
+    pair.close()
+
+
+def journal(address: str) -> list[e.Event]:
+    """Return what the journal says."""
+    from bt_orchestrator.extensions.postgres.records import PostgresRecords
+
+    with closing(PostgresRecords(address)) as records:
+        page = records.page(Wanted())
+    assert page.is_last
+    assert not page.damage
+    return [from_record(json.loads(record.text)) for record in page.records]
+
+
+def assert_all_done_once(pair: Pair, address: str, leaders: int) -> None:
+    """Compare the journal with what the controllers did."""
+    events = journal(address)
+    done = Counter((x.item, x.task) for x in events if isinstance(x, e.TaskSucceeded))
+    ran = Counter(record['goal'] for record in pair.cell.goals(event='started'))
+    assert [x.seq for x in events] == list(range(1, len(events) + 1))
+    assert sum(isinstance(x, e.OrchestratorStarted) for x in events) == leaders
+    assert not [x for x in events if isinstance(x, (e.TaskFailed, e.HoldRaised))]
+    assert {x: n for x, n in done.items() if n != 1 and x[0]} == {}
+    assert sum(task == 'pack' for _, task in done) == ITEMS
+    assert set(ran.values()) == {1}
+    assert ran.total() == done.total(), 'the controllers executed what the journal says, no more'
+
+
+def test_9_4_a_standby_goes_on_when_the_leader_is_killed(pair: Pair, address: str) -> None:
+    drawn, kills = random.Random(94), 3
+    pair.cell.run_small(task='TASK_C', quantity=ITEMS)
+    for number in range(1, kills + 1):
+        standby = pair.start_standby()
+        pair.until_goals(4 * number)
+        moment = time.monotonic() + drawn.random() * 0.5
+        pair.until(lambda until=moment: time.monotonic() > until, 'a moment')  # type: ignore[misc]
+        pair.leader.kill()
+        assert pair.lead(standby) < 10.0, 'about half a second on an idle machine'
+    pair.cell.watch.until_ended('WO-1', within_s=60.0)
+    assert_all_done_once(pair, address, kills + 1)
+    pair.cell.stop()
+
+
+def test_9_4_goals_that_a_leader_has_ended_are_no_strangers(pair: Pair, address: str) -> None:
+    standby = pair.start_standby()
+    pair.cell.run_small(task='TASK_C', quantity=ITEMS)
+    pair.cell.watch.until_ended('WO-1', within_s=60.0)
+    pair.leader.kill()
+    pair.lead(standby)
+    pair.cell.run_small(order='WO-2')
+    pair.cell.watch.until_ended('WO-2', within_s=60.0)
+    assert not [x for x in journal(address) if isinstance(x, e.HoldRaised)]
+    pair.cell.stop()
+
+
+def test_9_4_a_leader_that_stood_still_leads_no_more(pair: Pair, address: str) -> None:
+    pair.cell.run_small(task='TASK_C', quantity=ITEMS)
+    standby, old = pair.start_standby(), pair.leader
+    pair.until_goals(3)
+    old.send(signal.SIGSTOP)
+    pair.lead(standby)
+    started = len(pair.cell.goals(event='started'))
+    pair.until_goals(started + 1)
+    old.send(signal.SIGCONT)
+    assert old.wait(10.0) == os.EX_TEMPFAIL, old.errors
+    assert 'another orchestrator has taken over the cell' in old.errors
+    assert 'Traceback' not in old.errors
+    pair.cell.watch.until_ended('WO-1', within_s=60.0)
+    pair.cell.stop()
+    assert_all_done_once(pair, address, 2)
+
+
+def test_9_4_a_restart_of_the_database_changes_nothing(
+    pair: Pair, address: str, server: PostgresServer
+) -> None:
+    pair.cell.run_small(task='TASK_C', quantity=ITEMS)
+    standby, leader = pair.start_standby(), pair.leader
+    for number, how in enumerate((signal.SIGINT, signal.SIGQUIT), 1):
+        pair.until_goals(3 * number)
+        server.stop(how)
+        server.start()
+    pair.cell.watch.until_ended('WO-1', within_s=60.0)
+    # Which of the two has the lock first is not said; then the other one ends or waits.
+    if 'tree node ready: ' in standby.output:
+        assert leader.wait(10.0) == os.EX_TEMPFAIL
+        pair.lead(standby)
+    pair.cell.stop()
+    starts = 1 + ('tree node ready: ' in standby.output)
+    assert_all_done_once(pair, address, starts)
+
+
+def test_9_4_a_standby_that_is_stopped_leaves_the_leader_alone(pair: Pair, address: str) -> None:
+    pair.cell.run_small(quantity=ITEMS)
+    standby = pair.start_standby()
+    assert standby.stop() == 0, standby.errors
+    standby.assert_clean()
+    pair.cell.watch.until_ended('WO-1', within_s=60.0)
+    pair.cell.stop()
+    assert_all_done_once(pair, address, 1)
+
+
+def test_9_4_a_standby_needs_a_journal_that_two_machines_reach(
+    start_cell: StartCell, address: str
+) -> None:
+    cell = start_cell(run_options=['--journal', 'journal.db', '--standby'])
+    assert cell.node.wait() == 1
+    assert 'expected --journal postgresql://USER@HOST/DATABASE/CELL' in cell.node.errors
+    assert 'Traceback' not in cell.node.errors
