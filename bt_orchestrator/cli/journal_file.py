@@ -80,7 +80,7 @@ def journals_of(plant: Address) -> Sequence[tuple[str, Address]] | None:
     :raises JournalUnusable: the database cannot be read
     :raises ExtensionMissing: the extension is not installed
     """
-    found: Sequence[tuple[str, str]] | None = _postgres('verb').journals_of(plant)
+    found: Sequence[tuple[str, str]] | None = _postgres('overview').journals_of(plant)
     return None if found is None else [(cell, Address(place)) for cell, place in found]
 
 

@@ -201,5 +201,5 @@ def cells_of(args: argparse.Namespace) -> PlantCells | None:
     if args.plant is None:
         return None
     POSTGRES.demand()
-    module = import_module(f'{POSTGRES.room}.verb')
+    module = import_module(f'{POSTGRES.room}.overview')
     return cast('PlantCells', partial(module.cells_of, str(args.plant)))

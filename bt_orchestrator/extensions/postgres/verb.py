@@ -17,43 +17,7 @@ from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.node_options import add_node_options, user_name
 from bt_orchestrator.cli.output import WrongUse
-from bt_orchestrator.extensions.postgres.connecting import connected, place_of, speaking_of
-from bt_orchestrator.extensions.postgres.schema import cells
 from bt_orchestrator.model.keeping.journal_place import journal_place
-from bt_orchestrator.ports.plant import PlantCell
-
-_SETTINGS = ('SET statement_timeout = 10000', 'SET default_transaction_read_only = on')
-
-_QUERY = b"""\
-SELECT o.cell, coalesce(o.state, ''), extract(epoch FROM o.state_since)::float8,
-    coalesce(o.stop_reason, ''), coalesce(o.last_seq, 0),
-    extract(epoch FROM o.last_event_at)::float8,
-    greatest(extract(epoch FROM now() - o.complete_at), 0)::float8,
-    (SELECT count(*) FROM plant.gaps g WHERE g.cell = o.cell), o.page
-FROM plant.overview o ORDER BY o.cell"""
-
-
-def cells_of(address: str) -> list[PlantCell]:
-    """Return the cells of a plant, in the order of their names.
-
-    :raises JournalUnusable: the database cannot be reached, or has none
-    """
-    place = place_of(address)
-    with speaking_of(place), closing(connected(place, 'overview', _SETTINGS)) as connection:
-        cells(connection)
-        return [PlantCell(*row) for row in connection.execute(_QUERY)]
-
-
-def journals_of(address: str) -> list[tuple[str, str]] | None:
-    """Return each cell of a plant with the address of its tables; None: one cell is named.
-
-    :raises JournalUnusable: the database cannot be reached, or has none
-    """
-    place = place_of(address)
-    if place.cell:
-        return None
-    return [(cell.name, place.of(cell.name).whole) for cell in cells_of(address)]
-
 
 if TYPE_CHECKING:  # they need psycopg
     from bt_orchestrator.extensions.postgres.connecting import Connection, Place
@@ -260,6 +224,8 @@ class _Teller:
 
 
 def _list(address: str) -> int:
+    from bt_orchestrator.extensions.postgres.overview import cells_of
+
     for cell in cells_of(address):
         behind = cell.behind_s
         age = 'never complete' if behind is None else f'complete {behind:.0f} s ago'
