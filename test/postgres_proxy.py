@@ -24,7 +24,8 @@ class Proxy:
         :param folder: where its socket is to be
         :param server: folder of the socket of the server
         """
-        self._server = str(server / '.s.PGSQL.5432')
+        self.server = server
+        """Where connections lead; another one takes its place after a promotion."""
         self._listening = socket.socket(socket.AF_UNIX)
         self._listening.bind(str(folder / '.s.PGSQL.5432'))
         self._listening.listen()
@@ -45,8 +46,13 @@ class Proxy:
             while True:
                 client, _ = self._listening.accept()
                 server = socket.socket(socket.AF_UNIX)
-                server.connect(self._server)
-                _Passing(self, client, server).start()
+                try:
+                    server.connect(str(self.server / '.s.PGSQL.5432'))
+                except OSError:  # it does not run
+                    server.close()
+                    client.close()
+                else:
+                    _Passing(self, client, server).start()
 
 
 class _Passing:

@@ -19,6 +19,9 @@ PATIENCE_S = 60.0
 USER = 'plant'
 """Owns every database."""
 
+REPLICA = 'replica'
+"""The name of each replica at its server."""
+
 _FAST = {
     'listen_addresses': '',
     'max_connections': '40',
@@ -26,6 +29,7 @@ _FAST = {
     'fsync': 'off',
     'synchronous_commit': 'on',
     'log_min_messages': 'fatal',
+    'wal_retrieve_retry_interval': '100ms',
 }
 
 
@@ -40,7 +44,11 @@ def program(name: str) -> str:
 class PostgresServer:
     """A server on a socket in its folder, which may be stopped, killed and started again."""
 
-    def __init__(self, **settings: str) -> None:
+    def __init__(self, of: PostgresServer | None = None, **settings: str) -> None:
+        """Make one, which does not run yet.
+
+        :param of: the server that it is a replica of, under the name `REPLICA`; None: its own
+        """
         self.folder = Path(tempfile.mkdtemp(prefix='pg', dir='/tmp'))
         self._as: dict[str, Any] = {}
         if os.geteuid() == 0:
@@ -54,10 +62,17 @@ class PostgresServer:
         }
         self._process: subprocess.Popen[bytes] | None = None
         self._names = count(1)
-        self._run(
-            *('initdb', '--no-sync', '--auth=trust', '--encoding=UTF8', '--locale=C'),
-            *(f'--username={USER}', f'--pgdata={self.folder / "data"}'),
-        )
+        data = self.folder / 'data'
+        if of is None:
+            self._run(
+                *('initdb', '--no-sync', '--auth=trust', '--encoding=UTF8', '--locale=C'),
+                *(f'--username={USER}', f'--pgdata={data}'),
+            )
+            return
+        at = f'host={of.folder} user={USER}'
+        self._settings['primary_conninfo'] = f'{at} application_name={REPLICA}'
+        self._run('pg_basebackup', '--no-sync', '--checkpoint=fast', '-d', at, '-D', str(data))
+        self._run('touch', str(data / 'standby.signal'))
 
     def start(self) -> None:
         """Start it, and wait until it answers."""
@@ -83,6 +98,41 @@ class PostgresServer:
                 time.sleep(0.02)
             else:
                 return
+
+    def replica(self) -> PostgresServer:
+        """Make a replica of it, and start it."""
+        made = PostgresServer(self)
+        made.start()
+        return made
+
+    def promote(self) -> None:
+        """Make a replica a server that takes writes."""
+        self.ask('SELECT pg_promote(true, 60)')
+
+    def wait_for_replicas(self, names: str) -> None:
+        """Let each commit wait for replicas.
+
+        :param names: as in `synchronous_standby_names`; empty: for none
+        """
+        self.ask(f"ALTER SYSTEM SET synchronous_standby_names = '{names}'")
+        self.ask('SELECT pg_reload_conf()')
+        self.until(f"SELECT current_setting('synchronous_standby_names') = '{names}'")
+
+    def ask(self, query: str) -> Any:
+        """Return the first value that a query gives; it waits for no replica."""
+        import psycopg
+
+        with psycopg.connect(self.address('postgres'), autocommit=True) as connection:
+            connection.execute('SET synchronous_commit = local')
+            answer = connection.execute(query.encode())
+            return answer.fetchone()[0] if answer.description else None
+
+    def until(self, query: str) -> None:
+        """Wait until a query says yes."""
+        deadline = time.monotonic() + PATIENCE_S
+        while not self.ask(query):
+            assert time.monotonic() < deadline, query
+            time.sleep(0.02)
 
     def stop(self, how: int = signal.SIGINT) -> None:
         """End it: SIGINT ends connections, SIGQUIT ends at once as after a crash."""
@@ -113,7 +163,7 @@ class PostgresServer:
         return name
 
     def _run(self, name: str, *words: str) -> None:
-        path = program(name)
+        path = program(name) or shutil.which(name)
         assert path, 'needs a PostgreSQL server: ./scripts/bootstrap --postgres'
         subprocess.run([path, *words], cwd='/', check=True, capture_output=True, **self._as)
 
@@ -131,7 +181,7 @@ def _somebody() -> pwd.struct_passwd:
 @contextmanager
 def postgres_server(**settings: str) -> Iterator[PostgresServer]:
     """Give a running server."""
-    server = PostgresServer(**settings)
+    server = PostgresServer(None, **settings)
     try:
         server.start()
         yield server

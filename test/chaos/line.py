@@ -15,12 +15,15 @@ REMEMBERED_S = 5.0
 """Seconds for which its controllers remember a goal that ended: short, so that a restart can be
 later than that."""
 
+LONG_REMEMBERED_S = 60.0
+"""The same where a node may be away for longer, because its database is."""
 
-def cell(drawn: random.Random, items: int) -> str:
+
+def cell(drawn: random.Random, items: int, remembered_s: float = REMEMBERED_S) -> str:
     """Return a cell file in which each goal takes between 0.1 and 0.7 s of real time."""
     components = '\n'.join(
         f'  {name}: {{section: {section}, action: {name}/task, type: {_TYPE}/Component, '
-        f'result_timeout: {REMEMBERED_S}, faults: [{_delays(drawn, "TASK_A", items)}]}}'
+        f'result_timeout: {remembered_s}, faults: [{_delays(drawn, "TASK_A", items)}]}}'
         for name, section in COMPONENTS.items()
     )
     return f"""
@@ -30,7 +33,7 @@ conveyor:
   action: conveyor/index
   type: {_TYPE}/Conveyor
   task: MOVE_ONE_INDEX
-  result_timeout: {REMEMBERED_S}
+  result_timeout: {remembered_s}
 components:
 {components}
 """

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator_interfaces.srv import AnswerHold, Command, SubmitOrder
-from chaos.truth import Controllers, attempts, journal
+from chaos.truth import Controllers, Place, attempts, journal
 from node_watcher import NodeWatcher
 
 from bt_orchestrator.engine.runtime.cell_commands import RESUME
@@ -45,7 +45,7 @@ class Operator:
         watch: NodeWatcher,
         script: str,
         items: int,
-        journal: Path,
+        journal: Place,
         log: Path,
         spared: str = '',
     ) -> None:

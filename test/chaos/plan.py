@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -20,6 +20,16 @@ SHARES = ('feeder,conveyor', 'camera,worker,packer')
 
 BOTH = 'both'
 """The orchestrator, and controllers with it."""
+
+STRIKES = {
+    'cut': 'the connections of the orchestrator end',
+    'restart': 'the server ends connections, and is started again',
+    'crash': 'the server ends at once, as after a crash, and is started again',
+    'lost_answer': 'the answer to a commit is lost',
+    'lost_commit': 'the server answers a statement, and loses its commit',
+    'promotion': 'the server is gone for good, and its synchronous replica takes its place',
+}
+"""What becomes of the database of a journal."""
 
 _CONTROLLERS_EVERY = 5
 """One shot in so many is at controllers, on top of those at the orchestrator."""
@@ -45,10 +55,17 @@ class Restart:
 
 @dataclass(frozen=True)
 class Shot:
-    """What is killed: a crash point, `ORCHESTRATOR`, `BOTH`, or a share of the controllers."""
+    """A crash point, `ORCHESTRATOR`, `BOTH`, a share of the controllers, or one of `STRIKES`."""
 
     target: str
     restart: Restart = Restart()
+    stopped_s: float = 0.0
+    """An orchestrator that is only stopped goes on after that; 0: it is killed."""
+
+    @property
+    def kills(self) -> bool:
+        """Tell whether an orchestrator is started anew after it."""
+        return self.target not in (*SHARES, *STRIKES) and not self.stopped_s
 
 
 def forgotten(drawn: random.Random) -> Restart:
@@ -97,11 +114,31 @@ def draw(drawn: random.Random, kills: int) -> Iterator[Shot]:
             yield Shot(drawn.choice(_WITH_CONTROLLERS))
 
 
+_STOPPED_S = (0.1, 7.0)
+"""How long an orchestrator is stopped: some longer than its database, or its servers, wait."""
+
+
+def draw_with_database(
+    drawn: random.Random, kills: int, stops: int, strikes: Mapping[str, int]
+) -> Iterator[Shot]:
+    """Yield so many shots of each kind at an orchestrator and its database, in any order.
+
+    :param strikes: how many of each of `STRIKES`
+    """
+    points, resumes = _Bag(drawn, (*POINTS, ORCHESTRATOR)), _Bag(drawn, _AUTO_RESUME)
+    shots = [Shot(points.take(), Restart(auto_resume=resumes.take())) for _ in range(kills)]
+    points = _Bag(drawn, tuple(POINTS))
+    shots += [Shot(points.take(), stopped_s=drawn.uniform(*_STOPPED_S)) for _ in range(stops)]
+    shots += [Shot(strike) for strike, number in strikes.items() for _ in range(number)]
+    drawn.shuffle(shots)
+    yield from shots
+
+
 def parts(shots: Sequence[Shot], kills: int) -> Iterator[list[Shot]]:
     """Yield shots in parts with so many at orchestrators each."""
     part: list[Shot] = []
     for shot in shots:
-        if sum(one.target not in SHARES for one in part) == kills and shot.target not in SHARES:
+        if sum(each.target not in SHARES for each in part) == kills and shot.target not in SHARES:
             yield part
             part = []
         part.append(shot)

@@ -23,8 +23,8 @@ _PAUSE_S = 1.0
 _PATIENCE_S = '20'
 """How long those wait for the node who look all the time."""
 
-_UNREACHABLE = 'did not come within'
-"""What a client says whose node is dead."""
+_UNREACHABLE = ('did not come within', 'cannot tell its events')
+"""What a client says whose node is dead, or cannot reach its database."""
 
 _STARTING = ('', 'KeyboardInterrupt')
 """The last line of one that is stopped while Python starts."""
@@ -73,17 +73,18 @@ class Follower:
         self._process = None
         # One that is stopped while Python starts has nothing better to say.
         is_well = status == 0 or (stopped and errors.rpartition('\n')[2] in _STARTING)
-        if _UNREACHABLE not in errors and not is_well:
+        if not is_well and not _is_cut_off(errors):
             self.complaints.append(f'{self.name} ended with {status}: {errors[-300:]}')
 
 
 class Readers:
     """States: reading (`look` again and again), over (after `stop`)."""
 
-    def __init__(self, folder: Path, journal: Path) -> None:
+    def __init__(self, folder: Path, journal: Path | None) -> None:
         """Prepare; the first `look` starts everything.
 
         :param folder: for what they say
+        :param journal: its file; None: it is in a database, and only the node is asked
         """
         folder.mkdir()
         self._folder = folder
@@ -91,7 +92,8 @@ class Readers:
         self._of_file = Follower('events --journal --follow', folder)
         self._of_node = Follower('events --since-seq', folder)
         self._of_status = Follower('watch --json', folder)
-        self._once = itertools.cycle(_ONCE.items())
+        of_node = {words: _ONCE[words] for words in _ONCE if journal or 'FILE' not in words}
+        self._once = itertools.cycle(of_node.items())
         self._visitor: tuple[str, ProgramProcess] | None = None
         self._next_s = 0.0
         self._lives = 0
@@ -103,11 +105,13 @@ class Readers:
 
     def look(self) -> None:
         """Start whoever is to read now."""
-        file = str(self._journal)
-        if not self._journal.exists():
+        file = self._journal
+        if file is not None and not file.exists():
             return
-        if self._lives % 2:
-            self._of_file.look(lambda: self._words(self._of_file, '--journal', file, '--follow'))
+        if file is not None and self._lives % 2:
+            self._of_file.look(
+                lambda: self._words(self._of_file, '--journal', str(file), '--follow')
+            )
         self._of_node.look(lambda: self._words(self._of_node, '--timeout', _PATIENCE_S))
         self._of_status.look(lambda: ['watch', '--json', '--timeout', _PATIENCE_S])
         self._look_once()
@@ -118,6 +122,8 @@ class Readers:
         In every other such life nobody has the file open all the time: who has keeps those who
         copy it from tidying up beside it.
         """
+        if self._journal is None:
+            return
         self._lives += 1
         if not self._lives % 2:
             self._of_file.stop()
@@ -188,7 +194,7 @@ class Readers:
     def _judge_visitor(self, words: str, process: ProgramProcess) -> None:
         self.looks += 1
         status = process.wait()
-        if status and _UNREACHABLE in process.errors and 'FILE' not in words:
+        if status and _is_cut_off(process.errors) and 'FILE' not in words:
             return
         wrong = process.errors
         if not status and not wrong:
@@ -202,6 +208,10 @@ class Readers:
         if self._copying.wait():
             self.complaints.append(f'copying: {self._copying.errors.strip()[-300:]}')
         self._copying = None
+
+
+def _is_cut_off(errors: str) -> bool:
+    return any(words in errors for words in _UNREACHABLE)
 
 
 def _records(lines: Sequence[str]) -> list[dict[str, Any]]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from chaos.copying import BACKUP
 from chaos.crashing_node import POINTS
-from chaos.plan import SHARES, Shot
+from chaos.plan import SHARES, STRIKES, Shot
 from chaos.truth import Verdict
 from chaos.witnesses import Record
 
@@ -45,7 +45,7 @@ class Tally:
 
     def plan(self, shots: Iterable[Shot]) -> None:
         """Note what is to be killed."""
-        self.planned.update(shot.target for shot in shots)
+        self.planned.update(shot.target for shot in shots if shot.kills or shot.target in SHARES)
 
     def count_copies(self, copies: Iterable[Record]) -> None:
         """Note what readings of the journal while it was written have brought."""
@@ -68,6 +68,8 @@ def lines(total: Tally) -> Iterator[str]:
     yield f'{figures["items"]} items, {total.seconds:.0f} s; kills: {_listed(total.kills)}'
     points = ', '.join(f'{point} {total.kills[point]}' for point in POINTS)
     yield f'by crash point: {points}'
+    if struck := {name: figures[name] for name in ('stops', *STRIKES) if figures[name]}:
+        yield f'besides: {_listed(struck)}; ended by itself {figures["ended by itself"]}'
     share = figures['with goals'] / kills if kills else 0.0
     yield (
         f'{kills} kills of the orchestrator, {share:.0%} of them while a goal ran; '
@@ -92,5 +94,5 @@ def lines(total: Tally) -> Iterator[str]:
     yield from total.faults
 
 
-def _listed(counter: Counter[str]) -> str:
+def _listed(counter: Mapping[str, int]) -> str:
     return ', '.join(f'{name} {count}' for name, count in sorted(counter.items()))

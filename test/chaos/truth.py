@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sqlite3
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,16 +17,23 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.goal import GoalStatus
 
+Rows = list[tuple[int, str]]
 
-def rows(path: Path) -> list[tuple[int, str]]:
+Place = Path | Callable[[], Rows]
+"""A journal: its file, or what reads it in a database."""
+
+
+def rows(path: Place) -> Rows:
     """Return number and record of the events in a journal, whoever writes it; none: no file."""
+    if not isinstance(path, Path):
+        return path()
     if not path.exists():
         return []
     with closing(sqlite3.connect(f'file:{path}?mode=ro', uri=True)) as database:
         return database.execute('SELECT seq, record FROM events ORDER BY seq').fetchall()
 
 
-def journal(path: Path) -> list[e.Event]:
+def journal(path: Place) -> list[e.Event]:
     """Return the events of a journal as they are now."""
     return [from_record(json.loads(record)) for _, record in rows(path)]
 

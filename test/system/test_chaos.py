@@ -1,6 +1,6 @@
 """Killed at every step of a settle and with its controllers, a cell loses and repeats nothing.
 
-The short form of `scripts/chaos`.
+Nor does it if its database is struck. These are the short forms of `scripts/chaos`.
 """
 
 from __future__ import annotations
@@ -9,9 +9,11 @@ import random
 from pathlib import Path
 
 import pytest
+from chaos import traps
 from chaos.campaign import Campaign
 from chaos.crashing_node import POINTS
-from chaos.plan import BOTH, Restart, Shot, forgotten
+from chaos.database import Database
+from chaos.plan import BOTH, STRIKES, Restart, Shot, forgotten
 
 BACK = Restart(clock_step_s=-120.0, auto_resume=False)
 
@@ -26,3 +28,27 @@ def test_9_2_killed_at_every_step_nothing_is_lost_and_nothing_done_twice(tmp_pat
     assert tally.faults == []
     assert tally.orchestrator_kills == len(shots)
     assert tally.figures['copies after a crash'] > 0
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_9_1_whatever_becomes_of_the_database_nothing_is_lost_and_nothing_done_twice(
+    tmp_path: Path,
+) -> None:
+    pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
+    strikes = [strike for strike in STRIKES if strike != 'promotion']
+    shots = [Shot('committed'), Shot('committed', stopped_s=0.5), *map(Shot, strikes)]
+    tally = Campaign(tmp_path, seed=34, items=3, shots=shots, database=Database()).run()
+    assert tally.faults == []
+    assert tally.orchestrator_kills == tally.figures['stops'] == 1
+    assert {strike: tally.figures[strike] for strike in strikes} == dict.fromkeys(strikes, 1)
+    assert tally.figures['ended by itself'] == 0, 'a server that comes back ends no node'
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_9_1_what_a_server_shows_after_a_crash_is_not_kept_before_its_replica_has_it(
+    tmp_path: Path,
+) -> None:
+    pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
+    assert traps.rounds(tmp_path, traps.TRAPS[0], 1, checked=True) == [[]]

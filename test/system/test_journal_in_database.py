@@ -1,11 +1,9 @@
-"""A node whose journal is in PostgreSQL: killed, cut off, its server restarted or away (9.1)."""
+"""A node whose journal is in PostgreSQL, which is slow, or away, or has it already (9.1)."""
 
 from __future__ import annotations
 
 import json
 import os
-import random
-import signal
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -21,9 +19,6 @@ from program_process import ProgramProcess
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.records import Wanted
-
-ITEMS = 6
-FAULTS = ('kill', 'cut', 'restart', 'crash', 'kill', 'cut')
 
 
 @pytest.fixture(scope='module')
@@ -57,51 +52,6 @@ def journal(address: str) -> list[e.Event]:
 
 def until_some_goal_ran(cell: CellProcesses, goals: int) -> None:
     cell.watch.ros.spin_until(lambda: len(cell.goals(event='started')) >= goals, 'goals to run')
-
-
-def cut(server: PostgresServer, address: str) -> None:
-    """End the connections of the node, as a network does."""
-    import psycopg
-
-    database = address.split('?', maxsplit=1)[0].split('/')[-2]
-    with psycopg.connect(server.address(database), autocommit=True) as connection:
-        connection.execute(
-            'SELECT pg_terminate_backend(pid) FROM pg_stat_activity '
-            "WHERE application_name = 'bt_orchestrator node'"
-        )
-
-
-def test_9_1_every_task_is_done_once_whatever_becomes_of_node_and_server(
-    start_cell: StartCell, server: PostgresServer, address: str
-) -> None:
-    cell = start(start_cell, address, '--auto-resume')
-    drawn = random.Random(34)
-    cell.run_small(task='TASK_C', quantity=ITEMS)  # two seconds of real time each
-    for number, fault in enumerate(FAULTS, 1):
-        until_some_goal_ran(cell, 2 * number)
-        moment = time.monotonic() + drawn.random() * 0.5
-        cell.watch.ros.spin_until(lambda until=moment: time.monotonic() > until, 'a moment')  # type: ignore[misc]
-        if fault == 'kill':
-            cell.kill_and_restart_node()
-        elif fault == 'cut':
-            cut(server, address)
-        else:
-            server.stop(signal.SIGINT if fault == 'restart' else signal.SIGQUIT)
-            server.start()
-    cell.watch.until_ended('WO-1', within_s=60.0)
-    cell.stop()
-
-    events = journal(address)
-    done = Counter((x.item, x.task) for x in events if isinstance(x, e.TaskSucceeded))
-    ran = Counter(record['goal'] for record in cell.goals(event='started'))
-    assert [x.seq for x in events] == list(range(1, len(events) + 1))
-    starts = sum(isinstance(x, e.OrchestratorStarted) for x in events)
-    assert starts == 1 + FAULTS.count('kill'), 'a server that comes back ends no node'
-    assert not [x for x in events if isinstance(x, e.TaskFailed)]
-    assert {x: n for x, n in done.items() if n != 1 and x[0]} == {}
-    assert sum(task == 'pack' for _, task in done) == ITEMS
-    assert set(ran.values()) == {1}
-    assert ran.total() == done.total(), 'the controllers executed what the journal says, no more'
 
 
 def test_9_1_without_its_database_a_node_ends_and_the_next_goes_on(

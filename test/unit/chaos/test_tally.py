@@ -6,7 +6,7 @@ import random
 
 from chaos.crashing_node import POINTS
 from chaos.line import REMEMBERED_S
-from chaos.plan import SHARES, Shot, draw, forgotten, parts
+from chaos.plan import SHARES, STRIKES, Shot, draw, draw_with_database, forgotten, parts
 from chaos.tally import Tally, lines
 
 SHOTS = [Shot('landed'), Shot('sent'), Shot('orchestrator')]
@@ -64,3 +64,16 @@ def test_parts_have_so_many_orchestrators_each_and_leave_nothing_out() -> None:
     counts = [sum(shot.target not in SHARES for shot in part) for part in found]
     assert counts[:-1] == [20] * len(counts[:-1])
     assert 0 < counts[-1] <= 20
+
+
+def test_a_plan_with_a_database_has_all_that_was_asked_for() -> None:
+    strikes = {strike: number for number, strike in enumerate(STRIKES, 1)}
+    shots = list(draw_with_database(random.Random(1), 20, 12, strikes))
+    assert {name: sum(shot.target == name for shot in shots) for name in STRIKES} == strikes
+    assert sum(shot.kills for shot in shots) == 20
+    stopped = [shot for shot in shots if shot.stopped_s]
+    assert {shot.target for shot in stopped} == set(POINTS)
+    assert len(stopped) == 12
+    tally = Tally()
+    tally.plan(shots)
+    assert tally.planned.total() == 20
