@@ -136,6 +136,11 @@ def fault_options(cell: Cell) -> list[str]:
 def _component(component: Component) -> dict[str, Any]:
     state = component.state
     topic = {} if state is None else {'state': {**vars(state), 'ready': list(state.ready)}}
+    setups = {name: list(setup.values) for name, setup in component.setups.items()}
+    changes = {
+        name: {'task': setup.task, 'argument': setup.argument, 'reads': setup.reads}
+        for name, setup in component.setups.items()
+    }
     return {
         'section': 1,
         'action': component.action,
@@ -143,6 +148,7 @@ def _component(component: Component) -> dict[str, Any]:
         'durations': dict(component.durations_s),
         'results': {task: dict(result) for task, result in component.results.items()},
         **topic,
+        **({'setups': setups, 'changes': changes} if setups else {}),
     }
 
 

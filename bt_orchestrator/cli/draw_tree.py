@@ -91,6 +91,8 @@ class Compiled:
         """Nothing is ever ticked."""
         raise AssertionError(f'a drawing waits for nothing, not for {key}')
 
+    awaits_setup = is_delayed
+
 
 def draw_tree(script: Script, cell: Cell) -> TreePicture:
     """Draw a script's behaviour tree, from the root on the left to the leaves on the right."""

@@ -83,6 +83,22 @@ class Setup:
     """Task constant, or label, of the change."""
     argument: str
     """Goal field that takes the value."""
+    reads: str = ''
+    """Field of the state topic that tells the value, or a path to it; empty: no field does."""
+    read_as: Mapping[str, Any] = field(default_factory=dict)
+    """The content of that field for each value, by the name of the value."""
+
+    @property
+    def unset(self) -> Any:
+        """The content of that field in a new message."""
+        return type(next(iter(self.read_as.values())))()
+
+    def told(self, said: Any) -> str:
+        """Return the value that the field tells; what is no value of the setup, as a text."""
+        same = (
+            name for name, one in self.read_as.items() if (type(one), one) == (type(said), said)
+        )
+        return next(same, str(said))
 
 
 @dataclass(frozen=True)

@@ -111,6 +111,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.ComponentOutOfService: cell.component_out_of_service,
     e.ComponentInService: cell.component_in_service,
     e.ComponentSetupLost: cell.component_setup_lost,
+    e.ComponentSetupRead: cell.component_setup_read,
     e.HoldRaised: cell.hold_raised,
     e.HoldReleased: cell.hold_released,
     # the cell

@@ -132,6 +132,16 @@ class StateReading:
     """The value of the field; None: nothing is published there (any more)."""
 
 
+@dataclass(frozen=True)
+class SetupReading:
+    """A change seen in what a component's state topic tells of a setup (semantics 5.3)."""
+
+    component: str
+    setup: str
+    value: str | None
+    """Its value, or another text; None: nothing is published there (any more)."""
+
+
 # The words of a controller about a failed attempt: the texts of its Result.
 
 MESSAGE_FIELD = 'message'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from bt_orchestrator.model.goal import SeenContest, StateReading
+from bt_orchestrator.model.goal import SeenContest, SetupReading, StateReading
 from bt_orchestrator.ports import Told
 
 
@@ -28,7 +28,7 @@ class News:
         # By identity: two equal state readings are two readings, and values may be unhashable.
         self._entries.pop(id(entry), None)
         self._entries[id(entry)] = entry
-        if isinstance(entry, (StateReading, SeenContest)) or entry.end is not None:
+        if isinstance(entry, (StateReading, SetupReading, SeenContest)) or entry.end is not None:
             self._wake()
 
     def drain(self) -> Sequence[Told]:

@@ -6,7 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from bt_orchestrator.model.action_type import ActionType
-from bt_orchestrator.model.goal import GoalEnd, GoalRequest, SeenContest, StateReading
+from bt_orchestrator.model.goal import (
+    GoalEnd,
+    GoalRequest,
+    SeenContest,
+    SetupReading,
+    StateReading,
+)
 
 
 class Goal(Protocol):
@@ -40,7 +46,7 @@ class Goal(Protocol):
         """
 
 
-Told = Goal | StateReading | SeenContest
+Told = Goal | StateReading | SetupReading | SeenContest
 """News of a gateway."""
 
 
@@ -98,7 +104,8 @@ class ActionGateway(Servers, Protocol):
         """Return what is new since the last call, oldest first.
 
         A goal is listed when it was accepted and when it ended; a state topic when its field's
-        value changed or its publisher vanished; a contest when it is another one.
+        value changed or its publisher vanished, each setup that it tells before that value; a
+        contest when it is another one.
         """
 
 

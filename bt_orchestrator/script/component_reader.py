@@ -40,11 +40,11 @@ class ComponentReader:
 
     def component(self, sections: int | None) -> Component:
         """Return a component; `sections` is the length of the belt, if known."""
-        own = self._sections(sections)
-        setups = SetupReader(self._fields, self._name, self._type)
+        own, shared = self._sections(sections), self._shared()
+        setups = SetupReader(self._fields, self._name, self._type, shared.state, self._types)
         reader = CapabilityReader(self._fields, self._name, self._type, setups.offered)
         return replace(
-            self._shared(),
+            shared,
             sections=own,
             durations_s=self._durations(),
             capabilities={capability.name: capability for capability in reader.capabilities()},

@@ -50,6 +50,9 @@ class Carrier(Protocol[GoalT_contra]):
     def announce(self, ready: bool) -> None:
         """Say on the state topic, if there is one, whether a goal may be sent."""
 
+    def show(self, setup: str, value: Any) -> None:
+        """Say on the state topic what a setup is, as the field there says it; then `announce`."""
+
     def feedback(self, goal: GoalT_contra, done: float) -> None:
         """Publish feedback.
 

@@ -10,10 +10,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, TypeVar
 
-from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.action_type import TASK_RESULT, ActionType
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.fault import Fault, FaultKind
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus
+from bt_orchestrator.model.jobs.setups import change_by
 from bt_orchestrator.ports import Clock, Timer
 from bt_orchestrator.sim.carrier import Answer, CarriedGoal, Carrier, Verdict
 from bt_orchestrator.sim.faults import FaultSchedule, GoalFaults
@@ -64,10 +65,12 @@ class Controller(Generic[GoalT]):
         clock: Clock,
         duration: Callable[[GoalRequest], float],
         feedback_s: float = 0.0,
+        setups: Mapping[str, str] | None = None,
     ) -> None:
         """Be away until it is switched on.
 
         :param duration: seconds that a goal takes
+        :param setups: what it is set up for at first, of setups that its state topic tells
         :param feedback_s: seconds between two feedback messages; 0: only the one at the start
         """
         self._component = component
@@ -84,6 +87,12 @@ class Controller(Generic[GoalT]):
         """The successful end of each task that was begun."""
         self._counts = NUMBER in str(component.results)
         self._leaving = False
+        self._setups = {
+            setup: made.read_as.get((setups or {}).get(setup, ''), made.unset)
+            for setup, made in component.setups.items()
+            if made.reads
+        }
+        """The words of the state topic about setups."""
 
     # --- life -------------------------------------------------------------------------------
 
@@ -105,6 +114,8 @@ class Controller(Generic[GoalT]):
     def _appear(self, not_ready: Fault | None = None) -> None:
         self._carrier.note('appeared')
         self._carrier.appear()
+        for setup, value in self._setups.items():
+            self._carrier.show(setup, value)
         self._readiness.begin(not_ready)
 
     # --- requests ---------------------------------------------------------------------------
@@ -232,8 +243,21 @@ class Controller(Generic[GoalT]):
             return
         self._carrier.note('ended', work.goal.request, status=end.status.value)
         # Before the end is reported, so that no client sees it and still assumes readiness.
+        self._set_up(work.goal.request, end)
         self._readiness.withdraw(work.faults.find(FaultKind.NOT_READY))
         self._carrier.end(work.goal, end)
+
+    def _set_up(self, request: GoalRequest, end: GoalEnd) -> None:
+        """Show what a change has set, where the state topic tells it."""
+        change = change_by(self._component, request.task, request.args) if self._setups else None
+        is_done = end.status is GoalStatus.SUCCEEDED and end.result.get(TASK_RESULT, True)
+        if change is not None and is_done and change.setup in self._setups:
+            self.set_up(change.setup, change.value)
+
+    def set_up(self, setup: str, value: str) -> None:
+        """Have a setup, and show it on the state topic."""
+        self._setups[setup] = self._component.setups[setup].read_as.get(value, value)
+        self._carrier.show(setup, self._setups[setup])
 
     def _stop_work(self) -> _Work[GoalT] | None:
         work, self._work = self._work, None

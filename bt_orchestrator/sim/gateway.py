@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
 from bt_orchestrator.model.cell import Cell
@@ -76,10 +76,12 @@ class VirtualGateway:
         *,
         server_timeout_s: float = SERVER_TIMEOUT_S,
         duration: Callable[[GoalRequest], float] | None = None,
+        setups: Mapping[str, Mapping[str, str]] | None = None,
     ) -> None:
         """Switch the cell on.
 
         :param duration: seconds that a goal takes; without it the cell file's nominal ones
+        :param setups: what components are set up for at first, where their state topics tell it
         :raises UnknownActionType: a component's type is not known to `types`
         """
         self._cell = cell
@@ -92,6 +94,7 @@ class VirtualGateway:
                 self._news,
                 server_timeout_s,
                 duration or self._nominal_s,
+                (setups or {}).get(component.name),
             )
             for component in cell.components.values()
         }
@@ -132,6 +135,10 @@ class VirtualGateway:
     def bring_in(self, component: str, contest: Contest) -> None:
         """Set the contest of a component from now on; an empty one ends it."""
         self._clients[component].bring_in(contest)
+
+    def set_up(self, component: str, setup: str, value: str) -> None:
+        """Let somebody change a setup by hand; its state topic tells the value, whatever it is."""
+        self._clients[component].set_up(setup, value)
 
     def server(self, component: str) -> str | None:
         """Return an id of the component's server, another one for each of its lives."""

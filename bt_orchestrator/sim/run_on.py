@@ -63,7 +63,7 @@ class RunOn:
         self._clock = VirtualClock(now_s)
         cell = as_observed(_without_faults(cell), observed_s)
         state = _of_cell(plain_state['state'], digest(cell))
-        gateway = _RunningRobots(cell, types, self._clock)
+        gateway = _RunningRobots(cell, types, self._clock, state.get('setups_told', {}))
         store = _From(json.dumps({**plain_state, 'state': state}))
         self.orchestrator = Orchestrator(
             cell,
@@ -229,10 +229,16 @@ def _stretched(log: _Log, left_out: Mapping[str, int], by_s: float) -> dict[str,
 class _RunningRobots(VirtualGateway):
     """Robots that are in the middle of the goals they are asked about."""
 
-    def __init__(self, cell: Cell, types: ActionTypes, clock: VirtualClock) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        types: ActionTypes,
+        clock: VirtualClock,
+        setups: Mapping[str, Mapping[str, str]],
+    ) -> None:
         self.started_s: dict[str, float] = {}
         self._now = clock.now
-        super().__init__(cell, types, clock, duration=self._left_s)
+        super().__init__(cell, types, clock, duration=self._left_s, setups=setups)
 
     def adopt(self, request: GoalRequest) -> VirtualGoal:
         """Go on with a goal, as if it were known."""

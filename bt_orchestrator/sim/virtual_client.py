@@ -18,6 +18,7 @@ from bt_orchestrator.model.goal import (
     GoalRequest,
     GoalStatus,
     SeenContest,
+    SetupReading,
     StateReading,
 )
 from bt_orchestrator.model.words import sentence
@@ -45,6 +46,7 @@ class VirtualClient:
         news: News,
         server_timeout_s: float,
         duration: Callable[[GoalRequest], float],
+        setups: Mapping[str, str] | None = None,
     ) -> None:
         self._component = component
         self._clock = clock
@@ -53,7 +55,13 @@ class VirtualClient:
         # What feedback an action type has is not part of its description; a type whose goals
         # select a task has, by the convention of the examples, this field.
         self._has_feedback = action_type.has_task_field
-        self._controller = Controller[VirtualGoal](component, action_type, self, clock, duration)
+        self._controller = Controller[VirtualGoal](
+            component, action_type, self, clock, duration, setups=setups
+        )
+        self._setups: dict[str, str] = {}
+        """The words of the state topic about setups, once it says anything."""
+        self._setups_told: dict[str, str] | None = None
+        """The part of them that the engine knows; None: nothing is published."""
         self._waiting: dict[VirtualGoal, None] = {}
         self._on_the_way: dict[str, VirtualGoal] = {}
         self._in_flight: dict[VirtualGoal, None] = {}
@@ -118,6 +126,10 @@ class VirtualClient:
         if self.available:
             self._send_waiting()
 
+    def set_up(self, setup: str, value: str) -> None:
+        """Let somebody change a setup by hand."""
+        self._controller.set_up(setup, value)
+
     # --- what the controller shows ----------------------------------------------------------
 
     def appear(self) -> None:
@@ -142,7 +154,15 @@ class VirtualClient:
         """Tell the value of the state topic."""
         state = self._component.state
         if state and self._present:
+            self._setups_told = self._setups_told or {}
+            self._tell_setups()
             self._tell_state(ready_value(state) if ready else not_ready_value(state))
+
+    def show(self, setup: str, value: Any) -> None:
+        """Tell what the state topic says of a setup, once it says anything."""
+        self._setups[setup] = self._component.setups[setup].told(value)
+        if self._present:
+            self._tell_setups()
 
     def feedback(self, goal: VirtualGoal, done: float) -> None:  # noqa: ARG002 - the port's
         """Keep it with the goal."""
@@ -202,6 +222,16 @@ class VirtualClient:
             self._value = value
             self._news.add(StateReading(self._component.name, value))
 
+    def _tell_setups(self) -> None:
+        """Tell those that changed."""
+        told = self._setups_told
+        if told is None:
+            return
+        for setup, value in self._setups.items():
+            if value != told.get(setup):
+                told[setup] = value
+                self._news.add(SetupReading(self._component.name, setup, value))
+
     def _denial(self, goal_id: str) -> GoalEnd:
         who = self.server if self._present else None
         says = self._listed.get(goal_id, '') if self._present else ''
@@ -230,6 +260,9 @@ class VirtualClient:
         self._lease = None
         for goal in tuple(self._in_flight):
             self.end(goal, GoalEnd(GoalStatus.LOST, message='the server is gone'))
+        for setup in self._setups_told or ():
+            self._news.add(SetupReading(self._component.name, setup, None))
+        self._setups_told = None
         self._tell_state(None)
 
     def _withdraw(self, goal: VirtualGoal) -> None:

@@ -6,9 +6,9 @@ import uuid
 from collections.abc import Callable, Sequence, Sized
 from typing import Any, Protocol
 
-from bt_orchestrator.model.cell import Cell, Component, Conveyor, StateTopic
+from bt_orchestrator.model.cell import Cell, Component, Conveyor, Setup, StateTopic
 from bt_orchestrator.model.fault import parse_fault
-from bt_orchestrator.model.goal import GoalRequest, StateReading
+from bt_orchestrator.model.goal import GoalRequest, SetupReading, StateReading
 from bt_orchestrator.ports import ActionGateway, Told
 
 COMPONENT_TYPE = 'bt_orchestrator_interfaces/action/Component'
@@ -49,15 +49,34 @@ class Bench(Protocol):
         """Put everything away."""
 
 
-def component(name: str, *faults: str, state: bool = False, task_s: float = TASK_S) -> Component:
-    """Describe a component of the example type, with faults as users write them."""
+GRIPPER = Setup(
+    values={'small': 'small', 'large': 'large'},
+    task='TASK_A',
+    argument='special_argument_1',
+    reads='value',
+    read_as={'small': 'small', 'large': 'large'},
+)
+"""A setup that the state topic tells."""
+
+
+def component(
+    name: str, *faults: str, state: bool = False, task_s: float = TASK_S, tells: bool = False
+) -> Component:
+    """Describe a component of the example type, with faults as users write them.
+
+    :param tells: its state topic tells `GRIPPER`
+    """
     topic = StateTopic(f'/{name}/state', 'std_msgs/msg/String', 'data', ('READY',))
+    if tells:
+        kind = 'diagnostic_msgs/msg/KeyValue'
+        topic = StateTopic(f'/{name}/state', kind, 'key', ('READY',))
     return Component(
         name=name,
         sections=(1,),
         action=f'/{name}/task',
         type=COMPONENT_TYPE,
-        state=topic if state else None,
+        state=topic if state or tells else None,
+        setups={'gripper': GRIPPER} if tells else {},
         durations_s={'TASK_A': task_s, 'TASK_B': 4 * task_s},
         results={'TASK_A': {'measurement': 1.5}},
         faults=tuple(parse_fault(fault) for fault in faults),
@@ -96,4 +115,13 @@ class Log:
             entry.value
             for entry in self.entries
             if isinstance(entry, StateReading) and entry.component == component
+        ]
+
+    def setups(self, component: str) -> list[str | None]:
+        """Return the values told of the setup of one component."""
+        self.update()
+        return [
+            entry.value
+            for entry in self.entries
+            if isinstance(entry, SetupReading) and entry.component == component
         ]

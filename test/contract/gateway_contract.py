@@ -22,6 +22,7 @@ from bt_orchestrator.model.goal import (
     GoalEnd,
     GoalStatus,
     SeenContest,
+    SetupReading,
     StateReading,
 )
 from bt_orchestrator.ports import Goal
@@ -358,10 +359,36 @@ class GatewayContract(ABC):
         finally:
             bench.close()
 
+    def test_tells_a_setup_before_the_state_and_before_the_end_that_changed_it(self) -> None:
+        bench = self.make_bench([component('told', tells=True), component('mute', tells=True)])
+        try:
+            log = Log(bench.gateway)
+            bench.run_until(lambda: log.readings('told') and log.readings('mute'), 'the states')
+            assert log.setups('told') == ['']
+            mine = [one for one in log.entries if vars(one).get('component') == 'told']
+            assert [type(one) for one in mine] == [SetupReading, StateReading]
+            goal = bench.gateway.send(goal_request('told', 'TASK_A', special_argument_1='large'))
+            bench.run_until(lambda: log.setups('told')[-1:] == ['large'], 'the new setup')
+            _run_to_end(bench, goal)
+            assert log.setups('told') == ['', 'large']
+            assert log.setups('mute') == [''], 'each has its own'
+        finally:
+            bench.close()
+
+    def test_tells_that_nothing_tells_a_setup_any_more(self) -> None:
+        bench = self.make_bench([component('lost_setup', '=die', tells=True)])
+        try:
+            log = Log(bench.gateway)
+            bench.run_until(lambda: log.readings('lost_setup'), 'a reading')
+            _run_to_end(bench, _send(bench, 'lost_setup'), within_s=2 * SERVER_LEASE_S)
+            bench.run_until(lambda: log.setups('lost_setup') == ['', None], 'the loss')
+        finally:
+            bench.close()
+
 
 def _goals(bench: Bench) -> tuple[Goal, ...]:
     """Return what is new of goals; components of other tests tell of their states as well."""
-    others = (StateReading, SeenContest)
+    others = (StateReading, SetupReading, SeenContest)
     return tuple(new for new in bench.gateway.drain() if not isinstance(new, others))
 
 

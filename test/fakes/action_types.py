@@ -118,6 +118,7 @@ MESSAGES: Mapping[str, Mapping[str, str]] = {
     'std_msgs/msg/String': {'data': 'string'},
     'std_msgs/msg/Bool': {'data': 'boolean'},
     'std_msgs/msg/UInt8': {'data': 'uint8'},
+    'diagnostic_msgs/msg/KeyValue': {'key': 'string', 'value': 'string'},
     'std_msgs/msg/Header': {'stamp': 'builtin_interfaces/Time', 'frame_id': 'string'},
 }
 

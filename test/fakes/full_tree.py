@@ -69,6 +69,9 @@ class _Reader:
         """Wake nobody: whoever waits has asked already."""
         return self._ledger.is_delayed(key)
 
+    def awaits_setup(self, key: TaskKey) -> bool:
+        return self._ledger.awaits_setup(key)
+
 
 def check_view(orchestrator: Orchestrator) -> None:
     """Fail unless the tree looks like one that is compiled now and ticked as a whole.

@@ -116,6 +116,10 @@ class Task:
     """How long its end is awaited after it was cancelled (2.4)."""
     deaf_from: float = 0.0
     """The time from which its server hears no cancel."""
+    asked: tuple[int, int] | None = None
+    """The attempt, and its round, that has waited for its setup to be told (5.3.9)."""
+    told_by: float = 0.0
+    """The end of that wait."""
     repeat: Any = None
     """Its tasks, further rounds begun, and how many there may be (3.9)."""
     goals: int = 0
@@ -188,6 +192,10 @@ class NaiveRun(ABC):
         """The arguments of tasks whose last attempt succeeded (5.1)."""
         self.setups: dict[tuple[str, str], str] = {}
         """The known values, by component and setup (5.3)."""
+        self.topics: dict[tuple[str, str], str] = {}
+        """What state topics tell of the others (5.3.9)."""
+        self.line_knows: dict[tuple[str, str], tuple[str, bool]] = {}
+        """What the line has changed or was told last, and whether it was told (5.3.9)."""
         self.serials: set[str] = set()
         """Of all items that ever had one (6.8)."""
         self.limit = cell.get('hold_after')

@@ -6,8 +6,10 @@ from abc import abstractmethod
 from collections.abc import Iterator
 
 from fakes.naive_plan import change_of
-from fakes.naive_run import Job, Task
+from fakes.naive_run import LAST, Job, Task
 from fakes.naive_state import NaiveState
+
+TOLD_S = 5.0
 
 
 class NaiveSetups(NaiveState):
@@ -18,7 +20,7 @@ class NaiveSetups(NaiveState):
         if 'late' not in task.given:
             return False
         setup, value = change_of(task.device, task.given) or ('', '')
-        is_set = self.setups.get((task.device.name, setup)) == value
+        is_set = self.set_up(task, setup) == value
         return is_set or bool(task.given['late'] and task.state == 'new')
 
     def stays_set(self, task: Task) -> bool:
@@ -40,8 +42,43 @@ class NaiveSetups(NaiveState):
     def lacking(self, task: Task) -> Iterator[Task]:
         """Yield the implied changes to what a task asks for and its component is not (5.3.5)."""
         for setup, value in task.given.get('setup', {}).items():
-            if self.setups.get((task.device.name, setup)) != value:
+            if self.set_up(task, setup) != value:
                 yield task.job.first[f'{task.device.name}.{setup}.{value}']
+
+    def set_up(self, task: Task, setup: str) -> str | None:
+        """Return what a setup of a component is, as far as it is known (5.3.1, 5.3.9)."""
+        which = task.device.name, setup
+        return self.topics.get(which) if is_read(task, setup) else self.setups.get(which)
+
+    def is_untold(self, task: Task) -> bool:
+        """Tell whether a task waits for a topic to tell its setup (5.3.9)."""
+        asked = task.given.get('setup', {}).items()
+        if all(self.set_up(task, one) == value for one, value in asked if is_read(task, one)):
+            return False
+        if task.asked != (task.attempt, task.round):
+            task.asked, task.told_by = (task.attempt, task.round), round(self.now + TOLD_S, 6)
+            self.at(TOLD_S, task, 'told', LAST)
+        return self.now < task.told_by
+
+    def note_told(self, component: str, setup: str, value: str) -> None:
+        """Note what a topic tells; one told value may end in another (5.3.9)."""
+        which, before = (component, setup), self.line_knows.get((component, setup), (value, True))
+        self.topics[which] = value
+        if before[0] != value and not before[1]:
+            return  # the topic has not told the change yet
+        self.line_knows[which] = value, True
+        for task in [t for job in self.jobs for t in job.first.values() if 'late' in t.given]:
+            changed = change_of(task.device, task.given)
+            is_other = task.device.name == component and changed not in (None, (setup, value))
+            if before[0] != value and is_other:
+                self.evaluate_again(task)
+
+    def evaluate_again(self, task: Task) -> None:
+        """Let a change be evaluated again, if the sections have not begun its job (5.3.7)."""
+        places = task.device.places
+        begun = [self.said('cycle.started', one.at(n)) for one in task.job.items for n in places]
+        if task.state == 'done' and not any(begun):
+            task.state, task.attempt, task.not_before = 'new', 0, 0.0
 
     def is_changing(self, task: Task) -> bool:
         return any(one.state not in ('new', 'done') for one in self.lacking(task))
@@ -49,25 +86,25 @@ class NaiveSetups(NaiveState):
     def note_change(self, task: Task, *, done: bool) -> None:
         """Note that a change has begun, or was done (5.3.1)."""
         changed = change_of(task.device, task.given)
-        if changed:
-            self.setups.pop((task.device.name, changed[0]), None)
+        if not changed:
+            return
+        which, value = (task.device.name, changed[0]), changed[1]
+        if is_read(task, changed[0]):
+            self.line_knows.pop(which, None)
             if done:
-                self.setups[task.device.name, changed[0]] = changed[1]
+                self.line_knows[which] = value, self.topics.get(which) == value
+            return
+        self.setups.pop(which, None)
+        if done:
+            self.setups[which] = value
 
     def forget_setups(self, *names: str) -> None:
         """Know nothing any more, of some components or of all (5.3.1, 5.3.7)."""
         lost = {name for name, _ in self.setups if name in names or not names}
         self.setups = {key: v for key, v in self.setups.items() if key[0] not in lost}
-        for job in self.jobs:
-            for task in job.first.values():
-                begun = [
-                    self.said('cycle.started', item.at(number))
-                    for item in job.items
-                    for number in task.device.places
-                ]
-                is_lost = 'late' in task.given and task.device.name in lost
-                if is_lost and task.state == 'done' and not any(begun):
-                    task.state, task.attempt, task.not_before = 'new', 0, 0.0
+        for task in [task for job in self.jobs for task in job.first.values()]:
+            if 'late' in task.given and task.device.name in lost:
+                self.evaluate_again(task)
 
     @abstractmethod
     def before(self, job: Job) -> list[Job]: ...
@@ -77,3 +114,14 @@ class NaiveSetups(NaiveState):
 
     @abstractmethod
     def done_with_earlier(self, number: int, job: Job) -> bool: ...
+
+
+def is_read(task: Task, setup: str) -> bool:
+    """Tell whether the state topic of a component tells one of its setups (5.3.9)."""
+    return 'reads' in task.device.given.get('changes', {}).get(setup, {})
+
+
+def read_change(task: Task) -> tuple[str, str] | None:
+    """Return the setup and the value that a task changes, if a topic tells it."""
+    changed = change_of(task.device, task.given)
+    return changed if changed and is_read(task, changed[0]) else None

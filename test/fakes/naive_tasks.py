@@ -8,7 +8,7 @@ from typing import Any
 
 from fakes.naive_plan import Row
 from fakes.naive_run import LAST, Item, Job, Task
-from fakes.naive_setups import NaiveSetups
+from fakes.naive_setups import NaiveSetups, read_change
 from fakes.naive_verdicts import answers, is_skipped, refuses, serial_in, verdict
 
 GRACE_S = 5.0
@@ -41,7 +41,7 @@ class NaiveTasks(NaiveSetups):
         needs = task.needs | {task.device.name}
         free = not any(needs & other.needs for other in busy)
         free &= task.device.name not in self.out and not self.is_changing(task)
-        if free and self.now >= task.not_before:
+        if free and self.now >= task.not_before and not self.is_untold(task):
             task.attempt += 1
             lacks = list(self.lacking(task))
             if missing or lacks:
@@ -96,6 +96,8 @@ class NaiveTasks(NaiveSetups):
         if end == 'in_doubt' and self.now < task.awaited_until:
             return  # it was asked to end once more since
         results = task.device.results(task.given['task'])
+        if not end and (changed := read_change(task)):
+            self.note_told(task.device.name, *changed)
         refused = not end and task is not self.move and refuses(task, results)
         end = 'result_refused' if refused else end
         serial = '' if end else serial_in(task, results)

@@ -134,6 +134,9 @@ class _Unseen:
             and self._state.tasks[key].not_before > self._state.time
         )
 
+    def awaits_setup(self, key: e.TaskKey) -> bool:
+        return True
+
 
 def _copied(state: CellState) -> CellState:
     return state_from_plain(state.cell, json.loads(json.dumps(state_to_plain(state))))

@@ -50,6 +50,12 @@ class Bench(Protocol):
     def arrange(self, jobs: Sequence[str]) -> None:
         """Put these jobs into another order, at the places that they have together."""
 
+    def telling(self) -> Sequence[str]:
+        """Return the components whose state topics tell what they are set up for."""
+
+    def set_up(self, component: str, value: str) -> None:
+        """Set a component up by hand, which its state topic tells."""
+
     def order(self) -> bool:
         """Give the next order; return False if none is left."""
 
@@ -61,6 +67,7 @@ COMMANDS_OF = {10: ('stop',), 11: GOES_ON, 12: ('abort',)}
 RELEASES = 15
 RUNS_EMPTY = 26
 ARRANGES = 27
+SETS_UP = 28
 OF_JOBS = range(16, 26)
 """Choices of one who asks something of a job."""
 SERVICE = (13, 14)
@@ -86,6 +93,9 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
             names = bench.components()
             which = choice + (int(moment.delay_s) if moment else 0)
             bench.service(names[which % len(names)])
+        elif moment and choice == SETS_UP and (telling := bench.telling()):
+            number = int(moment.delay_s * 10)
+            bench.set_up(telling[number % len(telling)], 'xyz'[number % 3])
         elif choice in OF_JOBS and (possible := bench.possible()):
             number = choice - OF_JOBS.start + (int(moment.delay_s) if moment else 0)
             which = (number * 7 + len(possible) // 2) % len(possible)

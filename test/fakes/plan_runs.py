@@ -125,6 +125,13 @@ class NaiveBench:
     def release(self, script: str) -> None:
         self.cell.release(script)
 
+    def telling(self) -> Sequence[str]:
+        given = self.cell.devices.values()
+        return sorted(one.name for one in given if 'reads' in str(one.given.get('changes')))
+
+    def set_up(self, component: str, value: str) -> None:
+        self.cell.note_told(component, 'tool', value)
+
     def order(self) -> bool:
         order = next(self._orders, None)
         if order and order[0] not in self._refused:
@@ -239,6 +246,14 @@ class ProductBench:
 
     def release(self, script: str) -> None:
         assert self.run.release(self.scripts[script]).accepted
+
+    def telling(self) -> Sequence[str]:
+        components = self.cell.components.values()
+        told = (one.name for one in components for made in one.setups.values() if made.reads)
+        return sorted(told)
+
+    def set_up(self, component: str, value: str) -> None:
+        self.run.sim.gateway.set_up(component, 'tool', value)
 
     def order(self) -> bool:
         order = next(self._orders, None)
@@ -359,6 +374,7 @@ UNSEEN = {
     'script.loaded',
     'orchestrator.started',
     'component.state_changed',
+    'component.setup_read',
     'cell.stop_reason_changed',
 }
 """Events about files and processes, of which the rules of the line say nothing, and the reason why

@@ -16,6 +16,7 @@ from bt_orchestrator.model.goal import (
     GoalStatus,
     Reason,
     SeenContest,
+    SetupReading,
     StateReading,
 )
 from bt_orchestrator.model.script import Task, index_task
@@ -102,6 +103,8 @@ class Flights:
         for news in self._gateway.drain():
             if isinstance(news, StateReading):
                 self._ledger.record(_of_reading(self._ledger.state, news))
+            elif isinstance(news, SetupReading):
+                self._ledger.record([e.ComponentSetupRead(**vars(news))])
             elif isinstance(news, SeenContest):
                 self._ledger.record(contests.seen(self._ledger.state, news))
             else:

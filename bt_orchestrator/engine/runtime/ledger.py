@@ -61,6 +61,37 @@ class Delays:
             del self._found[key]
 
 
+# The wait for a state topic that does not tell a setup as a task asks for it.
+
+TOLD_WITHIN_S = 5.0
+"""Seconds within which a state topic tells what a component is set up for (semantics 5.3)."""
+
+
+class Tellings:
+    """The end of each wait for a state topic, from when the attempt could have started.
+
+    A new orchestrator lets each begin anew.
+    """
+
+    def __init__(self, state: CellState, clock: Clock) -> None:
+        self._state = state
+        self._clock = clock
+        self._asked: dict[TaskKey, tuple[tuple[int, int], float]] = {}
+        """The attempt and its round, and the end of the wait on the steady clock."""
+
+    def until(self, key: TaskKey) -> float | None:
+        """Return until when a task waits, on the steady clock; None: its wait is over."""
+        before = self._state.tasks.get(key)
+        attempt = (before.attempt if before is not None else 0, self._state.round(key))
+        asked = self._asked.get(key)
+        if asked is None or asked[0] != attempt:
+            asked = self._asked[key] = attempt, self._clock.steady() + TOLD_WITHIN_S
+            over = [one for one in self._asked if one.job not in self._state.jobs]
+            for one in over:
+                del self._asked[one]
+        return None if has_come(asked[1], self._clock.steady()) else asked[1]
+
+
 Notice = Callable[[Any], None]
 
 
@@ -105,6 +136,7 @@ class Ledger:
         self._on_time = on_time
         self._pending: list[Event] = []
         self._delays = Delays(state, clock)
+        self._tellings = Tellings(state, clock)
         self._wall = WallClock(clock)
         self._armed: dict[float, Timer] = {}
 
@@ -191,6 +223,13 @@ class Ledger:
     def is_delayed(self, key: TaskKey) -> bool:
         """Tell whether the next attempt of a task waits for its time; a settle follows then."""
         until = self._delays.left(key)
+        if until is not None:
+            self.wake_at(until)
+        return until is not None
+
+    def awaits_setup(self, key: TaskKey) -> bool:
+        """Tell whether a task waits for a topic to tell its setup; a settle ends the wait."""
+        until = self._tellings.until(key)
         if until is not None:
             self.wake_at(until)
         return until is not None

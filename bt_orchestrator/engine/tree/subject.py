@@ -45,6 +45,9 @@ class Recorder(Protocol):
     def is_delayed(self, key: e.TaskKey) -> bool:
         """Tell whether the next attempt of a task waits for its delay; a tick follows then."""
 
+    def awaits_setup(self, key: e.TaskKey) -> bool:
+        """Tell whether a task still waits for a state topic to tell its setup; a tick follows."""
+
 
 class Subject:
     """The task of a leaf and of the decorators around it."""

@@ -62,6 +62,18 @@ class ComponentSetupLost(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ComponentSetupRead(Event):
+    """The state topic of a component tells another value of a setup (semantics 5.3)."""
+
+    event: ClassVar[str] = 'component.setup_read'
+    component: str
+    setup: str
+    """Name of the setup in the cell file."""
+    value: str | None = None
+    """Its value, or what the topic tells in place of one; None: the publisher is gone."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class HoldRaised(Event):
     """Something waits for an operator (semantics 7.1)."""
 

@@ -11,7 +11,7 @@ from bt_orchestrator.model.failures import answers, why_not_offered
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.job_folds import forget_skips, note_work
-from bt_orchestrator.model.jobs.setups import forget_all
+from bt_orchestrator.model.jobs.setups import forget_all, note_told
 from bt_orchestrator.model.judging.rejects import forget_rejects, note_hold
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests.alike import together
@@ -51,6 +51,7 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
             state.tasks[key] = state.running[key] = changed(task, copied=True)
     state.shutting_down = False
     state.contests.clear()  # not checked yet
+    state.setups_told.clear()  # no message yet
     # Older journals have skips of jobs that have not started.
     forget_skips(state, lambda job: not job.started)
 
@@ -68,6 +69,11 @@ def component_contested(event: e.ComponentContested, state: CellState) -> None:
 def component_setup_lost(event: e.ComponentSetupLost, state: CellState) -> None:
     """Forget what its controller was set up for."""
     forget_all(state, event.component)
+
+
+def component_setup_read(event: e.ComponentSetupRead, state: CellState) -> None:
+    """Keep what the state topic tells of a setup."""
+    note_told(state, event.component, event.setup, event.value)
 
 
 def component_out_of_service(event: e.ComponentOutOfService, state: CellState) -> None:

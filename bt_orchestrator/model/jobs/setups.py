@@ -6,7 +6,7 @@ initialization tasks of the script that is bound to a cell.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -100,9 +100,33 @@ def _change(wanted: _Wanted, cell: Cell, *, on_demand: bool) -> Task:
 
 
 def known(state: CellState, component: str, setup: str) -> str | None:
-    """Return the present value of a setup; None: it is not known."""
+    """Return the present value of a setup; None: it is not known.
+
+    What a state topic tells counts before everything else; it may be none of the values.
+    """
+    if _is_read(state, component, setup):
+        return state.setups_told.get(component, {}).get(setup) or None
     found = state.setups.get(component, {}).get(setup)
     return None if found is None else found.value
+
+
+def _is_read(state: CellState, component: str, setup: str) -> bool:
+    """Tell whether the state topic of a component tells a setup; not so in an older cell."""
+    made = state.cell.components[component].setups.get(setup)
+    return made is not None and bool(made.reads)
+
+
+def untold(state: CellState, task: Task) -> tuple[str, str] | None:
+    """Return the setup that the topic of a component does not tell as a task asks for it.
+
+    With what the topic says, empty: nothing. None: there is no such setup.
+    """
+    for setup, wanted in task.setup.items():
+        if _is_read(state, task.component, setup):
+            told = known(state, task.component, setup)
+            if told != wanted:
+                return setup, told or ''
+    return None
 
 
 def missing_setup(state: CellState, task: Task) -> str | None:
@@ -165,8 +189,33 @@ def _to_come(state: CellState, job: JobState, *, whole: bool) -> Iterator[Task]:
 def learn(state: CellState, task: Task, server: str | None) -> None:
     """Keep what a change has set."""
     assert task.change is not None
-    of_component = state.setups.setdefault(task.component, {})
-    of_component[task.change.setup] = KnownSetup(task.change.value, server)
+    setup, value = task.change.setup, task.change.value
+    if _is_read(state, task.component, setup):
+        now = KnownSetup(value, is_told=known(state, task.component, setup) == value)
+    else:
+        now = KnownSetup(value, server)
+    state.setups.setdefault(task.component, {})[setup] = now
+
+
+def note_told(state: CellState, component: str, setup: str, value: str | None) -> None:
+    """Keep what a state topic tells; where a told value is another one now, changes are evaluated.
+
+    A topic may tell a change a moment after its success: until then it has not told another value.
+
+    :param value: None: the topic says nothing
+    """
+    told = state.setups_told.setdefault(component, {})
+    if value is None:
+        told.pop(setup, None)
+        return
+    told[setup] = value
+    before = state.setups.get(component, {}).get(setup)
+    is_other = before is not None and before.value != value
+    if before is not None and is_other and not before.is_told:
+        return
+    state.setups.setdefault(component, {})[setup] = KnownSetup(value, is_told=True)
+    if is_other:
+        _evaluate_again(state, component, [setup], but=value)
 
 
 def forget(state: CellState, component: str, setup: str) -> None:
@@ -183,17 +232,29 @@ def forget_all(state: CellState, component: str | None = None) -> None:
     :param component: None: all of them
     """
     for name in [component] if component is not None else list(state.setups):
-        if state.setups.pop(name, None) is not None:
-            _evaluate_again(state, name)
+        known_there = state.setups.get(name, {})
+        lost = [setup for setup in known_there if not _is_read(state, name, setup)]
+        for setup in lost:
+            forget(state, name, setup)
+        if lost:
+            _evaluate_again(state, name, lost)
 
 
-def _evaluate_again(state: CellState, component: str) -> None:
-    """Evaluate the changes of a component again for the jobs whose first task there is to come."""
+def _evaluate_again(
+    state: CellState, component: str, setups: Collection[str], but: str | None = None
+) -> None:
+    """Evaluate changes of setups again for the jobs whose first task there is to come.
+
+    :param but: changes to this value stay as they are
+    """
     for key, progress in list(state.tasks.items()):
         if progress.phase is not Phase.DONE or key.section is not None or key.job is None:
             continue
         task = state.task(key)
         if task is None or not task.is_implied or task.component != component:
+            continue
+        change = task.change
+        if change is None or change.setup not in setups or change.value == but:
             continue
         numbers = state.preparations[state.jobs[key.job].digest].sections[task.id]
         if not any(_has_begun(state, state.sections[n], state.jobs[key.job]) for n in numbers):

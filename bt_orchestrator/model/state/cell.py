@@ -132,6 +132,8 @@ class CellState:
     5.3)."""
     reject_counts: dict[str, RejectCount] = field(default_factory=dict)
     """By the name of the script that has a limit; empty: of all others (semantics 7.7)."""
+    setups_told: dict[str, dict[str, str]] = field(default_factory=dict)
+    """The words of state topics about setups, by component and setup; without unknown ones."""
 
     def __post_init__(self) -> None:
         """Begin with an empty belt, and state topics without a value."""

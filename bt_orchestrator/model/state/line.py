@@ -201,6 +201,8 @@ class KnownSetup:
     value: str
     server: str | None = None
     """Instance of the server that made it; None: not known."""
+    is_told: bool = False
+    """The state topic of the component has told it."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,13 @@ from bt_orchestrator.model.condition import Condition, holds
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.goal import NO_CONTEST, Contest
 from bt_orchestrator.model.hold_words import hold_wait_words
-from bt_orchestrator.model.jobs.setups import changes_for, stays, why_needless
+from bt_orchestrator.model.jobs.setups import (
+    change_id,
+    changes_for,
+    stays,
+    untold,
+    why_needless,
+)
 from bt_orchestrator.model.line import (
     is_done_with,
     may_not_begin,
@@ -36,6 +42,9 @@ class Seen(Protocol):
     def is_delayed(self, key: TaskKey) -> bool:
         """Tell whether the next attempt of a task waits for its delay."""
 
+    def awaits_setup(self, key: TaskKey) -> bool:
+        """Tell whether a task still waits for a state topic to tell its setup (semantics 5.3)."""
+
 
 def before_attempt(state: CellState, key: TaskKey, task: Task, seen: Seen) -> Wait | str | None:
     """Return what the next attempt waits for, or why the task is skipped; None: it may start.
@@ -55,8 +64,8 @@ def before_attempt(state: CellState, key: TaskKey, task: Task, seen: Seen) -> Wa
     if progress is not None and is_delayed:
         return Wait(f'waiting to retry, attempt {progress.attempt + 1}', WaitKind.RETRY_DELAY)
     if task.setup:
-        wait = _waits_for_component(state, key, task, seen)
-        return wait or _waits_for_change(state, key, task)
+        wait = _waits_for_component(state, key, task, seen) or _waits_for_change(state, key, task)
+        return wait or _waits_to_be_told(state, key, task, seen)
     return _waits_for_component(state, key, task, seen)
 
 
@@ -67,6 +76,19 @@ def _waits_for_change(state: CellState, key: TaskKey, task: Task) -> Wait | None
             what = f'waiting for initialization {change.task} of {key.job}'
             return Wait(what, WaitKind.INITIALIZATION, change.task, task=change.task)
     return None
+
+
+def _waits_to_be_told(state: CellState, key: TaskKey, task: Task, seen: Seen) -> Wait | None:
+    """Say that a state topic does not tell the setup yet (semantics 5.3)."""
+    found = untold(state, task)
+    if found is None or not seen.awaits_setup(key):
+        return None
+    setup, told = found
+    wanted, topic = task.setup[setup], state.cell.components[task.component].state
+    says = f'it is {told}' if told else 'nothing is published there'
+    change = change_id(task.component, setup, wanted)
+    what = f'waiting for {topic and topic.topic} to tell {setup} {wanted}; {says}'
+    return Wait(what, WaitKind.INITIALIZATION, change, task=change)
 
 
 def _waits_for_component(state: CellState, key: TaskKey, task: Task, seen: Seen) -> Wait | None:

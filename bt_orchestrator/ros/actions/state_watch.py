@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -12,7 +12,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from bt_orchestrator.model.cell import Component, StateTopic
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.goal import StateReading
+from bt_orchestrator.model.goal import SetupReading, StateReading
 from bt_orchestrator.model.limits import (
     STATE_VALUE_BYTES,
     STATE_VALUE_SHORT,
@@ -60,6 +60,8 @@ class StateWatch:
         self._class = message_class(state.type)
         self._news = news
         self._flow = StateFlow(state.ready)
+        self._setups = {name: one for name, one in component.setups.items() if one.reads}
+        self._setup_flows = {name: SetupFlow(one.values) for name, one in self._setups.items()}
         self._logger = SpareLog(node.get_logger().get_child(component.name))
         self._timer = steady_timer(node, _WAITING_S, guarded(self._tell_newest, self._logger))
         self._timer.cancel()
@@ -74,7 +76,7 @@ class StateWatch:
         """Look at the publishers; called once a second."""
         publishers = self._node.get_publishers_info_by_topic(self._topic)
         if not publishers:
-            self._hear(None)
+            self._hear(None, dict.fromkeys(self._setups))
             return
         wanted = best_profile([publisher.qos_profile for publisher in publishers])
         if wanted != self._profile:
@@ -99,23 +101,42 @@ class StateWatch:
 
     def _on_message(self, message: Any) -> None:
         try:
-            self._hear(field_value(message, self._path))
+            setups = {
+                name: one.told(field_value(message, one.reads.split('.')))
+                for name, one in self._setups.items()
+            }
+            self._hear(field_value(message, self._path), setups)
         except Exception:  # noqa: BLE001 - one bad message, the cell goes on
             report(self._logger)
 
-    def _hear(self, value: Any) -> None:
-        self._tell(self._flow.hear(value, time.monotonic()))
-        if self._flow.is_waiting and self._timer.is_canceled():
+    def _hear(self, value: Any, setups: Mapping[str, str | None]) -> None:
+        """Tell setups first: no goal is sent to a component that is ready, but not known."""
+        now = time.monotonic()
+        for name, flow in self._setup_flows.items():
+            self._tell_setup(name, flow.hear(setups[name], now))
+        self._tell(self._flow.hear(value, now))
+        if self._is_waiting and self._timer.is_canceled():
             self._timer.reset()
 
     def _tell_newest(self) -> None:
-        self._tell(self._flow.look(time.monotonic()))
-        if not self._flow.is_waiting:
+        now = time.monotonic()
+        for name, flow in self._setup_flows.items():
+            self._tell_setup(name, flow.look(now))
+        self._tell(self._flow.look(now))
+        if not self._is_waiting:
             self._timer.cancel()
+
+    @property
+    def _is_waiting(self) -> bool:
+        return any(flow.is_waiting for flow in (self._flow, *self._setup_flows.values()))
 
     def _tell(self, values: Iterable[Any]) -> None:
         for value in values:
             self._news.add(StateReading(self._component, value))
+
+    def _tell_setup(self, setup: str, values: Iterable[Any]) -> None:
+        for value in values:
+            self._news.add(SetupReading(self._component, setup, value))
 
 
 def best_profile(offers: Sequence[QoSProfile]) -> QoSProfile:
@@ -137,6 +158,9 @@ def best_profile(offers: Sequence[QoSProfile]) -> QoSProfile:
 
 _RECORD_BYTES = 200
 """Bytes of a record without the value."""
+
+UNCLEAR = ''
+"""Told of a setup whose value has ended, while the next one has to wait."""
 
 
 class StateFlow:
@@ -176,7 +200,7 @@ class StateFlow:
             size = _RECORD_BYTES + len(json_of(kept))
             if size <= left or self._must_be_told(kept):
                 self._allowance.use(size, now)
-                self.told = self._newest
+                self.told = kept if kept == UNCLEAR else self._newest
                 yield kept
                 return
 
@@ -190,8 +214,20 @@ class StateFlow:
         yield shortened(whole, STATE_VALUE_SHORT)
 
     def _must_be_told(self, kept: Any) -> bool:
-        ends = self.told in self._ready and self._newest not in self._ready
+        ends = self.told in self._ready and kept not in self._ready
         return ends and len(json_of(kept)) <= 8 * STATE_VALUE_SHORT
+
+
+class SetupFlow(StateFlow):
+    """The same for a setup: it tells at once that a value has ended.
+
+    Where the next value has to wait, the setup is unclear until then.
+    """
+
+    def _forms(self) -> Iterator[Any]:
+        yield from super()._forms()
+        if self.told in self._ready:
+            yield UNCLEAR
 
 
 def _same(one: Any, other: Any) -> bool:

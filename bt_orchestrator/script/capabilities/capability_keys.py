@@ -118,6 +118,13 @@ CHANGE = Table(
             'special_argument_1',
             rule='5.3',
         ),
+        Key(
+            'reads',
+            Kind.TEXT,
+            'field of the state topic that tells the value, or a path to it; absent: none does',
+            'gripper',
+            rule='5.3',
+        ),
     ),
     short='task',
 )

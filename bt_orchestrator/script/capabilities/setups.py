@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-from bt_orchestrator.model.action_type import TASK, ActionType
-from bt_orchestrator.model.cell import Component, Setup
+from bt_orchestrator.base.errors import UnknownActionType
+from bt_orchestrator.model.action_type import TASK, ActionType, FieldType
+from bt_orchestrator.model.cell import Component, Setup, StateTopic
 from bt_orchestrator.model.jobs.setups import change_by, change_id
 from bt_orchestrator.model.script import RunsFor, Script, SetupChange, Task
+from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.capabilities.capability_keys import CHANGE, CHANGES, SETUPS
 from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
+from bt_orchestrator.script.field_types import simple_type
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.names import check_name
 from bt_orchestrator.script.report import Report, did_you_mean, listing
@@ -24,8 +27,16 @@ from bt_orchestrator.script.yaml_nodes import Entry, ListNode, MapNode, Node, Sc
 class SetupReader:
     """Reads the setups of one component, and what changes them."""
 
-    def __init__(self, fields: Fields, name: str, type_: ActionType | None) -> None:
+    def __init__(
+        self,
+        fields: Fields,
+        name: str,
+        type_: ActionType | None,
+        state: StateTopic | None,
+        types: ActionTypes,
+    ) -> None:
         self._fields, self._name, self._type = fields, name, type_
+        self._state, self._types = state, types
         self._report = fields.report
 
     @property
@@ -59,9 +70,13 @@ class SetupReader:
             what = f'nothing says how the setup `{name}` is changed'
             self._report.add(entry.key.place, what, CHANGES.hint)
             return None
-        task, argument = self._change(name, change)
+        task, argument, reads = self._change(name, change)
         values = {one: self._argument(node, argument) for one, node in nodes.items()}
-        return Setup(values, task, argument)
+        kind = self._reading(change, reads)
+        if kind is None:
+            return Setup(values, task, argument)
+        told = {one: self._told(node, reads, kind) for one, node in nodes.items()}
+        return Setup(values, task, argument, reads, told)
 
     def _values(self, entry: Entry) -> Iterator[tuple[str, Scalar]]:
         items = entry.value.items if isinstance(entry.value, ListNode) else ()
@@ -80,32 +95,66 @@ class SetupReader:
                 seen.add(item.text)
                 yield item.text, item
 
-    def _change(self, setup: str, entry: Entry) -> tuple[str, str]:
-        """Return the task and the goal field of a change; the field is empty if it is wrong."""
-        node, place = entry.value, entry.value.place
+    def _change(self, setup: str, entry: Entry) -> tuple[str, str, str]:
+        """Return the task and the goal field of a change, and what tells its value.
+
+        The goal field is empty if it is wrong.
+        """
+        node, place, reads = entry.value, entry.value.place, ''
         if isinstance(node, Scalar) and node.text:
             task, argument = node.text, setup
         elif isinstance(node, MapNode):
             fields = Fields(node, CHANGE, self._report)
             task, argument = fields.text('task') or '', fields.text('argument') or setup
-            place = fields.place('argument')
+            place, reads = fields.place('argument'), fields.text('reads') or ''
         else:
             what = f'a change must name its task, not {found(node)}'
             self._report.add(place, what, CHANGES.hint)
-            return '', ''
+            return '', '', ''
         if self._type is None:
-            return task, ''
+            return task, '', reads
         if task:
             check_task_name(task, self._type, entry.value.place, self._report)
         goal = {name: one for name, one in self._type.goal.fields.items() if name != TASK}
         if argument in goal:
-            return task, argument
+            return task, argument, reads
         what = f'{self._type.goal.name} has no field {quoted(argument)} for the value'
         hint = f'name one with `argument`: {listing(goal)}'
         if argument != setup:
             hint = did_you_mean(argument, goal, hint)
         self._report.add(place, what, hint)
-        return task, ''
+        return task, '', reads
+
+    def _reading(self, entry: Entry, field: str) -> FieldType | None:
+        """Return the type of the field that tells a setup; None: there is none, or it is wrong."""
+        node = entry.value
+        found = node.find('reads') if isinstance(node, MapNode) else None
+        if found is None or not field:
+            return None
+        place = found.value.place
+        if self._state is None:
+            if not self._fields.has('state'):
+                what = f'`{self._name}` has no state topic that tells a setup'
+                self._report.add(place, what, 'give it `state`, or remove `reads`')
+            return None
+        try:
+            ros_name = self._types.message_field(self._state.type, field)
+        except UnknownActionType as fault:
+            if ' field ' in fault.what:  # else the type was reported before
+                self._report.add(place, fault.what, fault.hint)
+            return None
+        known = simple_type(ros_name)
+        if known is None or known.kind in ('float', 'bytes'):
+            what = f'the field `{field}` of {self._state.type} is {ros_name}'
+            hint = 'name one that is a text, a whole number or a boolean'
+            self._report.add(place, f'{what}, which tells no setup', hint)
+            return None
+        return known
+
+    def _told(self, node: Scalar, field: str, kind: FieldType) -> Any:
+        if kind.kind == 'str':
+            return node.text
+        return MessageReader(self._report).value(node, kind, field)
 
     def _argument(self, node: Scalar, field: str) -> Any:
         if self._type is None or not field:

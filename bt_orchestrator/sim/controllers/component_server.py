@@ -166,6 +166,11 @@ class ComponentServer:
         if self._state:
             self._state.announce(ready)
 
+    def show(self, setup: str, value: Any) -> None:
+        """Say what a setup is on the state topic."""
+        if self._state:
+            self._state.show(self._component.setups[setup].reads, value)
+
     def repeat_state(self) -> None:
         """Say again what was said last."""
         if self._state:
@@ -207,7 +212,9 @@ class ComponentServer:
         """Begin what was accepted."""
         task = self._names.name(getattr(handle.request, TASK, None))
         assert task is not None, 'it was accepted'
-        request = GoalRequest(goal_id, self._component.name, task)
+        fields = {one.argument for one in self._component.setups.values() if one.task == task}
+        args = {field: getattr(handle.request, field) for field in fields}
+        request = GoalRequest(goal_id, self._component.name, task, args)
         self.controller.start(ServedGoal(request, handle))
 
     def cancel(self, goal_id: str) -> bool:
@@ -264,13 +271,23 @@ class StatePublisher:
         self._class = interfaces.message_class(state.type)
         self._publisher = node.create_publisher(self._class, state.topic, LATCHED)
         self._last: Any = None
+        self._setups: dict[str, Any] = {}
+        """Values of the fields that tell setups."""
 
     def announce(self, ready: bool) -> None:
         """Publish a new value."""
         value = ready_value(self._state) if ready else not_ready_value(self._state)
         self._last = self._class()
-        self._interfaces.fill(self._last, nested(self._state.field, value))
+        for field, one in {**self._setups, self._state.field: value}.items():
+            self._interfaces.fill(self._last, nested(field, one))
         self.repeat()
+
+    def show(self, field: str, value: Any) -> None:
+        """Publish another value of a field that tells a setup, once anything was published."""
+        self._setups[field] = value
+        if self._last is not None:
+            self._interfaces.fill(self._last, nested(field, value))
+            self.repeat()
 
     def repeat(self) -> None:
         """Publish the last value again, for subscribers that did not ask for a latched topic."""

@@ -90,6 +90,16 @@ def _component(draw: Draw, name: str, place: Any, number: int, traits: Traits) -
     if traits.setups and not dies and not chance(draw, 40):
         found['setups'] = {'tool': ['x', 'y']}
         found['changes'] = {'tool': {'task': 'TASK_C', 'argument': 'special_argument_1'}}
+        # Where a controller takes no goal any more, no change is ever told, whatever is answered.
+        is_deaf = any('ignore_cancel' in text for text in found.get('faults', []))
+        if not is_deaf and chance(draw, 40):
+            found['changes']['tool']['reads'] = 'value'
+            found['state'] = {
+                'topic': f'/{name}/state',
+                'type': 'diagnostic_msgs/msg/KeyValue',
+                'field': 'key',
+                'ready': ['READY'],
+            }
     return found
 
 

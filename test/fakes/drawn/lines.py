@@ -27,8 +27,9 @@ from hypothesis import strategies as st
 
 ANY = Traits()
 MOMENTS = (0.13, 3.71, 17.93, 61.57)
-OF_SETUPS = (0, 1, 2, 3, 4, 5, 9, 10, 11, 11, 11, 12, 13, 13, 14, 14, 16, 19)
-"""Choices of an operator after which setups are not known, and of one who answers and starts."""
+OF_SETUPS = (0, 1, 2, 3, 4, 5, 9, 10, 11, 11, 11, 12, 13, 13, 14, 14, 16, 19, 28, 28, 28, 28, 28)
+"""Choices of an operator after which setups are others or not known, and of one who answers and
+starts."""
 PRIORITIES = (0, 0, 3, 5, -1)
 STARTS = st.sampled_from((None, None, 0.0371, 9.0373, 45.0379))
 """At no moment at which anything else happens: what comes first then is open."""

@@ -91,6 +91,7 @@ SAMPLES: dict[str, Any] = {
     'name': 'TASK_A',
     'action': '/a2/do',
     'component': 'a2',
+    'setup': 'gripper',
     'attempt': 2,
     'attempts': 3,
     'repeat': 'glue',

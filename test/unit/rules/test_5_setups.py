@@ -322,6 +322,135 @@ def test_5_3_a_setup_is_unknown_when_its_controller_was_started_anew() -> None:
     assert (hold.reason, run.starts('work')) == ('setup_missing', [run.starts('work')[0]])
 
 
+# --- setups that a state topic tells (5.3.9) ----------------------------------------------------
+
+READ = GRIPPER.replace('special_argument_1}', 'special_argument_1, reads: value}') + (
+    ', state: {topic: /a2/state, type: diagnostic_msgs/msg/KeyValue, field: key, ready: [READY]}'
+)
+
+
+def reading(seconds: Mapping[str, float] | None = None, **faults: str) -> Line:
+    return Line(keys={'a2': READ}, seconds=seconds, faults=faults)
+
+
+def by_hand(run: VirtualRun, value: str) -> None:
+    """Let somebody change the gripper by hand, which its topic tells."""
+    run.sim.gateway.set_up('a2', 'gripper', value)
+    run.sim.orchestrator.settle()
+
+
+def test_5_3_a_setup_that_the_topic_tells_needs_no_change() -> None:
+    line = reading()
+    run = VirtualRun(line.cell, line.types)
+    run.sim.gateway.set_up('a2', 'gripper', 'small')
+    run.submit('J', line.script(SMALL), 1)
+    run.go()
+    assert run.ended
+    assert changes(run) == []
+    assert run.all('task.skipped', task='a2.gripper.small')[0]['reason'] == 'set up'
+
+
+def test_5_3_the_topic_tells_what_a_change_has_set() -> None:
+    run = reading().run(SMALL)
+    assert run.ended
+    assert [one.get('value', '') for one in run.all('component.setup_read')] == ['', 'small']
+    assert known(run.state, 'a2', 'gripper') == 'small'
+
+
+def test_5_3_a_told_setup_stays_known_after_stopped_and_out_of_service() -> None:
+    run = reading().begin(SMALL, 3)
+    run.go(until=5.0)
+    stopped_and_started(run)
+    run.service('a2', out=True)
+    run.service('a2', out=False)
+    assert known(run.state, 'a2', 'gripper') == 'small'
+    run.go()
+    assert run.ended
+    assert len(changes(run)) == 1
+
+
+def test_5_3_what_the_topic_tells_counts_before_the_change() -> None:
+    run = reading(a2='TASK_C#1=abort').run(SMALL)
+    run.answer('mark_done')
+    by_hand(run, 'large')
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.reason) == ('work', 'setup_missing')
+    assert hold.message == 'gripper of a2 is large; the task needs small'
+    run.answer('change')
+    run.go()
+    assert run.ended
+    assert known(run.state, 'a2', 'gripper') == 'small'
+
+
+def test_5_3_a_task_waits_five_seconds_for_the_topic_to_tell_its_setup() -> None:
+    run = reading(a2='TASK_C#1=abort').run(SMALL)
+    run.answer('mark_done')
+    run.go(until=run.now + 5.0)
+    (wait,) = [one.wait for one in run.sim.waits() if 'tell' in one.wait.reason]
+    assert wait.reason == (
+        'waiting for /a2/state to tell gripper small; nothing is published there'
+    )
+    assert not run.state.holds
+    by_hand(run, 'small')
+    run.go()
+    assert run.ended
+    assert not run.all('task.failed', task='work')
+
+
+def test_5_3_after_five_seconds_the_task_is_held() -> None:
+    run = reading(a2='TASK_C#1=abort').run(SMALL)
+    run.answer('mark_done')
+    run.go()
+    (failed,) = run.all('task.failed', task='work')
+    assert failed['time'] == run.times('belt.indexed')[0] + 5.0
+    (hold,) = run.state.holds.values()
+    assert hold.message == 'gripper of a2 is not known; the task needs small'
+
+
+def test_5_3_another_told_value_is_changed_for_a_job_that_has_not_begun() -> None:
+    run = reading(seconds={'a1': 9.0}).begin(SMALL)
+    run.go(until=2.0)
+    assert len(changes(run)) == 1
+    by_hand(run, 'medium')
+    run.go()
+    assert run.ended
+    assert not run.all('hold.raised')
+    assert [value for _, _, value in changes(run)] == ['small', 'small']
+
+
+def test_5_3_a_topic_may_tell_a_change_a_moment_later() -> None:
+    run = reading(seconds={'a1': 9.0}, a2='TASK_C#1=abort').begin(SMALL)
+    run.go(until=2.0)
+    run.answer('mark_done')
+    by_hand(run, 'medium')
+    run.go(until=4.0)
+    by_hand(run, 'small')
+    run.go()
+    assert run.ended
+    assert len(changes(run)) == 1, 'it is not changed again'
+
+
+def test_5_3_a_told_value_that_the_line_has_not_set_is_shown() -> None:
+    run = reading(seconds={'a1': 9.0}).begin(SMALL)
+    by_hand(run, 'medium')
+    (shown,) = [one for one in run.sim.status().components if one.setups]
+    assert setup_words(shown) == 'gripper medium'
+
+
+def test_5_3_a_told_setup_is_not_known_while_nothing_is_published() -> None:
+    """Its controller dies, and the one that comes tells what it is set up for."""
+    run = reading(seconds={'a1': 9.0}, a2='#2=die:1').begin(SMALL)
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert hold.reason == 'server_lost'
+    assert not run.all('component.setup_lost')
+    run.answer('retry')
+    run.go()
+    assert run.ended
+    assert len(changes(run)) == 1
+
+
 MISTAKES = {
     'not asked for back': (
         BOTH.replace(

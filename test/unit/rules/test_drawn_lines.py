@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from itertools import product
 
 import pytest
 from fakes.drawn.lines import lines
-from fakes.drawn.plan import Order, Plan, Traits
+from fakes.drawn.plan import Moment, Order, Plan, Row, Traits
 from fakes.event_format import mistake_in
-from fakes.plan_operator import operate
+from fakes.plan_operator import SETS_UP, operate
 from fakes.plan_runs import (
     NaiveBench,
     ProductBench,
@@ -170,3 +171,46 @@ def test_5_3_setups_go_as_the_second_opinion_says(plan: Plan) -> None:
     naive = NaiveBench(plan, product.refused)
     assert operate(naive, plan.moments) == ended
     assert comparable(product.run.records) == naive.cell.records
+
+
+def told_line(faults: list[str], moments: tuple[Moment, ...]) -> Plan:
+    """Return a line of two jobs, whose second section tells what it is set up for."""
+    kind = 'bt_orchestrator_interfaces/action'
+    topic = {'topic': '/a2/state', 'type': 'diagnostic_msgs/msg/KeyValue', 'field': 'key'}
+    change = {'task': 'TASK_C', 'argument': 'special_argument_1', 'reads': 'value'}
+    stations: Row = {
+        f'a{n}': {'section': n, 'action': f'/a{n}/do', 'type': f'{kind}/Component'} for n in (1, 2)
+    }
+    stations['a2'] |= {'state': {**topic, 'ready': ['READY']}, 'faults': faults}
+    stations['a2'] |= {'setups': {'tool': ['x', 'y']}, 'changes': {'tool': change}}
+    belt = {'sections': 2, 'action': '/belt/do', 'type': f'{kind}/Conveyor'}
+    belt |= {'task': 'MOVE_ONE_INDEX', 'duration': 2.0137}
+    place = {'id': 'place', 'task': 'TASK_A', 'action': '/a1/do', 'qty_change': 1}
+    pack = {'id': 'pack', 'task': 'TASK_A', 'action': '/a2/do', 'qty_change': -1}
+    packs: dict[str, Row] = {tool: {**pack, 'setup': {'tool': tool}} for tool in 'xy'}
+    scripts = [
+        {'script': f'script_{tool}', 'sections': {1: [place], 2: [task]}}
+        for tool, task in packs.items()
+    ]
+    orders = (Order('J0', 'script_x', 2), Order('J1', 'script_y', 2))
+    cell = {'cell': 'told_cell', 'conveyor': belt, 'components': stations}
+    return Plan(cell, tuple(scripts), orders, (), moments, (), frozenset())
+
+
+@pytest.mark.parametrize('faults', [[], ['#1=abort'], ['#1=late:9.1', '#3=false']])
+def test_5_3_what_topics_tell_goes_as_the_second_opinion_says(faults: list[str]) -> None:
+    """Whatever is set up by hand, and whenever; some of it while the line changes it."""
+    seen: Counter[str] = Counter()
+    choices = [Moment(0.13, SETS_UP), Moment(3.71, 0), Moment(3.71, SETS_UP), Moment(17.93, 1)]
+    length = 3 if PROFILE == 'nightly' else 2
+    for moments in product((*choices, Moment(61.57, SETS_UP)), repeat=length):
+        plan = told_line(faults, moments)
+        run = ProductBench(plan)
+        ended, naive = operate(run, moments), NaiveBench(plan)
+        assert operate(naive, moments) == ended, moments
+        assert comparable(run.run.records) == naive.cell.records, moments
+        seen['held'] += bool(run.run.all('hold.raised', reason='setup_missing'))
+        seen['told in time'] += not run.run.all('hold.raised')
+        changes = [one['job'] for one in run.run.all('task.started', name='TASK_C')]
+        seen['changed again'] += len(changes) > len({*changes})
+    assert min(seen['held'], seen['changed again']) > 0, seen

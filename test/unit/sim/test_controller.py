@@ -66,6 +66,9 @@ class FakeCarrier:
     def announce(self, ready: bool) -> None:
         self._see('ready' if ready else 'not ready')
 
+    def show(self, setup: str, value: Any) -> None:
+        self._see(f'{setup} {value}')
+
     def feedback(self, goal: FakeGoal, done: float) -> None:
         goal.done.append(done)
 

@@ -94,6 +94,10 @@ class ItemWaits:
         """Tell whether the next attempt of a task waits for its delay."""
         return self._over(key) > self._time
 
+    def awaits_setup(self, key: e.TaskKey) -> bool:  # noqa: ARG002 - the engine's
+        """Return True: the end of this wait is an event."""
+        return True
+
     def _over(self, key: e.TaskKey) -> float:
         """Return when the delay of a task is over."""
         assert self._state is not None

@@ -6,7 +6,7 @@ import itertools
 from typing import Any
 
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.ros.actions.state_watch import StateFlow
+from bt_orchestrator.ros.actions.state_watch import SetupFlow, StateFlow
 
 READY = 'READY'
 LONG = 'x' * 64_000
@@ -15,8 +15,8 @@ LONG = 'x' * 64_000
 class Topic:
     """A topic that says something each millisecond, and what is told of it."""
 
-    def __init__(self) -> None:
-        self.flow = StateFlow((READY,))
+    def __init__(self, flow: StateFlow | None = None) -> None:
+        self.flow = flow or StateFlow((READY,))
         self.now = 0.0
         self.told: list[Any] = []
 
@@ -94,3 +94,16 @@ def test_a_topic_that_is_silent_is_told() -> None:
     topic = Topic()
     topic.say(READY, None, READY)
     assert topic.told == [READY, None, READY]
+
+
+def test_a_setup_that_ends_is_told_at_once() -> None:
+    topic = Topic(SetupFlow(('small', 'large')))
+    for _ in range(2_000):
+        topic.say('small', 'large')
+    told = topic.told
+    assert topic.told[-1] == '', 'neither is known for certain'
+    assert len(told) < 1_000
+    topic.say('small')
+    topic.wait(1.0)
+    assert topic.told[-1] == 'small'
+    assert not topic.flow.is_waiting
