@@ -38,6 +38,8 @@ class NaiveAccount(NamedTuple):
     good: int
     produced: int
     oee: Fraction | None
+    parts: Counter[str]
+    """Microseconds of each part of a loss."""
     components: NaiveComponents
     causes: NaiveCauses
 
@@ -51,6 +53,7 @@ def naive_account(
     :param pace_us: of a job
     """
     times: Counter[str] = Counter()
+    loss_parts: Counter[str] = Counter()
     parts = NaiveComponents(Counter(), Counter(), Counter(), Counter())
     failed: set[str] = set()
     for number, record in enumerate(records):
@@ -62,6 +65,7 @@ def naive_account(
             past, took = records[: number + 1], overlap(begin, end, planned)
             what = what_is_it(past, after)
             times[what] += took
+            loss_parts[part_of(past, what)] += took
             of_components(past, what, took, parts, failed)
         if record['event'] == 'hold.raised' and failing(records, record):
             is_busy = number > 0 and what_is_it(records[:number], '') not in UNPLANNED
@@ -79,7 +83,19 @@ def naive_account(
     value = sum((pace_us(one['job']) for one in good), start=Fraction(0))
     oee = value / busy if busy else None
     causes = naive_causes(records, counts)
-    return NaiveAccount(times, len(good), len(counted), oee, parts, causes)
+    return NaiveAccount(times, len(good), len(counted), oee, loss_parts, parts, causes)
+
+
+def part_of(past: Records, what: str) -> str:
+    """Return the part of a loss; empty: it has none."""
+    standing, reason = holds(past), last(past, 'cell.stop_reason_changed', 'stop_reason')
+    if what == 'own_fault':
+        return 'fault' if standing and failing(past, standing[0]) else 'answer'
+    if what != 'operator':
+        return ''
+    if reason == 'operator':
+        return 'paused' if standing else 'not_started'
+    return 'paused' if last(past, 'cell.state_changed', 'state') in BEGINS else 'not_started'
 
 
 def of_components(

@@ -23,6 +23,7 @@ from bt_orchestrator.view.report.account.calendar import (
     shift_columns,
     shift_on,
     today,
+    wanted_by,
     zone_of,
 )
 from bt_orchestrator.view.report.account.period import Period
@@ -172,7 +173,7 @@ def _of_shift(args: argparse.Namespace, shifts: Shifts) -> Period:
     period = shift_on(shift, day, zone, now)
     if period.begin_us >= period.end_us:
         raise NoShift(f'shift {shift.name} of {day} has not begun yet')
-    return replace(period, targets=shifts.targets)
+    return wanted_by(shifts, period)
 
 
 def _named(args: argparse.Namespace, shifts: Shifts) -> Shift:

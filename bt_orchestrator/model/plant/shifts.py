@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 DAY_MIN = 24 * 60
+MICRO_STOP_S, LEAST_MICRO_STOP_S = 300.0, 10.0
 EVERY_DAY = tuple(range(7))
 DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
 
@@ -48,3 +49,5 @@ class Shifts:
     """Name of the time zone (IANA); empty: that of the computer."""
     targets: Mapping[str, Fraction] = field(default_factory=dict)
     """Figures that the plant wants, by name (`oee`, `availability`, `performance`, `quality`)."""
+    micro_stop_s: float = MICRO_STOP_S
+    """An own fault that is shorter is a micro-stop, any other a breakdown."""

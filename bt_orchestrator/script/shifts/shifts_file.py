@@ -31,7 +31,8 @@ def parse_shifts(text: str, file: str) -> Shifts:
     """
     report = Report(file)
     fields = file_fields(text, SHIFTS, report)
-    shifts = Shifts(_shifts(fields), _zone(fields), _targets(fields))
+    threshold = fields.seconds('micro_stop')
+    shifts = Shifts(_shifts(fields), _zone(fields), _targets(fields), threshold)
     report.refuse()
     return shifts
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.model.plant.shifts import DAYS
+from bt_orchestrator.model.plant.shifts import DAYS, LEAST_MICRO_STOP_S, MICRO_STOP_S
 from bt_orchestrator.script.keys import Key, Kind, Table
 from bt_orchestrator.script.names import ID_FORM
 
@@ -87,6 +87,14 @@ SHIFTS = Table(
             'figures that the plant wants; a report says where they are reached',
             '{oee: 0.75}',
             of=(TARGET,),
+        ),
+        Key(
+            'micro_stop',
+            Kind.SECONDS,
+            'an own fault that is shorter is a micro-stop, any other a breakdown',
+            '120',
+            default=MICRO_STOP_S,
+            minimum=LEAST_MICRO_STOP_S,
         ),
     ),
 )

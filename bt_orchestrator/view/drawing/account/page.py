@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from bt_orchestrator.view.drawing.account.tables import (
+    classes,
     failing,
     flaws,
     holds,
@@ -48,6 +49,7 @@ def _write(page: Html, account: Account) -> None:
     _facts(sheet, shown)
     waterfall(sheet, shown)
     stops(sheet, shown)
+    classes(sheet, shown)
     holds(sheet, account)
     made(sheet, shown)
     flaws(sheet, shown)
@@ -131,6 +133,8 @@ STYLE = """
 .account .is-left td { font-weight: 600; background: var(--panel) }
 .account .is-left td:first-child { padding-left: 8px }
 .account .is-loss td:first-child { padding-left: 24px }
+.account .is-part td:first-child { padding-left: 48px }
+.account .is-part td { color: var(--quiet) }
 .account .is-left rect { fill: var(--bar) }
 .account .not-busy rect { fill: var(--strong) }
 .account .availability rect { fill: var(--bad) }

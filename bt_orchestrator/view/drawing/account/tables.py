@@ -20,9 +20,10 @@ from bt_orchestrator.view.report.account.causes.flaws import (
     measured_texts,
 )
 from bt_orchestrator.view.report.account.figures import Bar, Figures
-from bt_orchestrator.view.report.account.losses import WORDS, Step
+from bt_orchestrator.view.report.account.losses import PARTS, WORDS, Step
 from bt_orchestrator.view.report.account.stops import Held
-from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent
+from bt_orchestrator.view.report.account.text import parts_of
+from bt_orchestrator.view.report.account.words import UNKNOWN, duration, is_seen, percent
 
 
 class Column(NamedTuple):
@@ -57,9 +58,11 @@ def waterfall(sheet: Html, shown: Figures) -> None:
             '', drawing=bar(*(shown.of_planned(us) or Fraction(0) for us in (begin, left)))
         )
         told = (TableCell(_signed(one)), TableCell(percent(shown.of_planned(one.us))))
-        add_row(
-            body, (TableCell(one.title), drawn, *told), (Column(''), BAR, *numbers), _kind(one)
-        )
+        columns = (Column(''), BAR, *numbers)
+        add_row(body, (TableCell(one.title), drawn, *told), columns, _kind(one))
+        for title, us in parts_of(shown, one.loss):
+            texts = (duration(us), percent(shown.of_planned(us)))
+            add_row(body, map(TableCell, (title, '', *texts)), columns, 'is-part')
 
 
 def _kind(one: Bar) -> str:
@@ -85,10 +88,27 @@ def stops(sheet: Html, shown: Figures) -> None:
     whole, so_far = sum(one.us for one in found), 0
     for one in found:
         so_far += one.us
-        name = TableCell(WORDS[one.loss].title, one.about)
+        part = PARTS[one.part].title if one.part in PARTS else ''
+        title = ', '.join(filter(None, (WORDS[one.loss].title, part)))
+        name = TableCell(title, one.about)
         drawn = TableCell('', drawing=bar(0, Fraction(one.us, found[0].us)))
         texts = (duration(one.us), str(one.times), percent(Fraction(so_far, whole)))
         add_row(body, (name, drawn, *map(TableCell, texts)), columns, _step(Step.AVAILABILITY))
+
+
+def classes(sheet: Html, shown: Figures) -> None:
+    """Write the micro-stops and the breakdowns among the own faults."""
+    micro, breakdowns = shown.micro_stops(), shown.breakdowns()
+    if not is_seen(micro.us + breakdowns.us):
+        return
+    columns = (Column(''), *_numbers('times', 'time'))
+    body = add_table(sheet, 'Own fault by length', columns)
+    limit = f'shorter than {duration(shown.micro_stop_us)}'
+    for name, found in (
+        (TableCell('micro-stops', limit), micro),
+        (TableCell('breakdowns'), breakdowns),
+    ):
+        add_row(body, (name, *map(TableCell, (str(found.times), duration(found.us)))), columns)
 
 
 def holds(sheet: Html, account: Account) -> None:

@@ -225,7 +225,7 @@ def account_of(fold: AccountFold, period: Period, paces: Paces, source: Source) 
     named = digest(cell) if cell is not None else ''
     return Account(
         replace(period, planned=times.planned),
-        figures(times, paces),
+        figures(times, paces, period.micro_stop_us),
         source.beside(fold.books.seqs),
         fold.books,
         cell is not None,

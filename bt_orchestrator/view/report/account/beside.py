@@ -24,6 +24,7 @@ from bt_orchestrator.view.report.account.named_figures import (
     names_of,
     of_loss,
     of_named,
+    of_parts,
 )
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import Planned
@@ -125,10 +126,15 @@ class Beside:
     def _of_line(self) -> tuple[Row, ...]:
         losses = (
             one
-            for one in map(of_loss, Loss)
-            if any(is_seen(one.tell(shown) or 0) for shown in self._figures)
+            for loss in Loss
+            if self._is_seen(of_loss(loss))
+            for one in (of_loss(loss), *filter(self._is_seen, of_parts(loss)))
         )
         return tuple(map(self._row, (*OF_LINE, *losses)))
+
+    def _is_seen(self, figure: Figure) -> bool:
+        values = (figure.tell(shown) or 0 for shown in self._figures)
+        return any(is_seen(value) if figure.unit is Unit.SECONDS else value for value in values)
 
     @property
     def _figures(self) -> list[Figures]:

@@ -10,7 +10,7 @@ from typing import IO, Any
 from bt_orchestrator.view.report.account.beside import Beside, Column, Group, Largest, Row
 from bt_orchestrator.view.report.account.losses import WORDS
 from bt_orchestrator.view.report.account.named_figures import By, Unit
-from bt_orchestrator.view.report.account.plain import held_plain, seconds_of, summed
+from bt_orchestrator.view.report.account.plain import held_plain, seconds_of, stop_plain
 from bt_orchestrator.view.report.account.text import titled
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent
 from bt_orchestrator.view.report.csv_export import csv_cell
@@ -123,7 +123,7 @@ def beside_plain(report: Beside, by: By | None) -> dict[str, Any]:
             {
                 'loss': one.bar.loss.value,
                 'seconds': seconds_of(one.bar.us),
-                'stops': [summed(stop) | {'loss': stop.loss.value} for stop in one.stops],
+                'stops': [stop_plain(stop) for stop in one.stops],
                 'holds': [held_plain(held, period) for held in one.holds],
             }
             for one in report.largest()

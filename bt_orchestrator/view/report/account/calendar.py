@@ -73,7 +73,12 @@ def turns_on(shifts: Shifts, days: Iterable[date], zone: tzinfo | None) -> Itera
         for shift in shifts.shifts.values():
             if day.weekday() in shift.days:
                 period = shift_on(shift, day, zone)
-                yield Turn(shift.name, day, replace(period, targets=shifts.targets))
+                yield Turn(shift.name, day, wanted_by(shifts, period))
+
+
+def wanted_by(shifts: Shifts, period: Period) -> Period:
+    """Return a period with the targets and the threshold of a file of shifts."""
+    return replace(period, targets=shifts.targets, micro_stop_us=round(shifts.micro_stop_s * US))
 
 
 def shift_on(shift: Shift, day: date, zone: tzinfo | None, until: float | None = None) -> Period:
@@ -159,9 +164,7 @@ def planned_by(shifts: Shifts, period: Period) -> Period:
     if period.steady is not None:
         planned = Planned.of(period.steady.when_shown(planned.pieces))
     breaks = changed_breaks(shifts, *period.on_clock)
-    return replace(
-        period, planned=planned, zone=zone_of(shifts), breaks=breaks, targets=shifts.targets
-    )
+    return replace(wanted_by(shifts, period), planned=planned, zone=zone_of(shifts), breaks=breaks)
 
 
 def planned_within(shifts: Shifts, begin: int, end: int) -> Planned:

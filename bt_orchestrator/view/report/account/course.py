@@ -13,11 +13,11 @@ from bt_orchestrator.model.task_spans import TaskSpan
 from bt_orchestrator.view.report.account.causes.items import FOLLOWED as OF_ITEMS
 from bt_orchestrator.view.report.account.causes.items import ItemsAtWork
 from bt_orchestrator.view.report.account.causes.made import Happening
-from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
+from bt_orchestrator.view.report.account.losses import WORDS, Loss, Part, Step
 from bt_orchestrator.view.report.account.planned import us_of
 from bt_orchestrator.view.report.account.standing import FOLLOWED as OF_STANDING
 from bt_orchestrator.view.report.account.standing import Cause, Standing
-from bt_orchestrator.view.report.account.stops import Held, OpenHolds, failing_component
+from bt_orchestrator.view.report.account.stops import Held, OpenHolds
 
 FOLLOWED = (
     *OF_STANDING,
@@ -211,9 +211,7 @@ class Course:
             ledger.happened(what)
 
     def _raised(self, event: e.HoldRaised, now: int, ledger: Bookings) -> None:
-        # Where the goal was cancelled its component has not failed.
-        is_cancelled = self._standing.is_emergency or not self._standing.has_node
-        held = self.holds.raised(event, now, '' if is_cancelled else failing_component(event))
+        held = self.holds.raised(event, now, self._standing.failing(event))
         ledger.raised(held, is_busy=is_busy(self.cause))
 
     # --- kept and gone on from ----------------------------------------------------------------
@@ -254,8 +252,11 @@ class Course:
 
 
 def _plain_cause(cause: Cause | None) -> list[str] | None:
-    return None if cause is None else [cause.loss.value, *cause[1:]]
+    return None if cause is None else [cause.loss.value, *cause[1:4], cause.part.value]
 
 
 def _cause_of(plain: Sequence[str] | None) -> Cause | None:
-    return None if plain is None else Cause(Loss(plain[0]), *plain[1:])
+    if plain is None:
+        return None
+    loss, detail, component, hold = plain[:4]
+    return Cause(Loss(loss), detail, component, hold, Part(*plain[4:]))

@@ -12,7 +12,8 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.proof.pace import Pace, pace
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.view.report.account.fold import Times
-from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step, of_step
+from bt_orchestrator.view.report.account.losses import WORDS, Loss, Part, Step, of_step
+from bt_orchestrator.view.report.account.period import MICRO_STOP_US
 from bt_orchestrator.view.report.account.stops import Repairs
 from bt_orchestrator.view.report.account.words import is_seen
 
@@ -43,6 +44,13 @@ LACKS: Mapping[Lack, str] = {
 }
 
 
+class StopClass(NamedTuple):
+    """Own faults of one class."""
+
+    times: int
+    us: int
+
+
 class Bar(NamedTuple):
     """A step of the waterfall."""
 
@@ -62,6 +70,8 @@ class Figures:
     """Of the scripts that were made, by digest."""
     unpaced: tuple[str, ...]
     """Scripts that were made and have no pace."""
+    micro_stop_us: int = MICRO_STOP_US
+    """A shorter own fault is a micro-stop, any other a breakdown."""
 
     # --- quantities -------------------------------------------------------------------------
 
@@ -164,6 +174,37 @@ class Figures:
         """The time for one item at the pace; of several scripts the mean."""
         return _ratio(self.net_us, self.produced) if self.has_paces else None
 
+    # --- classes and parts of stops -----------------------------------------------------------
+
+    def breakdowns(self, component: str | None = None) -> StopClass:
+        """Return the own faults that are as long as a breakdown.
+
+        :param component: that they are of; None: all
+        """
+        found = [
+            us
+            for name, faults in self.times.long_faults.items()
+            if component in (None, name)
+            for us in faults
+            if us >= self.micro_stop_us
+        ]
+        return StopClass(len(found), sum(found))
+
+    def micro_stops(self, component: str | None = None) -> StopClass:
+        """Return all other own faults."""
+        stops = [
+            stop
+            for stop in self.times.stops
+            if stop.loss is Loss.OWN_FAULT and component in (None, stop.component)
+        ]
+        longer = self.breakdowns(component)
+        times, us = sum(stop.times for stop in stops), sum(stop.us for stop in stops)
+        return StopClass(times - longer.times, us - longer.us)
+
+    def part_us(self, part: Part) -> int | None:
+        """Return the time of a part of a loss; None: books of an older program lack it."""
+        return self.of_causes(sum(stop.us for stop in self.times.stops if stop.part is part))
+
     # --- components -------------------------------------------------------------------------
 
     def mtbf_us(self, one: Repairs) -> Fraction | None:
@@ -238,12 +279,16 @@ class Paces:
         return self._known[digest]
 
 
-def figures(times: Times, paces: Paces) -> Figures:
-    """Return the figures of a period."""
+def figures(times: Times, paces: Paces, micro_stop_us: int = MICRO_STOP_US) -> Figures:
+    """Return the figures of a period.
+
+    :param micro_stop_us: a shorter own fault is a micro-stop
+    """
     found = {digest: paces.of(digest, script) for digest, script in times.scripts.items()}
     known = {digest: one for digest, one in found.items() if one is not None}
     unpaced = {one.script or one.job: one.digest for one in times.made if one.produced}
-    return Figures(times, known, tuple(name for name, key in unpaced.items() if key not in known))
+    lacking = tuple(name for name, key in unpaced.items() if key not in known)
+    return Figures(times, known, lacking, micro_stop_us)
 
 
 def _pace(script: Script, cell: Cell) -> Pace | None:

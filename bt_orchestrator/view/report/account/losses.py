@@ -38,6 +38,32 @@ class Loss(Enum):
     REJECTS = 'rejects'
 
 
+class Part(Enum):
+    """A part of a loss by what the line waited for."""
+
+    WHOLE = ''
+    """The loss has no parts, or books of an older program do not tell them."""
+    FAULT = 'fault'
+    ANSWER = 'answer'
+    PAUSED = 'paused'
+    NOT_STARTED = 'not_started'
+
+
+class PartWords(NamedTuple):
+    """A part of a loss for people."""
+
+    loss: Loss
+    title: str
+
+
+PARTS: Mapping[Part, PartWords] = {
+    Part.FAULT: PartWords(Loss.OWN_FAULT, 'fault'),
+    Part.ANSWER: PartWords(Loss.OWN_FAULT, 'waiting for an answer'),
+    Part.PAUSED: PartWords(Loss.OPERATOR, 'paused'),
+    Part.NOT_STARTED: PartWords(Loss.OPERATOR, 'not started'),
+}
+
+
 class Words(NamedTuple):
     """A loss for people."""
 

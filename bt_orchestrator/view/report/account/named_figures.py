@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from enum import Enum
 from fractions import Fraction
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from typing import NamedTuple
 from bt_orchestrator.view.report.account.causes.flaws import Effect
 from bt_orchestrator.view.report.account.causes.made import Made
 from bt_orchestrator.view.report.account.figures import Figures
-from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
+from bt_orchestrator.view.report.account.losses import PARTS, WORDS, Loss, Part, Step
 from bt_orchestrator.view.report.account.stops import Repairs, Stop
 from bt_orchestrator.view.report.account.words import duration, percent
 
@@ -81,6 +81,24 @@ def of_loss(loss: Loss) -> Figure:
         return None if needs_pace and not shown.has_paces else shown.loss_us(loss)
 
     return Figure(loss.value, f'- {WORDS[loss].title}', Unit.SECONDS, tell)
+
+
+def _of_part(part: Part, title: str) -> Figure:
+    return Figure(part.value, f'    {title}', Unit.SECONDS, lambda shown: shown.part_us(part))
+
+
+def of_parts(loss: Loss) -> Iterator[Figure]:
+    """Yield the parts of a loss, and of an own fault its classes."""
+    for part, words in PARTS.items():
+        if words.loss is loss:
+            yield _of_part(part, words.title)
+    if loss is Loss.OWN_FAULT:
+        yield Figure(
+            'micro_stops', '    micro-stops', Unit.COUNT, lambda shown: shown.micro_stops().times
+        )
+        yield Figure(
+            'breakdowns', '    breakdowns', Unit.COUNT, lambda shown: shown.breakdowns().times
+        )
 
 
 def _of_made(name: str, by: By) -> tuple[Figure, ...]:
@@ -174,6 +192,13 @@ def _of_component(name: str) -> tuple[Figure, ...]:
         Figure(
             'stops', 'stops', Unit.COUNT, lambda shown: sum(stop.times for stop in stops(shown))
         ),
+        Figure(
+            'micro_stops',
+            'micro-stops',
+            Unit.COUNT,
+            lambda shown: shown.micro_stops(name).times,
+        ),
+        Figure('breakdowns', 'breakdowns', Unit.COUNT, lambda shown: shown.breakdowns(name).times),
         Figure('operated', 'operating time', Unit.SECONDS, operated),
         Figure('failures', 'failures', Unit.COUNT, failures),
         Figure('mtbf', 'MTBF', Unit.SECONDS, mtbf),

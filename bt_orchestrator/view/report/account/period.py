@@ -8,6 +8,7 @@ from datetime import datetime, tzinfo
 from fractions import Fraction
 from typing import NamedTuple
 
+from bt_orchestrator.model.plant.shifts import MICRO_STOP_S
 from bt_orchestrator.view.report.account.planned import US, Planned
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
 
@@ -28,6 +29,9 @@ class ChangedBreak(NamedTuple):
         return self.end_us - self.begin_us
 
 
+MICRO_STOP_US = round(MICRO_STOP_S * US)
+
+
 @dataclass(frozen=True)
 class Period:
     """From when to when, and what of it is planned."""
@@ -44,6 +48,8 @@ class Period:
     """Of its shifts, also later ones; by the clock."""
     targets: Mapping[str, Fraction] = field(default_factory=dict)
     """Figures that the plant wants, by name (`oee`), as ratios."""
+    micro_stop_us: int = MICRO_STOP_US
+    """A shorter own fault is a micro-stop."""
 
     @classmethod
     def all_planned(

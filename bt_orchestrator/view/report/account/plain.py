@@ -9,7 +9,8 @@ from typing import IO, Any, NamedTuple
 
 from bt_orchestrator.view.report.account.account import Account
 from bt_orchestrator.view.report.account.causes.flaws import flaw_plain, measured_plain
-from bt_orchestrator.view.report.account.figures import LACKS, Bar, Figures, Lack
+from bt_orchestrator.view.report.account.figures import LACKS, Bar, Figures, Lack, StopClass
+from bt_orchestrator.view.report.account.losses import PARTS, Loss
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import US
 from bt_orchestrator.view.report.account.spans import LineStop
@@ -41,7 +42,13 @@ def account_plain(account: Account) -> dict[str, Any]:
         'waterfall': [_bar(bar) for bar in shown.waterfall()],
         'losses': {bar.loss.value: seconds_of(bar.us) for bar in shown.waterfall() if bar.loss},
         'jobs': [_job(shown, number) for number in range(len(times.made))],
-        'stops': [{**summed(stop), 'loss': stop.loss.value} for stop in times.stops],
+        'loss_parts': {part.value: seconds_of(shown.part_us(part)) for part in PARTS},
+        'own_fault_classes': {
+            'shorter_than_s': seconds_of(shown.micro_stop_us),
+            'micro_stops': _class(shown.micro_stops()),
+            'breakdowns': _class(shown.breakdowns()),
+        },
+        'stops': [stop_plain(stop) for stop in times.stops],
         'line_stops': [line_stop_plain(account, stop) for stop in times.line_stops],
         'line_stops_all': {
             'count': times.line_stops_count,
@@ -73,6 +80,15 @@ def _oee(shown: Figures) -> dict[str, Any]:
 def _bar(bar: Bar) -> dict[str, Any]:
     loss = bar.loss.value if bar.loss else None
     return {'title': bar.title, 'loss': loss, 'seconds': seconds_of(bar.us)}
+
+
+def _class(one: StopClass) -> dict[str, Any]:
+    return {'times': one.times, 'seconds': seconds_of(one.us)}
+
+
+def stop_plain(stop: Stop) -> dict[str, Any]:
+    """Return equal stops of the line."""
+    return {**summed(stop), 'loss': stop.loss.value, 'part': stop.part.value or None}
 
 
 def _component(shown: Figures, one: Repairs) -> dict[str, Any]:
@@ -148,10 +164,18 @@ def line_stop_plain(account: Account, stop: LineStop) -> dict[str, Any]:
         'detail': span.detail,
         'component': span.component,
         'hold': span.hold or None,
+        'part': span.part.value or None,
+        'class': _class_of(account, stop),
         'from': when(span.since_us),
         'to': when(span.until_us),
         'seconds': seconds_of(stop.us),
     }
+
+
+def _class_of(account: Account, stop: LineStop) -> str | None:
+    if stop.span.loss is not Loss.OWN_FAULT:
+        return None
+    return 'micro_stop' if stop.us < account.figures.micro_stop_us else 'breakdown'
 
 
 def held_plain(held: Held, period: Period) -> dict[str, Any]:
@@ -219,6 +243,11 @@ def _rows(plain: dict[str, Any]) -> Iterator[Row]:
         part = 'loss' if bar['loss'] else 'time'
         name = bar['loss'] or bar['title']
         yield Row(part, name, detail=bar['title'], seconds=bar['seconds'])
+    for name, seconds in plain['loss_parts'].items():
+        yield Row('part of loss', name, seconds=seconds)
+    for name in ('micro_stops', 'breakdowns'):
+        found = plain['own_fault_classes'][name]
+        yield Row('class', name, number=found['times'], seconds=found['seconds'])
     for job in plain['jobs']:
         yield from (Row('job', job['job'], detail=kind, number=job[kind]) for kind in _COUNTS)
     for one in plain['stops']:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from bt_orchestrator.view.report.account.causes.flaws import FlawSum, MeasuredSum
 from bt_orchestrator.view.report.account.causes.made import Made
-from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.losses import Loss, Part
 from bt_orchestrator.view.report.account.planned import US
 from bt_orchestrator.view.report.account.stops import Held
 
@@ -16,6 +16,10 @@ QUARTER_US = 15 * 60 * US
 
 LEAST_STOP_US = US // 20
 """A shorter one is no stop by itself: the node needs such moments between two tasks."""
+
+LEAST_BREAKDOWN_US = 10 * US
+"""A shorter own fault is a micro-stop. Those that no slot tells one by one are shorter: in each
+quarter of an hour a hundred others are at least as long."""
 
 MOST_SPANS = 100
 """Stops that a slot tells one by one, besides those that go beyond it: the longest."""
@@ -33,6 +37,12 @@ class StopSum:
     us: int = 0
     goes_on: bool = False
     """The stretch begins with such a stop that had begun before."""
+    part: Part = Part.WHOLE
+
+    @property
+    def key(self) -> tuple[Loss, str, str, Part]:
+        """The cause."""
+        return self.loss, self.detail, self.component, self.part
 
 
 @dataclass
@@ -46,6 +56,7 @@ class StopSpan:
     component: str = ''
     hold: str = ''
     """The hold that it waited for; empty: none."""
+    part: Part = Part.WHOLE
     since_us: int = 0
     """When it began, also where that was before the slot."""
     until_us: int = 0

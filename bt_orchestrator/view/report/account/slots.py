@@ -13,7 +13,7 @@ from bt_orchestrator.model.task_spans import TaskSpan
 from bt_orchestrator.view.report.account.causes.flaws import Bounds, Flaw, FlawSum, MeasuredSum
 from bt_orchestrator.view.report.account.causes.made import Happening, Made, Measured, count
 from bt_orchestrator.view.report.account.course import EVER_US, Stretch, is_busy
-from bt_orchestrator.view.report.account.losses import Loss, is_stop
+from bt_orchestrator.view.report.account.losses import Loss, Part, is_stop
 from bt_orchestrator.view.report.account.slot import (
     LEAST_STOP_US,
     MOST_SPANS,
@@ -171,7 +171,7 @@ class OpenSlot:
         """
         self.begin, self.ends, self.now = begin, ends, begin
         self._producing = 0
-        self._stops: dict[tuple[Loss, str, str], StopSum] = {}
+        self._stops: dict[tuple[Loss, str, str, Part], StopSum] = {}
         self._spans: dict[int, StopSpan] = {}
         self._held: dict[str, Held] = {}
         self._released: list[Held] = []
@@ -191,7 +191,7 @@ class OpenSlot:
     def go_on_from(self, slot: Slot) -> None:
         """Know what a slot that was not complete has added up."""
         self.now, self._producing = slot.until_us, slot.producing_us
-        self._stops = {(stop.loss, stop.detail, stop.component): stop for stop in slot.stops}
+        self._stops = {stop.key: stop for stop in slot.stops}
         self._spans = {span.seq: replace(span) for span in slot.spans}
         self._released = [hold for hold in slot.holds if hold.released_us is not None]
         self._held = {hold.hold: hold for hold in slot.holds if hold.released_us is None}
@@ -227,7 +227,8 @@ class OpenSlot:
         if cause is None:
             self._producing += us
         else:
-            stop = self._stops.setdefault(cause[:3], StopSum(*cause[:3]))
+            new = StopSum(*cause[:3], part=cause.part)
+            stop = self._stops.setdefault(new.key, new)
             stop.us += us
             stop.begun += not stretch.goes_on
             stop.goes_on |= stretch.goes_on and is_first

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import heapq
+from array import array
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from bt_orchestrator.view.report.account.losses import WORDS
-from bt_orchestrator.view.report.account.slot import LEAST_STOP_US, Slot, StopSpan
+from bt_orchestrator.view.report.account.losses import WORDS, Loss
+from bt_orchestrator.view.report.account.slot import (
+    LEAST_BREAKDOWN_US,
+    LEAST_STOP_US,
+    Slot,
+    StopSpan,
+)
 from bt_orchestrator.view.report.account.stops import Stop
 
 MOST_STOPS = 200
@@ -39,6 +46,8 @@ class SpanTotal:
         """Planned time of it so far."""
         self._count = self._sum_us = 0
         self._longest: list[tuple[int, int, LineStop]] = []
+        self._faults: dict[str, array[int]] = {}
+        """By component, the time of each own fault that may be a breakdown."""
 
     def add(self, slot: Slot, *, is_planned: bool) -> None:
         """Take in the stops of the next slot."""
@@ -56,17 +65,20 @@ class SpanTotal:
             return
         self._count += 1
         self._sum_us += us
+        if span.loss is Loss.OWN_FAULT and us >= LEAST_BREAKDOWN_US:
+            self._faults.setdefault(span.component, array('q')).append(us)
         entry = (us, -span.seq, LineStop(span, us))
         if len(self._longest) < MOST_STOPS:
             heapq.heappush(self._longest, entry)
         else:
             heapq.heappushpop(self._longest, entry)
 
-    def stops(self) -> tuple[tuple[LineStop, ...], int, int]:
-        """Return the longest in their order, and of all number and time.
+    def stops(self) -> tuple[tuple[LineStop, ...], int, int, Mapping[str, Sequence[int]]]:
+        """Return the longest in their order, of all number and time, and the long own faults.
 
         No further slot is taken in after that.
         """
         self._close()
         stops = sorted((stop for _, _, stop in self._longest), key=lambda one: one.span.since_us)
-        return tuple(stops), self._count, self._sum_us
+        faults = {name: tuple(sorted(found)) for name, found in sorted(self._faults.items())}
+        return tuple(stops), self._count, self._sum_us, faults

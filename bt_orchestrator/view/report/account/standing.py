@@ -11,7 +11,8 @@ from bt_orchestrator.model.codec import from_record, to_plain, to_record
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.task_spans import TaskSpans
-from bt_orchestrator.view.report.account.losses import OF_STOP_REASON, Loss
+from bt_orchestrator.view.report.account.losses import OF_STOP_REASON, Loss, Part
+from bt_orchestrator.view.report.account.stops import failing_component
 
 # The fold that knows whether there is work: a job on the line, or one that could start.
 
@@ -158,6 +159,7 @@ class Cause(NamedTuple):
     component: str = ''
     hold: str = ''
     """The hold that it waits for; empty: none."""
+    part: Part = Part.WHOLE
 
 
 class Standing:
@@ -171,6 +173,8 @@ class Standing:
         self.spans = TaskSpans()
         self.holds: dict[str, e.HoldRaised] = {}
         """Those that stand, in the order in which they were raised."""
+        self._failures: set[str] = set()
+        """Those that are failures of their components."""
         self._state = PackmlState.STOPPED if is_whole else None
         self._stop_reason: StopReason | None = None
         self._stop_words = ''
@@ -189,6 +193,13 @@ class Standing:
         """Tell whether the node has not begun to end."""
         return not self._node_ended
 
+    def failing(self, hold: e.HoldRaised) -> str:
+        """Return the component whose failure a hold is that is raised now; empty: none is.
+
+        Where the goal was cancelled its component has not failed.
+        """
+        return '' if self.is_emergency or self._node_ended else failing_component(hold)
+
     def cause(self) -> Cause | None:
         """Return what the time from here on is lost to; None: the line produces."""
         if self._state is None:
@@ -200,7 +211,8 @@ class Standing:
         if self._stop_reason is not None:
             return self._stopped(self._stop_reason)
         if not self._state.begins:
-            return Cause(Loss.OPERATOR, f'the cell was {self._state.value}')
+            words = f'the cell was {self._state.value}'
+            return Cause(Loss.OPERATOR, words, part=Part.NOT_STARTED)
         return self._at_work()
 
     def without_node(self) -> Cause:
@@ -217,16 +229,20 @@ class Standing:
             return Cause(loss, self._trouble(), next(iter(self._unready), ''))
         if reason is StopReason.EMERGENCY:
             return Cause(loss, 'abort')
+        is_operator = reason is StopReason.OPERATOR
         if not self.holds:
-            return Cause(loss, self._stop_words if reason is StopReason.OPERATOR else '')
+            part = Part.NOT_STARTED if is_operator else Part.ANSWER
+            return Cause(loss, self._stop_words if is_operator else '', part=part)
         hold = next(iter(self.holds.values()))
-        return Cause(loss, kind_of(hold), hold.component, hold.hold)
+        part = Part.FAULT if hold.hold in self._failures else Part.ANSWER
+        about = (kind_of(hold), hold.component, hold.hold)
+        return Cause(loss, *about, Part.PAUSED if is_operator else part)
 
     def _at_work(self) -> Cause | None:
         running = list(self.spans.open())
         if not running:
             if self._orders.all_paused:
-                return Cause(Loss.OPERATOR, JOB_PAUSED)
+                return Cause(Loss.OPERATOR, JOB_PAUSED, part=Part.PAUSED)
             first = next(iter((*self._out, *self._unready)), '')
             return Cause(Loss.WAITING, self._trouble(), first)
         if all(one.section is None and one.job is not None for one in running):
@@ -254,9 +270,12 @@ class Standing:
             self._stop_reason = StopReason(event.stop_reason) if event.stop_reason else None
             self._stop_words = event.reason
         elif isinstance(event, e.HoldRaised):
+            if self.failing(event):
+                self._failures.add(event.hold)
             self.holds[event.hold] = event
         elif isinstance(event, e.HoldReleased):
             self.holds.pop(event.hold, None)
+            self._failures.discard(event.hold)
         elif isinstance(event, e.OrchestratorStopping):
             self._node_ended = True
         elif isinstance(event, e.OrchestratorStarted):
@@ -269,6 +288,7 @@ class Standing:
         return {
             'spans': [to_record(one) for one in self.spans.open()],
             'holds': [to_record(hold) for hold in self.holds.values()],
+            'failures': sorted(self._failures),
             'state': to_plain(self._state),
             'stop_reason': to_plain(self._stop_reason),
             'stop_words': self._stop_words,
@@ -286,6 +306,7 @@ class Standing:
             hold = from_record(record)
             assert isinstance(hold, e.HoldRaised)
             self.holds[hold.hold] = hold
+        self._failures = set(plain.get('failures', ()))
         state, reason = plain['state'], plain['stop_reason']
         self._state = None if state is None else PackmlState(state)
         self._stop_reason = None if reason is None else StopReason(reason)

@@ -11,7 +11,7 @@ from bt_orchestrator.model.codec import from_record, to_record
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.requests import is_remark
-from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step
+from bt_orchestrator.view.report.account.losses import WORDS, Loss, Part, Step
 from bt_orchestrator.view.report.account.words import is_seen
 
 MOST_HOLDS = 100
@@ -28,6 +28,7 @@ class Stop(NamedTuple):
     component: str
     times: int
     us: int
+    part: Part = Part.WHOLE
 
     @property
     def about(self) -> str:

@@ -14,10 +14,10 @@ from bt_orchestrator.view.report.account.causes.flaws import (
 )
 from bt_orchestrator.view.report.account.figures import Figures
 from bt_orchestrator.view.report.account.fold import Times
-from bt_orchestrator.view.report.account.losses import WORDS
+from bt_orchestrator.view.report.account.losses import PARTS, WORDS, Loss
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.stops import Held
-from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent, rate
+from bt_orchestrator.view.report.account.words import UNKNOWN, duration, is_seen, percent, rate
 from bt_orchestrator.view.report.tables import table
 
 MOST_ROWS = 10
@@ -33,6 +33,7 @@ def account_text(account: Account) -> Iterator[str]:
     yield ''
     yield from _head(shown, period)
     yield from titled('where the time went', _waterfall(shown))
+    yield from titled('own fault by length', class_lines(shown))
     yield from titled('made', _made(shown))
     yield from titled('stops, the longest first', stop_lines(shown.times))
     yield from titled('holds', hold_lines(shown.times, period))
@@ -72,7 +73,34 @@ def _waterfall(shown: Figures) -> Iterator[str]:
     for bar in shown.steps_seen():
         name = f'- {bar.title}' if bar.loss else bar.title
         rows.append((name, duration(bar.us), percent(shown.of_planned(bar.us))))
+        rows += [
+            (f'    {title}', duration(us), percent(shown.of_planned(us)))
+            for title, us in parts_of(shown, bar.loss)
+        ]
     yield from table(('', 'time', 'of planned'), rows)
+
+
+def parts_of(shown: Figures, loss: Loss | None) -> Iterator[tuple[str, int]]:
+    """Yield the parts of a loss that can be seen, by name."""
+    for part, words in PARTS.items():
+        us = shown.part_us(part)
+        if words.loss is loss and us is not None and is_seen(us):
+            yield words.title, us
+
+
+def class_lines(shown: Figures) -> Iterator[str]:
+    """Yield the micro-stops and the breakdowns."""
+    limit = duration(shown.micro_stop_us)
+    rows = [
+        (title, str(found.times), duration(found.us))
+        for title, found in (
+            (f'micro-stops, shorter than {limit}', shown.micro_stops()),
+            ('breakdowns', shown.breakdowns()),
+        )
+        if is_seen(found.us)
+    ]
+    if rows:
+        yield from table(('', 'times', 'time'), rows)
 
 
 def _made(shown: Figures) -> Iterator[str]:

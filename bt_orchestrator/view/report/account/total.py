@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.view.report.account.causes.flaws import Bounds, Flaw, FlawSum, MeasuredSum
 from bt_orchestrator.view.report.account.causes.made import Made, add
-from bt_orchestrator.view.report.account.losses import WORDS, Loss, Step, is_stop
+from bt_orchestrator.view.report.account.losses import WORDS, Loss, Part, Step, is_stop
 from bt_orchestrator.view.report.account.planned import Planned
 from bt_orchestrator.view.report.account.slot import RestOfHolds, Slot, StopSum
 from bt_orchestrator.view.report.account.spans import LineStop, SpanTotal
@@ -58,6 +59,8 @@ class Times:
     """How many stops there were that are long enough for the list."""
     line_stops_us: int = 0
     """Their planned time."""
+    long_faults: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    """By component, the planned time of each own fault that may be a breakdown."""
 
     @property
     def short_stops_us(self) -> int:
@@ -86,7 +89,7 @@ class Total:
     def __init__(self) -> None:
         self._spans = SpanTotal()
         self._producing = 0
-        self._stops: dict[tuple[Loss, str, str], StopSum] = {}
+        self._stops: dict[tuple[Loss, str, str, Part], StopSum] = {}
         self._has_counted = False
         """The stop that stands at the end of the last slot is counted."""
         self._open: dict[str, Held] = {}
@@ -132,8 +135,8 @@ class Total:
         self._lacks_causes |= slot.lacks_causes
         self._producing += slot.producing_us
         for stop in slot.stops:
-            key = (stop.loss, stop.detail, stop.component)
-            known = self._stops.setdefault(key, StopSum(*key))
+            new = StopSum(stop.loss, stop.detail, stop.component, part=stop.part)
+            known = self._stops.setdefault(new.key, new)
             known.us += stop.us
             known.begun += stop.begun + (stop.goes_on and not self._has_counted)
         self._has_counted = True
@@ -238,11 +241,11 @@ class Total:
     def _sorted_stops(self) -> tuple[Stop, ...]:
         """Return the stops, the longest first."""
         found = (
-            Stop(stop.loss, stop.detail, stop.component, stop.begun, stop.us)
+            Stop(stop.loss, stop.detail, stop.component, stop.begun, stop.us, stop.part)
             for stop in self._stops.values()
         )
         return tuple(
-            sorted(found, key=lambda one: (-one.us, one.loss.value, one.detail, one.component))
+            sorted(found, key=lambda one: (-one.us, one.loss.value, *one[1:3], one.part.value))
         )
 
     def _failing(self) -> tuple[FailingTask, ...]:

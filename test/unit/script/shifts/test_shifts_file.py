@@ -54,6 +54,10 @@ MISTAKES = {
     f'{EARLY}}}}}\ntarget: {{oe: 0.75}}': (
         's.yaml:2:10: a target has no key `oe`; did you mean `oee`?'
     ),
+    f'{EARLY}}}}}\nmicro_stop: 5': (
+        's.yaml:2:13: `micro_stop` must be at least 10, not the number 5; write for instance '
+        '`micro_stop: 120`'
+    ),
     'shifts: {}': (
         's.yaml:1:9: no shift is named; write for instance '
         '`shifts: {early: {from: 06:00, to: 14:00}}`'

@@ -75,7 +75,9 @@ def test_every_figure_is_in_its_row(page: str) -> None:
     rows = read(page).rows
     assert 'planned busy time|7:20:00|97.8 %|' in rows
     assert 'own fault|\N{MINUS SIGN}0:22:00|4.9 %|' in rows
-    assert 'own fault|a2, TASK_A aborted|0:20:00|1|24.4 %|' in rows
+    assert 'own fault, fault|a2, TASK_A aborted|0:20:00|1|24.4 %|' in rows
+    assert 'waiting for an answer|0:02:00|0.4 %|' in rows
+    assert 'breakdowns|1|0:20:00|' in rows
     assert 'J|test|30.0 s|500|6|10|2|20|' in rows
     assert 'a2|1|0:20:00|6:09:58|0:20:00|' in rows
     assert 'rejected, test|by the script|10|55.6 %|' in rows

@@ -27,7 +27,7 @@ from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.view.report.account.figures import Figures, Paces, figures
 from bt_orchestrator.view.report.account.fold import FOLLOWED, AccountFold, Times
-from bt_orchestrator.view.report.account.losses import Loss, is_stop
+from bt_orchestrator.view.report.account.losses import PARTS, Loss, Part, is_stop
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import Planned, us_of
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
@@ -69,7 +69,7 @@ def accounts(
         asked.follow(event)
         asked.until(us_of(event.time) + 3_000_000)
     assert asked.until(last) == fold.until(last) == fold.until(last)
-    mine = figures(fold.until(last), Paces(cell))
+    mine = figures(fold.until(last), Paces(cell), MICRO_STOP_US)
 
     def pace_us(job: str) -> Fraction:
         found = pace(scripts[job], cell)
@@ -80,6 +80,7 @@ def accounts(
     assert +Counter({**booked, 'production': mine.times.producing_us}) == +naive.times
     agrees(mine, naive)
     same_stops(mine.times, records, planned)
+    same_classes(mine, records, planned)
     if mine.has_paces:  # one that gets stuck has none, and an item of it may be taken off by hand
         assert mine.oee == naive.oee
         closes(mine)
@@ -138,6 +139,8 @@ def agrees(shown: Figures, naive: NaiveAccount) -> None:
         )
         for one in times.measured
     } == causes.measured
+    for part in ('fault', 'answer', 'paused', 'not_started'):
+        assert shown.part_us(Part(part)) == naive.parts[part]
     parts = naive.components
     assert times.operated_us == +parts.operated
     repairs = {one.component: one for one in times.repairs}
@@ -147,6 +150,19 @@ def agrees(shown: Figures, naive: NaiveAccount) -> None:
     for name, one in repairs.items():
         assert shown.mtbf_us(one) == Fraction(parts.operated[name], parts.failures[name])
         assert shown.mttr_us(one) == Fraction(parts.repair[name], parts.failures[name])
+
+
+MICRO_STOP_US = 20_000_000
+"""Runs are short: so long a fault is a breakdown here."""
+
+
+def same_classes(shown: Figures, records: list[dict[str, Any]], planned: Planned) -> None:
+    """Assert that both agree about every breakdown, and about all micro-stops together."""
+    faults = [one for one in naive_stops(records, planned.pieces) if one.loss == 'own_fault']
+    long = [one.us for one in faults if one.us >= MICRO_STOP_US]
+    assert shown.breakdowns() == (len(long), sum(long))
+    assert shown.micro_stops().us == sum(one.us for one in faults) - sum(long)
+    assert shown.micro_stops().times == len(faults) - len(long)
 
 
 BOUNDS = ('product', 'task', 'component', 'value', 'at_least', 'at_most')
@@ -189,6 +205,11 @@ def closes(shown: Figures) -> None:
     held = sum(one.lost_us for one in times.holds) + sum(times.left_out_us.values())
     assert held <= sum(times.lost_us.get(loss, 0) for loss in (Loss.OWN_FAULT, Loss.OPERATOR))
     assert sum(one.us for one in times.stops) == sum(times.lost_us.values())
+    parts = {part: shown.part_us(part) or 0 for part in PARTS}
+    for loss in (Loss.OWN_FAULT, Loss.OPERATOR):
+        of_loss = sum(us for part, us in parts.items() if PARTS[part].loss is loss)
+        assert of_loss == times.lost_us.get(loss, 0)
+    assert parts[Part.FAULT] == sum(one.repair_us for one in times.repairs)
 
 
 def test_faults_pauses_and_starvation() -> None:

@@ -32,9 +32,9 @@ from fakes.hand_made_shift import LINE, SHIFTS, the_day
 
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 from bt_orchestrator.view.report.account.account import Account, account
-from bt_orchestrator.view.report.account.calendar import shift_on, zone_of
+from bt_orchestrator.view.report.account.calendar import shift_on, turns_on, zone_of
 from bt_orchestrator.view.report.account.causes.flaws import flaw_words
-from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.losses import Loss, Part
 from bt_orchestrator.view.report.account.plain import account_plain
 from bt_orchestrator.view.report.account.stops import FailingTask, Repairs, Stop
 from bt_orchestrator.view.report.account.text import account_text
@@ -109,7 +109,7 @@ def test_each_loss_goes_down_to_its_holds(made: Account) -> None:
 
 def test_the_stops_by_cause(made: Account) -> None:
     assert made.figures.times.stops[:4] == (
-        Stop(Loss.OWN_FAULT, 'TASK_A aborted', 'a2', 1, 1200 * S),
+        Stop(Loss.OWN_FAULT, 'TASK_A aborted', 'a2', 1, 1200 * S, Part.FAULT),
         Stop(Loss.EMERGENCY, 'abort', '', 1, 600 * S),
         Stop(Loss.NO_NODE, '', '', 1, 600 * S),
         Stop(Loss.NO_ORDER, '', '', 1, 600 * S),
@@ -119,6 +119,28 @@ def test_the_stops_by_cause(made: Account) -> None:
         Stop(Loss.WAITING, 'a1 not ready', 'a1', 1, S),
         Stop(Loss.WAITING, 'a3 not ready', 'a3', 1, S),
     ]
+
+
+def test_own_fault_and_operator_are_parted(made: Account) -> None:
+    shown = made.figures
+    assert [(part.value, (shown.part_us(part) or 0) // S) for part in Part if part.value] == [
+        ('fault', 1200),
+        ('answer', 120),
+        ('paused', 600),
+        ('not_started', 600),
+    ]
+    assert shown.micro_stops() == (1, 120 * S)
+    assert shown.breakdowns() == (1, 1200 * S)
+    assert shown.breakdowns('a2') == (1, 1200 * S)
+    assert shown.micro_stops('a2') == (0, 0)
+
+
+def test_the_file_of_shifts_has_the_threshold_of_micro_stops() -> None:
+    shifts = parse_shifts(f'{SHIFTS}micro_stop: 100\n', 'shifts.yaml')
+    (turn,) = turns_on(shifts, [date(2026, 5, 18)], zone_of(shifts))
+    shown = account(Reading(the_day().records()), turn.period, LINE.cell).figures
+    assert shown.breakdowns() == (2, 1320 * S)
+    assert shown.micro_stops() == (0, 0)
 
 
 def test_failures_and_the_time_to_repair(made: Account) -> None:
