@@ -27,6 +27,7 @@ SCREENS = (
     'component/component_2a',
     'why',
     'alarms',
+    'shift',
     'tree',
     'jobs',
     'job/WO-1001',

@@ -17,6 +17,7 @@ SCREENS = (
     'order',
     'why',
     'alarms',
+    'shift',
     'section/4',
     'tree',
     'jobs',

@@ -24,16 +24,16 @@ from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.writing.duration_edits import NotEditable, with_durations
 from bt_orchestrator.view.report.account.account import Account, account
-from bt_orchestrator.view.report.account.beside import Beside, beside
-from bt_orchestrator.view.report.account.beside_words import (
-    beside_plain,
-    beside_text,
-    write_beside_csv,
-)
 from bt_orchestrator.view.report.account.named_figures import By
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.plain import account_plain, write_csv
 from bt_orchestrator.view.report.account.text import account_text
+from bt_orchestrator.view.report.beside import Beside, beside
+from bt_orchestrator.view.report.beside_words import (
+    beside_plain,
+    beside_text,
+    write_beside_csv,
+)
 from bt_orchestrator.view.report.durations import (
     Durations,
     durations,

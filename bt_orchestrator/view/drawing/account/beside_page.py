@@ -8,11 +8,11 @@ from bt_orchestrator.view.drawing.account.page import DEFINITIONS, STYLE
 from bt_orchestrator.view.drawing.account.tables import Column, TableCell, add_row, add_table
 from bt_orchestrator.view.drawing.documents.html import Html, document, program
 from bt_orchestrator.view.drawing.svg import Svg
-from bt_orchestrator.view.report.account.beside import Beside, Group, Largest, Row
-from bt_orchestrator.view.report.account.beside_words import MOST_CAUSES, judged, texts, titles
 from bt_orchestrator.view.report.account.losses import WORDS
 from bt_orchestrator.view.report.account.named_figures import By
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent
+from bt_orchestrator.view.report.beside import Beside, Group, Largest, Row
+from bt_orchestrator.view.report.beside_words import MOST_CAUSES, judged, texts, titles
 
 CHART = (100.0, 56.0)
 

@@ -22,7 +22,10 @@ from bt_orchestrator.view.drawing.account.page import account_page
 from bt_orchestrator.view.report.account.account import NothingToReport
 from bt_orchestrator.view.report.account.live import Live, live_plain
 from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.named_figures import By
 from bt_orchestrator.view.report.account.planned import US
+from bt_orchestrator.view.report.beside import Beside, Column
+from bt_orchestrator.view.report.beside_words import beside_plain
 
 DAYS = 7
 """Of the document that shows days side by side: a week."""
@@ -55,14 +58,21 @@ def endpoints(watch: ShiftWatch, cell: _Cell) -> tuple[Endpoint, ...]:
         text = account_page(account)
         return Response(text.encode(), media_type='text/html', headers=attached(name))
 
-    async def days(_: Request) -> Response:
+    async def by(request: Request) -> Response:
+        owners, account = _by(request.path_params['by']), _live(watch).account
+        column = Column(account.period.name, account.period, account)
+        return Json(beside_plain(Beside((column,), account), owners))
+
+    async def days(request: Request) -> Response:
         _refuse_without_shifts(watch)
+        owners = request.query_params.get('by')
+        wanted = _by(owners) if owners else None
         try:
             report = await watch.days(DAYS)
         except (NothingToReport, JournalUnusable) as error:
             raise Problem(503, f'there is no account of the last days now: {error}') from error
         name = f'{report.together.period.name.replace(" ", "-")}.html'
-        text = beside_page(report, None)
+        text = beside_page(report, wanted)
         return Response(text.encode(), media_type='text/html', headers=attached(name))
 
     async def measured(request: Request) -> Response:
@@ -89,10 +99,18 @@ def endpoints(watch: ShiftWatch, cell: _Cell) -> tuple[Endpoint, ...]:
         ),
         Endpoint(
             'GET',
+            '/api/shift/by/{by}',
+            by,
+            'returns the same by product, job or component, as `report --by --json` prints it',
+            refusals={**_REFUSALS, 400: 'by has to be product, job or component'},
+        ),
+        Endpoint(
+            'GET',
             '/api/shift/days.html',
             days,
             f'returns the last {DAYS} days side by side, as `report --days {DAYS} --html` does',
-            refusals=_REFUSALS,
+            query={'by': 'product, job or component: one of these in place of the line'},
+            refusals={**_REFUSALS, 400: 'by has to be product, job or component'},
             media='text/html',
         ),
         Endpoint(
@@ -103,6 +121,17 @@ def endpoints(watch: ShiftWatch, cell: _Cell) -> tuple[Endpoint, ...]:
             media='text/plain',
         ),
     )
+
+
+def _by(word: str) -> By:
+    """Return what the rows are of.
+
+    :raises Problem: there is no such thing
+    """
+    try:
+        return By(word)
+    except ValueError as error:
+        raise Problem(400, f'expected product, job or component, found {word!r}') from error
 
 
 def _live(watch: ShiftWatch) -> Live:

@@ -13,11 +13,11 @@ from typing import Any
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
 from bt_orchestrator.extensions.page.web.seams import Plant
-from bt_orchestrator.view.report.account.beside import Beside, beside
 from bt_orchestrator.view.report.account.calendar import Turn, day_columns, shift_at, today
 from bt_orchestrator.view.report.account.live import Live, LiveAccount
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.planned import US
+from bt_orchestrator.view.report.beside import Beside, beside
 from bt_orchestrator.view.report.reading import Reading
 
 log = logging.getLogger(__name__)

@@ -10,6 +10,7 @@ export const SCREENS = {
   tree: () => import('./screens/tree.js'),
   cells: () => import('./screens/cells.js'),
   alarms: () => import('./screens/alarms.js'),
+  shift: () => import('./screens/shift.js'),
   jobs: () => import('./screens/jobs.js'),
   job: () => import('./screens/job.js'),
   item: () => import('./screens/item.js'),
@@ -25,7 +26,7 @@ export const NAVIGATION = IN_NAVIGATION.filter((name) => name in SCREENS).map((n
 }));
 
 /** Which place of the navigation a screen belongs to. */
-const BELONGS = { section: 'overview', component: 'overview', job: 'jobs', item: 'jobs' };
+const BELONGS = { section: 'overview', component: 'overview', shift: 'overview', job: 'jobs', item: 'jobs' };
 
 /**
  * @typedef {Object} Route

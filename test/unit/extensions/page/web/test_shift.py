@@ -29,11 +29,13 @@ from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 from bt_orchestrator.view.drawing.account.beside_page import beside_page
 from bt_orchestrator.view.drawing.account.page import account_page
 from bt_orchestrator.view.report.account.account import account
-from bt_orchestrator.view.report.account.beside import beside
 from bt_orchestrator.view.report.account.calendar import day_columns, shift_at
 from bt_orchestrator.view.report.account.live import LiveAccount, live_plain
 from bt_orchestrator.view.report.account.losses import Loss
+from bt_orchestrator.view.report.account.named_figures import By
 from bt_orchestrator.view.report.account.plain import account_plain
+from bt_orchestrator.view.report.beside import Beside, Column, beside
+from bt_orchestrator.view.report.beside_words import beside_plain
 from bt_orchestrator.view.report.reading import Reading
 
 NOTHING = {'shift': None, 'is_reading': False}
@@ -218,6 +220,24 @@ def test_the_account_and_its_document(bench: ShiftBench) -> None:
     assert answer.headers['content-type'].startswith('text/html')
     named = "attachment; filename*=UTF-8''shift-early-of-2026-05-18.html"
     assert answer.headers['content-disposition'] == named
+
+
+def test_the_shift_by_product_job_and_component_is_what_the_report_says(
+    bench: ShiftBench,
+) -> None:
+    bench.look()
+    assert bench.watch.live is not None
+    made, browser = bench.watch.live.account, bench.browser()
+    report = Beside((Column(made.period.name, made.period, made),), made)
+    for by in By:
+        assert browser.get(f'/api/shift/by/{by.value}').json == beside_plain(report, by)
+        document = browser.get(f'/api/shift/days.html?by={by.value}').body.decode()
+        assert '<h2>Largest losses</h2>' not in document
+        assert all(f'<h2>{group.name}</h2>' in document for group in report.groups(by))
+    for address in ('/api/shift/by/shape', '/api/shift/days.html?by=shape'):
+        refused = browser.get(address)
+        assert refused.status == 400
+        assert 'expected product, job or component' in refused.json['message']
 
 
 def test_the_last_days_are_a_document(bench: ShiftBench) -> None:

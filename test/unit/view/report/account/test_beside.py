@@ -13,10 +13,10 @@ from fakes.naive_account import naive_account
 from bt_orchestrator.model.codec import to_record
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 from bt_orchestrator.view.report.account.account import NothingToReport
-from bt_orchestrator.view.report.account.beside import Beside, Row, beside
-from bt_orchestrator.view.report.account.beside_words import beside_plain, beside_text
 from bt_orchestrator.view.report.account.calendar import turns_on, zone_of
 from bt_orchestrator.view.report.account.named_figures import By, Unit
+from bt_orchestrator.view.report.beside import Beside, Row, beside
+from bt_orchestrator.view.report.beside_words import beside_plain, beside_text
 from bt_orchestrator.view.report.reading import Reading
 
 HOURS = """

@@ -16,7 +16,8 @@ export function shiftCard() {
   const when = h('span', { class: 'shift-when quiet' });
   const report = h('a', { class: 'button', href: REPORT, download: '' }, t('shift.report'));
   const days = h('a', { class: 'button', href: DAYS, download: '' }, t('shift.days'));
-  const files = h('span', { class: 'shift-files' }, report, days);
+  const more = h('a', { class: 'button', href: '#/shift' }, t('shift.more_of_it'));
+  const files = h('span', { class: 'shift-files' }, more, report, days);
   const target = h('span', { class: 'shift-target quiet' });
   const oee = h('strong', { class: 'shift-oee', 'data-figure': 'oee' });
   const factors = FACTORS.map(factor);

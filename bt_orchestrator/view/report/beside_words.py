@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import IO, Any
 
-from bt_orchestrator.view.report.account.beside import Beside, Column, Group, Largest, Row
 from bt_orchestrator.view.report.account.losses import WORDS
 from bt_orchestrator.view.report.account.named_figures import By, Unit
 from bt_orchestrator.view.report.account.plain import held_plain, seconds_of, stop_plain
 from bt_orchestrator.view.report.account.text import titled
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent
+from bt_orchestrator.view.report.beside import Beside, Column, Group, Largest, Row
 from bt_orchestrator.view.report.csv_export import csv_cell
 from bt_orchestrator.view.report.tables import table
 
