@@ -114,7 +114,7 @@ def examine(args: argparse.Namespace) -> Iterator[Check]:
     yield reach(environment)
     yield security(environment)
     yield from machine.interface_packages()
-    cell, found = _cell(args.cell)
+    cell, found = _cell(args.cell, is_shared=not isinstance(args.journal, Path))
     yield from found
     yield from _with_ros(args, cell)
 
@@ -144,8 +144,11 @@ def _rights(journal: Path) -> Iterator[Check]:
         yield warn(name, f'{journal}: {error.strerror}', 'run this as the user of the node')
 
 
-def _cell(path: Path | None) -> tuple[Cell | None, list[Check]]:
-    """Read the cell file, whose types have to be installed."""
+def _cell(path: Path | None, *, is_shared: bool) -> tuple[Cell | None, list[Check]]:
+    """Read the cell file, whose types have to be installed.
+
+    :param is_shared: the journal is in a database, so a standby may go on with it
+    """
     if path is None:
         return None, []
     try:
@@ -162,12 +165,24 @@ def _cell(path: Path | None) -> tuple[Cell | None, list[Check]]:
         ]
     types = {component.type for component in cell.components.values()}
     installed = ok('cell file', f'{path}: cell {cell.name}, {len(types)} types installed')
-    return cell, [installed, _memory(cell)]
+    return cell, [installed, _memory(cell, is_shared=is_shared)]
 
 
-def _memory(cell: Cell) -> Check:
+LEFT_S = 60.0
+"""A `result_timeout` that leaves time for a standby to take over (semantics 9.4)."""
+
+
+def _memory(cell: Cell, *, is_shared: bool) -> Check:
     """Say within which time a restart needs no answers of a person (semantics 9.2)."""
     shortest = min(cell.components.values(), key=lambda one: one.result_timeout_s)
+    if is_shared and shortest.result_timeout_s < LEFT_S:
+        return warn(
+            'result_timeout',
+            f'{shortest.result_timeout_s:g} s ({shortest.name}): a standby that takes over later '
+            'than that asks a person about goals that were in flight',
+            f'let controllers remember results for {LEFT_S:g} s or longer, and say so with '
+            '`result_timeout` in the cell file',
+        )
     return ok(
         'result_timeout',
         f'{shortest.result_timeout_s:g} s ({shortest.name}): a node that is started again later '

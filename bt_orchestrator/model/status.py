@@ -258,6 +258,32 @@ class FlagStatus:
 
 
 @dataclass(frozen=True)
+class StandbyStatus:
+    """A node that waits to take over the cell (semantics 9.4)."""
+
+    host: str
+    process: int
+    trouble: str = ''
+    """Why it could not take over at this moment; empty: it could."""
+    seq: int = 0
+    """The last event that it has seen in the journal."""
+
+
+@dataclass(frozen=True)
+class Leadership:
+    """The node that leads the cell, and those that wait to do so (semantics 9.4)."""
+
+    host: str
+    """Of the leader."""
+    process: int = 0
+    """Of the leader."""
+    epoch: int = 0
+    """Grows with each new leader."""
+    standbys: tuple[StandbyStatus, ...] = ()
+    """Those that were heard, also one that has fallen silent since."""
+
+
+@dataclass(frozen=True)
 class CellStatus:
     """The status of one cell after an event: the only view for surfaces."""
 
@@ -313,6 +339,8 @@ class CellStatus:
     """How many jobs are in the queue, listed or not."""
     flags: tuple[FlagStatus, ...] = ()
     holds: tuple[Hold, ...] = ()
+    leadership: Leadership | None = None
+    """The nodes of the cell; None: no other node can take over."""
 
 
 @dataclass(frozen=True)

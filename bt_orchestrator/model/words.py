@@ -84,6 +84,10 @@ SENTENCES: Mapping[str, str] = {
     'mark_done with the result {result}',
     'setup_unknown': '{setup} of {component} is not known; the task needs {wanted}',
     'setup_other': '{setup} of {component} is {found}; the task needs {wanted}',
+    # why a standby could not take over
+    'standby_servers': 'it does not see the servers of {actions}',
+    'standby_away': 'it cannot look at the journal: {words}',
+    'standby_silent': 'it was heard last at {time}',
     # why answers are not offered
     'no_answers': 'no {answers}: {words}',
     'none_to_abort': 'no job on the belt is left to abort',

@@ -53,7 +53,7 @@ from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.memory import collect_rarely, give_back, widen_buffers
 from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.parameters import declare
-from bt_orchestrator.ros.service_manager import ALIVE, READY, STOPPING, is_told, tell
+from bt_orchestrator.ros.service_manager import ALIVE, READY, STOPPING, is_told, tell, watchdog
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.order_process import order_process
 from bt_orchestrator.ros.services.order_reader import OrderReader
@@ -68,7 +68,7 @@ from bt_orchestrator.ros.services.prompt_profile import prompt_answers
 from bt_orchestrator.ros.services.reading_services import EventsService, StateService, serve_lists
 from bt_orchestrator.ros.services.run_job import RunJobServer
 from bt_orchestrator.ros.services.services import Senders, Services
-from bt_orchestrator.ros.standby import Leading, NeverLed, Standby
+from bt_orchestrator.ros.standby import Leading, NeverLed, Standby, Standbys
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.script.cell_file import CELL_FILE, read_cell
 
@@ -162,10 +162,14 @@ class TreeNode:
         self._writer = WriterThread(self.heart.wake) if self._journal is not None else None
         self._readings = Readings(partial(soon, self.executor))
         self._leading = self._lead(pulse)
+        self._standbys = self._hear_standbys()
         store = self._journal or parts.make_memory_store()
         self.orchestrator = self._engine(cell, store, parts.sinks)
         self._overview = Overview(
-            self.orchestrator, self._durations, self._senders.unauthenticated
+            self.orchestrator,
+            self._durations,
+            self._senders.unauthenticated,
+            self._standbys.leadership if self._standbys is not None else lambda: None,
         )
         journal = self.parameters.journal
         self._bookkeeping = None if journal is None else parts.make_bookkeeping(journal)
@@ -202,7 +206,7 @@ class TreeNode:
         self.heart.start(lambda: self._beat(settle), self.parameters.tick_rate_hz)
         self.heart.beat()  # nobody is told what a take-over has noted before it is kept
         self._status.publish_now()
-        tell(READY, f'STATUS={self.ready_line}')
+        tell(READY, f'STATUS={self.ready_line}', watchdog(patient=False))
         while not stop.requested:
             self._spin_once()
             if self._leading is not None:
@@ -227,7 +231,7 @@ class TreeNode:
         wake = partial(soon, self.executor, _nothing)
         stop.notify(wake)
         journal = parts.open_standby(self.parameters.journal, clock_reading)
-        standby = Standby(journal, self._gateway, cell, pulse)
+        standby = Standby(self.node, journal, self._gateway, cell, pulse)
         name = self.node.get_fully_qualified_name()
 
         def ready(leader: str) -> None:
@@ -236,7 +240,14 @@ class TreeNode:
             tell(READY, f'STATUS={line}')
             say(line)
 
-        return standby.until_it_leads(stop, self._spin_once, wake, ready)
+        taken = standby.until_it_leads(stop, self._spin_once, wake, ready)
+        tell(watchdog(patient=True))
+        return taken
+
+    def _hear_standbys(self) -> Standbys | None:
+        if self._journal is None or not self._journal.is_shared:
+            return None
+        return Standbys(self.node, self._journal.epoch, wanted=self.parameters.standby)
 
     def _lead(self, pulse: Pulse) -> Leading | None:
         """Keep the right to lead, if another node can take over."""
@@ -350,7 +361,9 @@ class TreeNode:
         DescriptionTopic(self.node, self.orchestrator.state.cell)
         status = StatusTopic(self.node, self.orchestrator, self._overview, self._expected, pulse)
         self.orchestrator.add_sink(status)
-        Diagnostics(self.node, self.orchestrator, self._overview, self.heart, pulse)
+        Diagnostics(
+            self.node, self.orchestrator, self._overview, self.heart, pulse, self._standbys
+        )
         return status
 
     def _beat(self, settle: Callable[[], bool]) -> None:

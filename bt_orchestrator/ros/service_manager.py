@@ -18,6 +18,16 @@ def is_told() -> bool:
     return bool(os.environ.get(_SOCKET))
 
 
+LONG_S = 300
+"""Patience of the watchdog while a standby reads the journal that it goes on with."""
+
+
+def watchdog(*, patient: bool) -> str:
+    """Return the line that makes the watchdog patient, or as it was."""
+    usual = os.environ.get('WATCHDOG_USEC', '')
+    return f'WATCHDOG_USEC={LONG_S * 1_000_000 if patient else usual}' if usual else ''
+
+
 def tell(*lines: str) -> None:
     """Tell the service manager something; without one nothing happens.
 
@@ -30,4 +40,4 @@ def tell(*lines: str) -> None:
         address = f'\0{address[1:]}'
     kind = socket.SOCK_DGRAM | socket.SOCK_CLOEXEC | socket.SOCK_NONBLOCK
     with suppress(OSError), socket.socket(socket.AF_UNIX, kind) as manager:
-        manager.sendto('\n'.join(lines).encode(), address)
+        manager.sendto('\n'.join(filter(None, lines)).encode(), address)

@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections.abc import Callable, Sequence
+from datetime import datetime
+from socket import gethostname
+from typing import Any
+
+from bt_orchestrator_interfaces.msg import StandbyStatus as StandbyMessage
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from bt_orchestrator.base.errors import JournalAway, JournalFailed, OrchestratorError
 from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.limits import MESSAGE, PLACE, cut
+from bt_orchestrator.model.status import Leadership, StandbyStatus
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import Journal, Seen, StandbyJournal, Writer, Writing
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.executor.heart import Pulse
+from bt_orchestrator.ros.qos import publisher, subscribe
+from bt_orchestrator.ros.types.status_messages import standby_message, standby_status
 
 TRY_S = 0.1
 """Time between two attempts to take over."""
@@ -26,6 +41,20 @@ WITHOUT_SERVERS_S = 10.0
 """How long a cell has no leader before a standby takes over that does not see all servers."""
 
 
+TOPIC = 'standby'
+
+REPORTS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+
+SILENT_S = 5.0
+"""Time after which a standby that reports once a second counts as gone."""
+
+REMEMBERED_S = 3600.0
+"""How long a leader warns of a standby that is gone."""
+
+MOST_KNOWN = 7
+"""Standbys besides the newest; a peer may invent any number."""
+
+
 class NeverLed(OrchestratorError):
     """The standby was stopped before it led the cell."""
 
@@ -37,8 +66,9 @@ class Standby:
     """
 
     def __init__(
-        self, journal: StandbyJournal, gateway: RosGateway, cell: Cell, pulse: Pulse
+        self, node: Node, journal: StandbyJournal, gateway: RosGateway, cell: Cell, pulse: Pulse
     ) -> None:
+        self._report = StandbyReport(node, cell)
         self._journal = journal
         self._gateway = gateway
         self._cell = cell
@@ -86,6 +116,7 @@ class Standby:
             self._ends.set()
             thread.join()
             self._journal.close()
+            self._report.close()
         if self._failure is not None:
             raise self._failure
         assert self._taken is not None
@@ -108,6 +139,15 @@ class Standby:
         missing, all_of_them = len(self.missing), len(self._cell.components)
         is_long_alone = time.monotonic() - self._led_s >= WITHOUT_SERVERS_S
         self._may_take = not missing or (is_long_alone and missing < all_of_them)
+        self._report.publish(self.trouble, self.seen)
+
+    @property
+    def trouble(self) -> str:
+        """Why this node could not take over at this moment; empty: it could."""
+        if self.away:
+            return sentence('standby_away', words=self.away)
+        missing = self.missing
+        return sentence('standby_servers', actions=', '.join(missing)) if missing else ''
 
     def _watch(self, wake: Callable[[], None]) -> None:
         try:
@@ -145,6 +185,90 @@ class Standby:
     def _note_away(self, error: JournalAway) -> None:
         self.away, self._led_s = str(error), time.monotonic()
         self._take_from_s = self._led_s + COMES_BACK_S
+
+
+class StandbyReport:
+    """The health of a standby, which it publishes itself: `~/standby` and `/diagnostics`."""
+
+    def __init__(self, node: Node, cell: Cell) -> None:
+        self._node = node
+        self._cell = cell
+        self._host, self._process = gethostname(), os.getpid()
+        self._health = publisher(node, StandbyMessage, f'~/{TOPIC}', REPORTS)
+        self._diagnostics = publisher(node, DiagnosticArray, '/diagnostics', 10)
+
+    def publish(self, trouble: str, seen: Seen | None) -> None:
+        """Publish whether this node could take over, and what it has seen."""
+        seq = seen.seq if seen is not None else 0
+        status = StandbyStatus(self._host, self._process, trouble, seq)
+        self._health.publish(standby_message(status))
+        values = {'host': self._host, 'process': self._process, 'seq': seq}
+        if seen is not None:
+            values |= {'leader': seen.leader if seen.is_led else '', 'epoch': seen.epoch}
+        message = DiagnosticArray()
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        name = self._node.get_fully_qualified_name().lstrip('/')
+        message.status = [
+            DiagnosticStatus(
+                level=DiagnosticStatus.WARN if trouble else DiagnosticStatus.OK,
+                name=f'{name}: standby {self._host}',
+                hardware_id=self._cell.name,
+                message=trouble or 'it can take over',
+                values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+            )
+        ]
+        self._diagnostics.publish(message)
+
+    def close(self) -> None:
+        """Publish nothing any longer."""
+        self._node.destroy_publisher(self._health)
+        self._node.destroy_publisher(self._diagnostics)
+
+
+class Standbys:
+    """The nodes that a leader can leave the cell to, as they report themselves."""
+
+    def __init__(self, node: Node, epoch: int, *, wanted: bool) -> None:
+        """Begin to listen.
+
+        :param epoch: of this leader
+        :param wanted: whether this node has been a standby itself, so another one should be there
+        """
+        self.wanted = wanted
+        self._own = Leadership(gethostname(), os.getpid(), epoch)
+        self._heard: dict[tuple[str, int], tuple[StandbyStatus, float]] = {}
+        subscribe(node, StandbyMessage, f'~/{TOPIC}', self._hear, REPORTS)
+
+    def leadership(self) -> Leadership:
+        """Return this leader with the standbys that were heard within the last hour."""
+        now = time.time()
+        self._heard = {
+            key: entry for key, entry in self._heard.items() if now - entry[1] < REMEMBERED_S
+        }
+        told = (self._told(status, at_s, now) for status, at_s in self._heard.values())
+        return changed(self._own, standbys=tuple(told))
+
+    def _told(self, status: StandbyStatus, at_s: float, now: float) -> StandbyStatus:
+        if now - at_s < SILENT_S:
+            return status
+        moment = f'{datetime.fromtimestamp(at_s):%H:%M:%S}'
+        return changed(status, trouble=sentence('standby_silent', time=moment))
+
+    def _hear(self, message: Any) -> None:
+        status = standby_status(message)
+        status = changed(
+            status, host=cut(status.host, PLACE), trouble=cut(status.trouble, MESSAGE)
+        )
+        key = (status.host, status.process)
+        now = time.time()
+        if key not in self._heard:  # a standby that was started anew takes the place of the last
+            others = {k: e for k, e in self._heard.items() if k[0] != key[0] or _is_live(e, now)}
+            self._heard = dict(list(others.items())[-MOST_KNOWN:])
+        self._heard[key] = (status, now)
+
+
+def _is_live(entry: tuple[StandbyStatus, float], now: float) -> bool:
+    return now - entry[1] < SILENT_S
 
 
 class Leading:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from bt_orchestrator_interfaces.msg import Status
+from cell_processes import SMALL_CELL, remembering
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, String
 from test_msgs.action import Fibonacci
@@ -219,6 +220,17 @@ def test_what_is_wrong_is_said_with_its_remedy(tmp_path: Path) -> None:
     assert 'the package tset_msgs is not installed' in done.stdout
     assert 'fail  middleware: cannot be loaded: ' in done.stdout
     assert '\n      -> install the package that RMW_IMPLEMENTATION names' in done.stdout
+
+
+def test_9_4_a_standby_needs_servers_that_remember(tmp_path: Path) -> None:
+    address = 'postgresql://line@db.plant.invalid/plant/line_1'
+    cell = tmp_path / 'cell.yaml'
+    for text, verdict in ((SMALL_CELL, 'warn'), (remembering(SMALL_CELL), 'ok')):
+        cell.write_text(text)
+        done = run_doctor('--json', '--cell', cell, '--journal', address)
+        checks = {check['name']: check['verdict'] for check in json.loads(done.stdout)['checks']}
+        assert checks['result_timeout'] == verdict
+        assert checks['journal database'] == 'fail', 'no such host'
 
 
 def test_lines_of_a_check() -> None:

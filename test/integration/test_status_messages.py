@@ -28,6 +28,7 @@ from bt_orchestrator.model.status import (
     FinishedCycle,
     ItemStatus,
     JobStatus,
+    Leadership,
     ListedJob,
 )
 from bt_orchestrator.model.stop_reason import Wish
@@ -60,6 +61,7 @@ NAMED: dict[Any, dict[str, st.SearchStrategy[Any]]] = {
     Wish: {'command': NAMES},
     FinishedCycle: {'job': NAMES},
     Words: {'kind': NAMES},
+    Leadership: {'host': NAMES},
     JobStatus: {
         'priority': INT16,
         'good': WHOLE,

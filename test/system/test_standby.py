@@ -10,9 +10,11 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from socket import gethostname
 
 import pytest
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering
+from diagnostic_msgs.msg import DiagnosticArray
 from postgres_server import PostgresServer, postgres_server
 from program_process import ProgramProcess
 
@@ -184,6 +186,45 @@ def test_9_4_a_standby_that_is_stopped_leaves_the_leader_alone(pair: Pair, addre
     pair.cell.watch.until_ended('WO-1', within_s=60.0)
     pair.cell.stop()
     assert_all_done_once(pair, address, 1)
+
+
+def test_9_4_status_and_diagnostics_tell_of_leader_and_standby(pair: Pair) -> None:
+    said: dict[str, str] = {}
+
+    def hear(message: DiagnosticArray) -> None:
+        said.update({status.name: status.message for status in message.status})
+
+    pair.cell.watch.ros.node.create_subscription(DiagnosticArray, '/diagnostics', hear, 10)
+    host, leader = gethostname(), pair.leader.pid
+    pair.until(lambda: 'bt_orchestrator: leadership' in said, 'the diagnostics of the leader')
+    assert said['bt_orchestrator: leadership'] == 'leads; no standby can take over'
+    assert f'led by {host}, process {leader}, epoch 1\n  no standby was heard' in status_of(pair)
+
+    standby = pair.start_standby()
+    could = f'standby {host}, process {standby.pid}: can take over'
+    pair.until(lambda: could in status_of(pair), 'a standby that can take over')
+    wanted = f'leads; {host}, process {standby.pid} can take over'
+    pair.until(lambda: said['bt_orchestrator: leadership'] == wanted, wanted)
+    pair.until(
+        lambda: said.get(f'bt_orchestrator: standby {host}') == 'it can take over',
+        'the diagnostics of the standby',
+    )
+
+    _, looked, _ = pair.cell.verb('doctor', '--node', 'bt_orchestrator')
+    assert 'ok    standby: 1 of /bt_orchestrator can take over' in looked
+    assert 'ok    tree node: /bt_orchestrator runs' in looked
+
+    pair.cell.sims[0].kill()
+    blind = f'standby {host}, process {standby.pid}: cannot take over: it does not see the servers'
+    pair.until(lambda: blind in status_of(pair), 'a standby without servers')
+    standby.kill()
+    pair.until(lambda: 'it was heard last at' in status_of(pair), 'a standby that is gone')
+
+
+def status_of(pair: Pair) -> str:
+    status, output, errors = pair.cell.verb('status')
+    assert (status, errors) == (0, '')
+    return output
 
 
 def test_9_4_a_standby_needs_a_journal_that_two_machines_reach(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from bt_orchestrator.engine.runtime.engine import Engine
 from bt_orchestrator.engine.runtime.job_overview import (
@@ -30,6 +30,7 @@ from bt_orchestrator.model.status import (
     FlagStatus,
     ItemStatus,
     JobStatus,
+    Leadership,
     SectionStatus,
 )
 from bt_orchestrator.model.stop_reason import StopReason, way_to_work
@@ -49,15 +50,18 @@ class Overview:
         engine: Engine,
         durations: ObservedDurations | None = None,
         unauthenticated_role: Role | None = None,
+        leadership: Callable[[], Leadership | None] = lambda: None,
     ) -> None:
         """Prepare to read a cell.
 
         :param durations: how long tasks took; None: only the nominal durations are known
         :param unauthenticated_role: role of all clients over ROS; None: there is no access over
             ROS
+        :param leadership: returns who leads and who stands by; None: no other node can take over
         """
         self._engine = engine
         self._unauthenticated_role = unauthenticated_role
+        self._leadership = leadership
         self._durations = durations or ObservedDurations()
         self._standstill = Standstill(engine)
 
@@ -115,6 +119,7 @@ class Overview:
                 FlagStatus(name, flag.count, flag.capacity) for name, flag in state.flags.items()
             ),
             holds=tuple(state.holds.values()),
+            leadership=self._leadership(),
         )
 
     def job(self, job: JobState, ends_s: Mapping[str, float] = _NO_ENDS) -> JobStatus:

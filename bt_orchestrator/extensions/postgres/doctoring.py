@@ -12,7 +12,7 @@ import psycopg
 from bt_orchestrator.base.diagnosis.check import Check, fail, ok, warn
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.postgres.connecting import Connection, Place, connected, place_of
-from bt_orchestrator.extensions.postgres.schema import FEED, cells
+from bt_orchestrator.extensions.postgres.schema import FEED, LOCK, cells
 
 OLDEST = 14
 """First version of PostgreSQL that is supported."""
@@ -91,11 +91,16 @@ def _replicas(connection: Connection) -> Check:
         "count(*) FILTER (WHERE sync_state IN ('sync', 'quorum')), "
         "count(*) FILTER (WHERE sync_state NOT IN ('sync', 'quorum')) FROM pg_stat_replication",
     )
+    if not named and others:
+        return fail(
+            COPIES,
+            f'{others} replicas, and no commit waits for one: a promotion loses events',
+            'set synchronous_standby_names to a quorum of replicas (docs/postgres.md)',
+        )
     if not named:
-        more = f', and {others} that no commit waits for' if others else ''
         return warn(
             COPIES,
-            f'no commit waits for a replica{more}: events are lost with the disk of the server',
+            'no commit waits for a replica: events are lost with the disk of the server',
             'set synchronous_standby_names to a quorum of replicas (docs/postgres.md)',
         )
     if not waited_for:
@@ -142,7 +147,18 @@ def _cell(connection: Connection, place: Place) -> Check:
             f'{place.cell} is a copy that a feed writes, and may lack the newest events',
             'use another cell name for the journal',
         )
-    return ok(CELL, f'{place.cell} has its journal there, history {found.history}')
+    leader, is_led = _one(
+        connection,
+        "SELECT holder, EXISTS (SELECT FROM pg_locks WHERE locktype = 'advisory' "
+        f'AND classid = {LOCK} AND objid = cells.number AND database = '
+        '(SELECT oid FROM pg_database WHERE datname = current_database())) '
+        f'FROM plant.cells WHERE number = {found.number}',
+    )
+    led = f'led by {leader}' if is_led else f'led by no node now, last by {leader}'
+    return ok(
+        CELL,
+        f'{place.cell} has its journal there, history {found.history}; {led}, epoch {found.epoch}',
+    )
 
 
 def _one(connection: Connection, query: str) -> tuple[Any, ...]:

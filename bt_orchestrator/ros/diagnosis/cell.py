@@ -14,6 +14,7 @@ from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Cell, Component, StateTopic
 from bt_orchestrator.ros.actions.rivals import is_named, names
 from bt_orchestrator.ros.diagnosis.graph import Graph
+from bt_orchestrator.ros.standby import TOPIC as STANDBY
 
 
 def cell_on_graph(graph: Graph, cell: Cell, timeout_s: float, elsewhere: str) -> Iterator[Check]:
@@ -108,7 +109,10 @@ def tree_node(graph: Graph, node: str, *, expected: bool, timeout_s: float) -> I
     # Its name may become known later than its topics.
     if expected or graph.publishers(f'{node}/status'):
         graph.wait(lambda: node in graph.nodes(), timeout_s)
-    count = graph.nodes().count(node)
+    standbys = len(graph.publishers(f'{node}/{STANDBY}'))
+    count = graph.nodes().count(node) - standbys
+    if standbys:
+        yield ok('standby', f'{standbys} of {node} can take over, or wait until they can')
     if count > 1:
         remedy = 'stop all but one, or give each a --namespace: clients would reach either'
         words = graph.twins(node) or f'{count} nodes are called {node}'

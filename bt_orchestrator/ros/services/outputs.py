@@ -31,6 +31,7 @@ from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.reading_services import event_message
 from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.ros.standby import Standbys
 from bt_orchestrator.ros.types.status_messages import StatusWriter, description_message
 
 STATUS_PERIOD_S = 0.1
@@ -134,16 +135,24 @@ class Diagnostics:
         overview: Overview,
         heart: Heart,
         pulse: Pulse,
+        standbys: Standbys | None = None,
     ) -> None:
+        """Begin.
+
+        :param standbys: the nodes that can take over; None: none can
+        """
         self._node = node
         self._orchestrator = orchestrator
         self._overview = overview
         self._heart = heart
+        self._standbys = standbys
         self._publisher = publisher(node, DiagnosticArray, '/diagnostics', 10)
         pulse.add(self._publish)
 
     def _publish(self) -> None:
         message = DiagnosticArray(status=[self._cell(), self._servers()])
+        if self._standbys is not None:
+            message.status.append(self._leadership(self._standbys))
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(message)
 
@@ -205,6 +214,20 @@ class Diagnostics:
         text = f'{len(gone)} of {len(components)} action servers are not there'
         missing = {one.name: one.action for one in gone}
         return self._status('action servers', DiagnosticStatus.WARN, text, missing | out)
+
+    def _leadership(self, standbys: Standbys) -> DiagnosticStatus:
+        """Tell whether another node could take over."""
+        leadership = standbys.leadership()
+        found = {f'{one.host}, process {one.process}': one.trouble for one in leadership.standbys}
+        able = [name for name, trouble in found.items() if not trouble]
+        level, text = DiagnosticStatus.OK, f'leads; {", ".join(able)} can take over'
+        if not able:
+            is_lacking = standbys.wanted or found
+            level = DiagnosticStatus.WARN if is_lacking else DiagnosticStatus.OK
+            text = 'leads; no standby can take over'
+        values = {'epoch': str(leadership.epoch)}
+        values |= {f'standby {name}': trouble or 'ready' for name, trouble in found.items()}
+        return self._status('leadership', level, text, values)
 
     def _status(
         self, part: str, level: bytes, text: str, values: dict[str, str]

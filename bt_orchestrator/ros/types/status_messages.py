@@ -27,8 +27,10 @@ from bt_orchestrator.model.status import (
     FlagStatus,
     ItemStatus,
     JobStatus,
+    Leadership,
     ListedJob,
     SectionStatus,
+    StandbyStatus,
     TaskStatus,
 )
 from bt_orchestrator.model.stop_reason import Wish
@@ -47,6 +49,11 @@ def _nothing(_: object) -> dict[str, Any]:
 
 for _kind in (Words, PassedTask, TaskStatus, Wait, Stands, FinishedCycle, FlagStatus):
     mapped(_kind, getattr(msg, _kind.__name__))
+
+_STANDBY = mapped(StandbyStatus, msg.StandbyStatus)
+mapped(Leadership, msg.Leadership)
+
+standby_message, standby_status = _STANDBY.write, _STANDBY.read
 
 
 def _item(place: str) -> Codec:

@@ -20,7 +20,9 @@ from bt_orchestrator.model.status import (
     FlagStatus,
     ItemStatus,
     JobStatus,
+    Leadership,
     SectionStatus,
+    StandbyStatus,
     TaskStatus,
 )
 from bt_orchestrator.model.status_words import (
@@ -69,6 +71,8 @@ def _cell_lines(status: CellStatus) -> Iterator[str]:
     yield f'cell {one_line(status.cell)}: {since}, belt {belt(status)}, seq {status.seq}'
     if failure(status):
         yield f'  {failure(status)}'
+    if status.leadership:
+        yield from (f'  {text}' for text in leadership_words(status.leadership))
     if in_local(status):
         yield f'  {in_local(status)}'
     if status.stop_after:
@@ -284,8 +288,25 @@ def setup_words(component: ComponentStatus) -> str:
 
 
 def troubles(status: CellStatus) -> list[str]:
-    """Return every component that can be sent nothing."""
-    return [text for text in map(trouble, status.components) if text]
+    """Return every component that can be sent nothing, and every standby that is of no use."""
+    found = [text for text in map(trouble, status.components) if text]
+    standbys = status.leadership.standbys if status.leadership else ()
+    return found + [standby_words(one) for one in standbys if one.trouble]
+
+
+def leadership_words(leadership: Leadership) -> Iterator[str]:
+    """Yield the node that leads, and the standbys that could take over."""
+    process = f'process {leadership.process}'
+    yield one_line(f'led by {leadership.host}, {process}, epoch {leadership.epoch}')
+    if not leadership.standbys:
+        yield 'no standby was heard'
+    yield from (standby_words(one) for one in leadership.standbys if not one.trouble)
+
+
+def standby_words(standby: StandbyStatus) -> str:
+    """Say where a standby is, and whether it could take over."""
+    could = f'cannot take over: {standby.trouble}' if standby.trouble else 'can take over'
+    return one_line(f'standby {standby.host}, process {standby.process}: {could}')
 
 
 def trouble(component: ComponentStatus) -> str:

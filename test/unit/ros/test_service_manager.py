@@ -1,48 +1,18 @@
-"""What a service manager hears, on a real socket."""
+"""Lines for systemd."""
 
 from __future__ import annotations
 
-import socket
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 
-from bt_orchestrator.ros.service_manager import ALIVE, READY, is_told, tell
+from bt_orchestrator.ros.service_manager import watchdog
 
 
-@pytest.fixture(params=['{folder}/notify', '@{folder}/abstract'])
-def manager(
-    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[socket.socket]:
-    """A manager that listens at a path, or at an abstract name."""
-    address = request.param.format(folder=tmp_path)
-    monkeypatch.setenv('NOTIFY_SOCKET', address)
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listening:
-        listening.bind(address.replace('@', '\0', 1))
-        listening.settimeout(10)
-        yield listening
+def test_a_take_over_may_take_longer_than_a_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv('WATCHDOG_USEC', '4000000')
+    assert watchdog(patient=True) == 'WATCHDOG_USEC=300000000'
+    assert watchdog(patient=False) == 'WATCHDOG_USEC=4000000'
 
 
-def test_a_manager_hears_each_message_whole(manager: socket.socket) -> None:
-    assert is_told()
-    tell(READY, 'STATUS=it works')
-    tell(ALIVE)
-    assert manager.recv(1000) == b'READY=1\nSTATUS=it works'
-    assert manager.recv(1000) == b'WATCHDOG=1'
-
-
-def test_a_manager_that_reads_nothing_holds_up_nobody(manager: socket.socket) -> None:
-    for _ in range(10_000):
-        tell(ALIVE)
-    assert manager.recv(1000) == b'WATCHDOG=1'
-
-
-def test_without_a_manager_nothing_happens(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv('NOTIFY_SOCKET', raising=False)
-    assert not is_told()
-    tell(READY)
-    monkeypatch.setenv('NOTIFY_SOCKET', str(tmp_path / 'gone'))
-    tell(READY)
+def test_without_a_watchdog_there_is_no_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv('WATCHDOG_USEC', raising=False)
+    assert watchdog(patient=True) == ''

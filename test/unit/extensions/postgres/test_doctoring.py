@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
+from socket import gethostname
 
 import pytest
-from postgres_server import PostgresServer, postgres_server
+from postgres_faults import wait_for
+from postgres_server import USER, PostgresServer, postgres_server, program
 
 from bt_orchestrator.base.diagnosis.check import Verdict
 from bt_orchestrator.extensions.postgres.connecting import connected, place_of
@@ -38,6 +42,25 @@ def test_the_journal_of_the_cell_is_named(server: PostgresServer, tmp_path: Path
     address = server.place(server.database(), 'line_1')
     with closing(PostgresStore(address, tmp_path)) as store:
         assert store.history in verdicts(address)[CELL][1]
+
+
+def test_the_leader_of_the_cell_is_named(server: PostgresServer, tmp_path: Path) -> None:
+    address = server.place(server.database(), 'line_1')
+    leader = f'{gethostname()}, process {os.getpid()}, epoch 1'
+    with closing(PostgresStore(address, tmp_path)):
+        assert f'led by {leader}' in verdicts(address)[CELL][1]
+    assert f'led by no node now, last by {leader}' in verdicts(address)[CELL][1]
+
+
+def test_a_replica_that_no_commit_waits_for_fails(server: PostgresServer, tmp_path: Path) -> None:
+    address = server.place(server.database(), 'line_1')
+    words = [program('pg_receivewal'), '--host', str(server.folder), '--username', USER]
+    with subprocess.Popen([*words, '--directory', str(tmp_path)]) as replica:
+        try:
+            wait_for(lambda: verdicts(address)[COPIES][0] is Verdict.FAIL)
+            assert 'a promotion loses events' in verdicts(address)[COPIES][1]
+        finally:
+            replica.terminate()
 
 
 def test_a_copy_is_no_journal(server: PostgresServer) -> None:

@@ -31,6 +31,7 @@ from bt_orchestrator.model.status import (
     ComponentDescription,
     ComponentStatus,
     JobStatus,
+    Leadership,
     SectionStatus,
 )
 from bt_orchestrator.model.status_words import component_trouble, task_label
@@ -83,7 +84,17 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'holds': [hold.id for hold in status.holds],
         'jobs': [job.id for job in status.jobs],
         'components': [component.name for component in description.components],
+        'leadership': _leadership_part(status.leadership) if status.leadership else None,
     }
+
+
+def _leadership_part(leadership: Leadership) -> dict[str, object]:
+    """Return who leads and who stands by; what a standby has seen changes all the time."""
+    standbys = [
+        {**plain_but(one, 'seq', 'trouble'), 'said': said_in_each(one.trouble)}
+        for one in leadership.standbys
+    ]
+    return {**plain_but(leadership, 'standbys'), 'standbys': standbys}
 
 
 _ELSEWHERE = (
@@ -98,7 +109,7 @@ _ELSEWHERE = (
         'belt',
         'flags',
     ),
-    *('components', 'state_times', 'commands'),
+    *('components', 'state_times', 'commands', 'leadership'),
 )
 """Fields that other parts have, or this one under another name."""
 

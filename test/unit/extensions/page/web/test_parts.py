@@ -16,8 +16,9 @@ from bt_orchestrator.engine.runtime.overview import description_of
 from bt_orchestrator.extensions.page.web.parts import parts_of
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.status import CellDescription
+from bt_orchestrator.model.status import CellDescription, Leadership, StandbyStatus
 from bt_orchestrator.model.status_words import task_label
+from bt_orchestrator.model.words import sentence
 
 LISTED = with_section(
     2,
@@ -306,3 +307,20 @@ def test_a_contest_is_said_in_each_language() -> None:
     said = page_parts(run)['component/a2']['contested_said']
     assert said['en'].startswith('2 servers of /a2/do: /here, /there')
     assert said['de'].startswith('2 Server für /a2/do: /here, /there')
+
+
+def test_leader_and_standbys_are_told_in_each_language() -> None:
+    run = Line().begin(quantity=1).go(until=1.0)
+    assert page_parts(run)['cell']['leadership'] is None
+    blind = StandbyStatus('m3', 8, sentence('standby_servers', actions='/a2/do'), 90)
+    status = replace(
+        status_of(run), leadership=Leadership('m1', 4, 7, (StandbyStatus('m2', 5, '', 91), blind))
+    )
+    parts: Any = parts_of(status, description_of(run.state.cell), scripts_of(run), NODE)
+    told = parts['cell']['leadership']
+    assert (told['host'], told['process'], told['epoch']) == ('m1', 4, 7)
+    ready, other = told['standbys']
+    assert (ready['host'], set(ready['said'].values())) == ('m2', {''})
+    assert other['said']['en'] == 'it does not see the servers of /a2/do'
+    assert other['said']['de'] == 'er sieht die Server von /a2/do nicht'
+    assert 'seq' not in ready, 'it changes all the time, and every browser would hear of it'

@@ -1,4 +1,4 @@
-/** Components that cannot work now, and the flags of the line: short lists beside the sections. */
+/** Components that cannot work now, flags, and nodes of the cell: short lists beside the sections. */
 
 import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { part, partsOf } from '../core/store.js';
@@ -81,6 +81,51 @@ function flagRow() {
       attribute(element, 'data-flag', flag.name);
       text(name, flag.name);
       text(count, t('overview.flag_count', flag));
+    },
+  };
+}
+
+/** Make the list of nodes that can run the cell; if there can be only one it is not shown. */
+export function nodeList() {
+  const list = h('ul', { class: 'troubles' });
+  const rows = keyed(list, (node) => node.key, nodeRow);
+  const element = h(
+    'section',
+    { class: 'panel', 'data-part': 'nodes' },
+    h('h2', {}, t('overview.nodes')),
+    list,
+  );
+  return {
+    element,
+    update() {
+      const leadership = part('cell')?.leadership;
+      rows(leadership ? nodesOf(leadership) : []);
+      show(element, Boolean(leadership));
+    },
+  };
+}
+
+function nodesOf(leadership) {
+  const standbys = leadership.standbys.map((one) => {
+    const trouble = said(one.said);
+    const words = t(trouble ? 'overview.standby_trouble' : 'overview.standby', { ...one, trouble });
+    return { key: `${one.host} ${one.process}`, shape: trouble ? 'triangle' : 'check', words };
+  });
+  const none = { key: 'none', shape: 'hollow', words: t('overview.no_standby') };
+  const leader = { key: 'leader', shape: 'play', words: t('overview.leader', leadership) };
+  return [leader, ...(standbys.length ? standbys : [none])];
+}
+
+function nodeRow() {
+  const mark = h('span', {});
+  const words = h('span', { class: 'trouble-words' });
+  const element = h('li', { class: 'trouble-row' }, mark, words);
+  return {
+    element,
+    update(node) {
+      attribute(element, 'data-node', node.key);
+      mark.replaceChildren(shape(node.shape));
+      text(words, node.words);
     },
   };
 }

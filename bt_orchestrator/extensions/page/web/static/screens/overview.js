@@ -11,7 +11,7 @@ import { jobRow } from '../parts/job_row.js';
 import { journalKnown } from '../parts/journal_known.js';
 import { sectionCard } from '../parts/section_card.js';
 import { shiftCard } from '../parts/shift_card.js';
-import { flagList, troubleList } from '../parts/side_lists.js';
+import { flagList, nodeList, troubleList } from '../parts/side_lists.js';
 
 const MOST_JOBS = 12;
 const MOST_ENDED = 2;
@@ -24,6 +24,7 @@ export function mount(root) {
   const jobs = jobList();
   const troubles = troubleList();
   const flags = flagList();
+  const nodes = nodeList();
   const shift = shiftCard();
   const page = h(
     'div',
@@ -34,7 +35,7 @@ export function mount(root) {
       'div',
       { class: 'overview-side' },
       jobs.element,
-      h('div', { class: 'overview-aside' }, troubles.element, shift.element, flags.element),
+      h('div', { class: 'overview-aside' }, troubles.element, shift.element, flags.element, nodes.element),
     ),
   );
   const silence = h('p', { class: 'panel' }, t('overview.nothing_heard'));
@@ -50,6 +51,7 @@ export function mount(root) {
     [['cell', 'job/'], jobs.update],
     [['component/'], troubles.update],
     [['flags'], flags.update],
+    [['cell'], nodes.update],
     [['shift'], shift.update],
   ];
   const ends = shown.flatMap(([prefixes, update]) => {
