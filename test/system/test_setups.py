@@ -1,10 +1,14 @@
-"""Setups that a state topic tells, with a real node and a real publisher (5.3)."""
+"""Setups on a real node: told by a real publisher (5.3), and fewer changes in a queue (6.7)."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from cell_processes import SMALL_CELL, CellProcesses, StartCell, small_script
+import pytest
+from cell_processes import ROOT, SMALL_CELL, CellProcesses, StartCell, small_script
 from diagnostic_msgs.msg import KeyValue
 from worker_state import SAYS_NOTHING
 
@@ -87,4 +91,51 @@ def test_5_3_what_the_state_topic_tells_counts(start_cell: StartCell, tmp_path: 
     cell.start_node()
     cell.node.wait_ready()
     topic.is_shown('worn out')
+    cell.stop()
+
+
+# --- the shipped line with three products -------------------------------------------------------
+
+ORDERS = [ROOT / 'config' / 'orders' / f'wo_500{number}.yaml' for number in range(1, 6)]
+PRODUCTS = ROOT / 'trees' / 'three_products'
+
+
+def simulated(cell: CellProcesses, orders: Sequence[Path]) -> Mapping[str, Any]:
+    """Return the figures that `simulate` prints."""
+    files = ('--cell', str(cell.cell), '--trees', str(PRODUCTS), '--json')
+    status, output, errors = cell.verb('simulate', *map(str, orders), *files)
+    assert status == 0, errors
+    figures: Mapping[str, Any] = json.loads(output)['forecast']
+    return figures
+
+
+def test_6_7_a_proposed_order_saves_what_the_simulation_then_shows(start_cell: StartCell) -> None:
+    """As a user types it, with the shipped line of three products; then the line does so."""
+    text = (ROOT / 'config' / 'three_products_cell.yaml').read_text()
+    cell = start_cell(text, run_options=['--no-auto-start', '--trees', str(PRODUCTS)])
+    cell.connect()
+    status, _, errors = cell.verb('submit', *map(str, ORDERS))
+    assert status == 0, errors
+    status, output, errors = cell.verb('queue', 'propose', '--json')
+    assert status == 0, errors
+    found = json.loads(output)
+    assert found['is_best']
+    assert found['order'] == ['WO-5001', 'WO-5005', 'WO-5003', 'WO-5002', 'WO-5004']
+
+    by_name = {path.stem.upper().replace('_', '-'): path for path in ORDERS}
+    now = simulated(cell, ORDERS)
+    then = simulated(cell, [by_name[name] for name in found['order']])
+    assert (now['changeover_s'], then['changeover_s']) == pytest.approx((245.0, 110.0))
+    predicted = found['changeover_s'], found['new_changeover_s']
+    assert predicted == pytest.approx((now['changeover_s'], then['changeover_s']))
+    ends = [max(one[key] for one in found['jobs']) for key in ('ends_s', 'new_ends_s')]
+    assert ends == pytest.approx([now['total_s'], then['total_s']])
+
+    status, _, errors = cell.verb('queue', 'propose', '--apply', '--reason', 'fewer changes')
+    assert status == 0, errors
+    for command in ('reset', 'start'):
+        assert cell.watch.command(command).accepted, command
+    assert cell.watch.until_ended('WO-5004').packed == 4
+    changes = [one['task'] for one in cell.goals(component='arm', event='started')]
+    assert (changes.count('TASK_C'), changes.count('TASK_B')) == (2, 2)
     cell.stop()

@@ -105,6 +105,8 @@ class Forecast:
     """Those that had cycles, in the order of the belt."""
     components: tuple[ComponentLoad, ...]
     """All of the cell, in the order of its file."""
+    changeover_s: float = 0.0
+    """Seconds of all changes of setups between jobs, of all components together."""
 
     @property
     def is_mix(self) -> bool:

@@ -48,6 +48,7 @@ def forecast(events: Iterable[e.Event], cell: Cell) -> Forecast:
 class _Attempt(NamedTuple):
     span: Span
     component: str
+    name: str
     section: int | None
     job: str | None
 
@@ -93,7 +94,7 @@ class ForecastFold:
 
     def _attempt(self, started: e.TaskStarted, end_s: float) -> _Attempt:
         span = Span(self._since_first(started.time), end_s)
-        return _Attempt(span, started.component, started.section, started.job)
+        return _Attempt(span, started.component, started.name, started.section, started.job)
 
     def _since_first(self, time: float) -> float:
         return time - (self._first_s or 0.0)
@@ -123,6 +124,7 @@ class ForecastFold:
             per_item_s=at_best(self._per_item_s(jobs), slowest_section(sections)),
             jobs=jobs,
             sections=sections,
+            changeover_s=_changeover_s((*self._ended, *runs), cell),
             components=tuple(
                 _component(name, by_component[name], self._now_s, waits.of_component(name))
                 for name in cell.components
@@ -184,6 +186,20 @@ class ForecastFold:
         """Return the seconds that a section needs for an item of some jobs."""
         cycles = sum(self._cycles[section, job] for job in jobs)
         return max(covered_s(spans) / cycles, self._turns.pace_s(section, cycles, spans))
+
+
+def _changeover_s(attempts: Iterable[_Attempt], cell: Cell) -> float:
+    """Return the seconds of changes of setups before the first task of a job (semantics 5.3)."""
+    changes = {
+        (name, setup.task)
+        for name, component in cell.components.items()
+        for setup in component.setups.values()
+    }
+    return sum(
+        one.span.end - one.span.start
+        for one in attempts
+        if one.section is None and (one.component, one.name) in changes
+    )
 
 
 def _component(

@@ -38,6 +38,8 @@ def summary_lines(forecast: Forecast, paces: Sequence[ScriptPace] = ()) -> Itera
         yield f'bottleneck     {bottleneck_words(forecast.bottleneck)}'
     if forecast.is_mix:
         yield from _each_of_mix(forecast.jobs)
+    if forecast.changeover_s:
+        yield f'changes        {forecast.changeover_s:.1f} s of setups'
     yield f'total time     {forecast.total_s:.1f} s'
 
 
@@ -160,6 +162,8 @@ class Change(NamedTuple):
 def changes(before: Forecast, after: Forecast) -> Iterator[Change]:
     """Yield the figures of two runs."""
     yield Change('total time', before.total_s, after.total_s, 's')
+    if before.changeover_s or after.changeover_s:
+        yield Change('changes of setups', before.changeover_s, after.changeover_s, 's')
     yield Change('time per item', before.per_item_s, after.per_item_s, 's')
     ends = {job.job: job.finished_s for job in after.jobs}
     for job in before.jobs:
