@@ -12,6 +12,7 @@ from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.here import add_cell_option
 from bt_orchestrator.cli.numbers import factor, seconds
 from bt_orchestrator.cli.output import print_mistakes
+from bt_orchestrator.model.cell import CONVEYOR
 
 DESCRIPTION = """\
 Start a real ROS 2 action server for every component of a cell file and for its conveyor. They have
@@ -106,6 +107,13 @@ def _add_ros_options(parser: argparse.ArgumentParser) -> None:
         '(default 0.5)',
     )
     parser.add_argument(
+        '--safety',
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help='say on the safety input of the cell file, if it has one, that the line is safe; one '
+        'process does, with the conveyor (default yes)',
+    )
+    parser.add_argument(
         '--result-timeout',
         type=seconds,
         metavar='SECONDS',
@@ -138,8 +146,11 @@ def _simulate(args: argparse.Namespace, stop: StopSignals) -> int:
     types = InstalledActionTypes()
     try:
         cell = read_cell(args.cell, types)
+        components = select(cell, list(controller_names(args.only)), args.fail, types)
+        has_belt = any(component.name == CONVEYOR for component in components)
         setup = Setup(
-            components=select(cell, list(controller_names(args.only)), args.fail, types),
+            components=components,
+            safety=cell.safety if has_belt and args.safety else None,
             types=types,
             interfaces=InstalledInterfaces(),
             log=GoalLog(args.log),

@@ -73,6 +73,18 @@ class StateTopic:
         return f'{self.topic} = {" or ".join(str(value) for value in self.ready)}'
 
 
+WITHIN_S = 0.5
+"""Longest time between two messages of a safety input unless the cell file says otherwise."""
+
+
+@dataclass(frozen=True)
+class SafetyInput(StateTopic):
+    """A topic that says whether goals may be sent at all (semantics 7.9); no safety function."""
+
+    within_s: float = WITHIN_S
+    """Its last message is older at no time, seconds."""
+
+
 @dataclass(frozen=True)
 class Setup:
     """One thing of a component that tasks need in one of several ways (semantics 5.3)."""
@@ -165,6 +177,8 @@ class Cell:
     """Most items of one order. It changes no goal, so it is no part of the digest."""
     hold_after: HoldAfter | None = None
     """For scripts without a limit of their own. It is no part of the digest either."""
+    safety: SafetyInput | None = None
+    """None: goals are sent without one."""
 
     def by_action(self, action: str) -> Component | None:
         """Return the component that serves an action name."""

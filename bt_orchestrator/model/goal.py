@@ -142,6 +142,18 @@ class SetupReading:
     """Its value, or another text; None: nothing is published there (any more)."""
 
 
+NOT_HEARD = 'nothing was heard of it yet'
+"""Why a safety input is not ready at first."""
+
+
+@dataclass(frozen=True)
+class SafetyReading:
+    """The state of the safety input (semantics 7.9)."""
+
+    unsafe: str
+    """Why it is not ready; empty: it is."""
+
+
 # The words of a controller about a failed attempt: the texts of its Result.
 
 MESSAGE_FIELD = 'message'

@@ -36,9 +36,19 @@ def stopped_because(state: CellState) -> Wait | None:
         return Wait(hold_wait_words(state.holds.values()), kind, first, holds=holds)
     if not state.packml.begins:
         return Wait(f'the cell is {state.packml.value}', WaitKind.CELL_STATE, state.packml.value)
-    if state.shutting_down:
-        return Wait('the node ends', WaitKind.CELL_STATE, state.packml.value)
+    if state.barred:
+        return Wait(barred_because(state), WaitKind.CELL_STATE, state.packml.value)
     return None
+
+
+def barred_because(state: CellState) -> str:
+    """Say why nothing starts in a cell that would work: the node ends, or it is not safe (7.9)."""
+    return 'the node ends' if state.shutting_down else not_ready_words(state.unsafe)
+
+
+def not_ready_words(why: str) -> str:
+    """Say that the safety input is not ready."""
+    return f'the safety input is not ready: {why}'
 
 
 def waits_for_service(state: CellState, component: str) -> Wait | None:

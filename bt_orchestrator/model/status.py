@@ -316,6 +316,8 @@ class CellStatus:
     7.2)."""
     waits_for: str = ''
     """Commands that let it work again, in words."""
+    safety: str = ''
+    """ready, or why the safety input is not (semantics 7.9); empty: the cell has none."""
     control: Control = Control.REMOTE
     """local: only the panels of the line may move it (semantics 7.8)."""
     unauthenticated_role: Role | None = None

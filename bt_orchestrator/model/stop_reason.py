@@ -123,7 +123,10 @@ UNKNOWN_GOAL = 'unknown_goal'
 TOO_MANY_REJECTS = 'too_many_rejects'
 """Too many items in a row were rejected (semantics 7.7); cycles in hand go on to their ends."""
 
-UNSEEN = frozenset((RESTARTED, RESTORED, MISSING, TWIN, UNKNOWN_GOAL))
+SAFETY = 'safety'
+"""The safety input was lost while no goal was in flight (semantics 7.9)."""
+
+UNSEEN = frozenset((RESTARTED, RESTORED, MISSING, TWIN, UNKNOWN_GOAL, SAFETY))
 """The cell may have been changed unseen, so no setup is known any more (semantics 5.3)."""
 
 NAMED = UNSEEN | {TOO_MANY_REJECTS}

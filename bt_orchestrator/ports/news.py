@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from bt_orchestrator.model.goal import SeenContest, SetupReading, StateReading
+from bt_orchestrator.model.goal import (
+    SafetyReading,
+    SeenContest,
+    SetupReading,
+    StateReading,
+)
 from bt_orchestrator.ports import Told
+
+_READINGS = (StateReading, SetupReading, SeenContest, SafetyReading)
 
 
 class News:
@@ -28,7 +35,7 @@ class News:
         # By identity: two equal state readings are two readings, and values may be unhashable.
         self._entries.pop(id(entry), None)
         self._entries[id(entry)] = entry
-        if isinstance(entry, (StateReading, SetupReading, SeenContest)) or entry.end is not None:
+        if isinstance(entry, _READINGS) or entry.end is not None:
             self._wake()
 
     def drain(self) -> Sequence[Told]:

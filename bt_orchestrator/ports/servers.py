@@ -9,6 +9,7 @@ from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.goal import (
     GoalEnd,
     GoalRequest,
+    SafetyReading,
     SeenContest,
     SetupReading,
     StateReading,
@@ -46,7 +47,7 @@ class Goal(Protocol):
         """
 
 
-Told = Goal | StateReading | SetupReading | SeenContest
+Told = Goal | StateReading | SetupReading | SeenContest | SafetyReading
 """News of a gateway."""
 
 
@@ -74,6 +75,10 @@ class Servers(Protocol):
 
 class ActionGateway(Servers, Protocol):
     """The only access to the robots. All calls come from the tick thread."""
+
+    unsafe: str
+    """Why the safety input is not ready at this moment (semantics 7.9); empty: it is, or the cell
+    has none. `drain` tells each change, oldest first, and whether it was heard after a start."""
 
     def listen(self, wake: Callable[[], None]) -> None:
         """Set the function that is called whenever `drain` has an end or a state reading.

@@ -13,12 +13,13 @@ from bt_orchestrator.model.cell import (
     Conveyor,
     OnFailure,
     Release,
+    SafetyInput,
     Start,
 )
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.capabilities.capability_reader import Prepared, check_preparations
 from bt_orchestrator.script.cell_keys import CELL, COMPONENT
-from bt_orchestrator.script.component_reader import ComponentReader
+from bt_orchestrator.script.component_reader import ComponentReader, TopicReader
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.declared import read_hold_after
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
@@ -83,7 +84,17 @@ class _CellReader:
         release = Release(self._fields.choice('release'))
         components = {CONVEYOR: conveyor.component, **components}
         most_items, hold_after = self._fields.whole('most_items'), read_hold_after(self._fields)
-        return Cell(name, conveyor, components, start, release, most_items, hold_after)
+        safety = self._safety()
+        return Cell(
+            name, conveyor, components, start, release, most_items, hold_after, safety=safety
+        )
+
+    def _safety(self) -> SafetyInput | None:
+        fields = self._fields.table('safety')
+        if fields is None:
+            return None
+        topic = TopicReader(fields, self._types, self._report).topic()
+        return SafetyInput(**vars(topic), within_s=fields.seconds('within'))
 
     def _conveyor(self, fields: Fields) -> Conveyor:
         reader = ComponentReader(fields, CONVEYOR, self._report, self._types)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from bt_orchestrator.model.cell import (
     DEFAULT_DURATION_S,
     DEFAULT_TIMEOUT_S,
     MOST_ITEMS,
+    WITHIN_S,
     OnFailure,
     Release,
     Start,
@@ -72,6 +75,23 @@ STATE = Table(
             members=Kind.VALUE,
             fewest=1,
             rule='2.5',
+        ),
+    ),
+)
+
+SAFETY = Table(
+    'a safety input',
+    (
+        *(replace(key, rule='7.9') for key in STATE.keys),
+        Key(
+            'within',
+            Kind.SECONDS,
+            'longest time between two messages; goals end when it has passed',
+            '0.5',
+            default=WITHIN_S,
+            minimum=0.05,
+            maximum=10.0,
+            rule='7.9',
         ),
     ),
 )
@@ -294,5 +314,13 @@ CELL = Table(
             rule='6.6',
         ),
         HOLD_AFTER,
+        Key(
+            'safety',
+            Kind.TABLE,
+            'topic that says whether goals may be sent at all; this is no safety function',
+            '{topic: /safety/ok, type: std_msgs/msg/Bool, field: data, ready: [true]}',
+            of=(SAFETY,),
+            rule='7.9',
+        ),
     ),
 )

@@ -130,44 +130,7 @@ class ComponentReader:
 
     def _state(self) -> StateTopic | None:
         fields = self._fields.table('state')
-        if fields is None:
-            return None
-        topic, type_name, field = (fields.text(key) for key in ('topic', 'type', 'field'))
-        if topic is not None:
-            check_topic_name(topic, fields.place('topic'), self._report)
-        known = self._state_field(fields, type_name, field) if type_name and field else None
-        return StateTopic(topic or '', type_name or '', field or '', self._ready(fields, known))
-
-    def _state_field(self, fields: Fields, type_name: str, field: str) -> FieldType | None:
-        place = fields.place('type')
-        if not check_type_name(type_name, 'msg', place, self._report):
-            return None
-        try:
-            ros_name = self._types.message_field(type_name, field)
-        except UnknownActionType as fault:
-            blamed = 'field' if ' field ' in fault.what else 'type'
-            self._report.add(fields.place(blamed), fault.what, fault.hint)
-            return None
-        known = simple_type(ros_name)
-        if known is None:
-            what = f'the field `{field}` of {type_name} is {ros_name}, not one plain value'
-            self._report.add(fields.place('field'), what, 'name a field of a simple type')
-        return known
-
-    def _ready(self, fields: Fields, known: FieldType | None) -> tuple[Any, ...]:
-        values: list[Any] = []
-        items = fields.items('ready')
-        if not items and fields.has('ready') and fields.is_sure('ready'):
-            what = '`ready` is empty, so no goal would ever be sent'
-            self._report.add(fields.place('ready'), what, 'list the values that allow a goal')
-        for item in items:
-            value: Any = item.value if isinstance(item, Scalar) else item
-            problem = misfit(value, known) if known else None
-            if problem is not None:
-                what = f'`ready` must be {problem.needed}, not {found(item)}'
-                self._report.add(item.place, what, problem.hint)
-            values.append(value)
-        return tuple(values)
+        return None if fields is None else TopicReader(fields, self._types, self._report).topic()
 
     # --- simulation -----------------------------------------------------------------------
 
@@ -227,3 +190,54 @@ class ComponentReader:
     def _check_task(self, key: Scalar) -> None:
         if self._type is not None:
             check_task_name(key.text, self._type, key.place, self._report)
+
+
+class TopicReader:
+    """Reads a topic with a field and its good values: of a state, or of the safety input."""
+
+    def __init__(self, fields: Fields, types: ActionTypes, report: Report) -> None:
+        self._fields = fields
+        self._types = types
+        self._report = report
+
+    def topic(self) -> StateTopic:
+        """Return the topic."""
+        texts = (self._fields.text(key) for key in ('topic', 'type', 'field'))
+        topic, type_name, field = texts
+        if topic is not None:
+            check_topic_name(topic, self._fields.place('topic'), self._report)
+        known = self._field(type_name, field) if type_name and field else None
+        return StateTopic(topic or '', type_name or '', field or '', self._ready(known))
+
+    def _field(self, type_name: str, field: str) -> FieldType | None:
+        place = self._fields.place('type')
+        if not check_type_name(type_name, 'msg', place, self._report):
+            return None
+        try:
+            ros_name = self._types.message_field(type_name, field)
+        except UnknownActionType as fault:
+            blamed = 'field' if ' field ' in fault.what else 'type'
+            self._report.add(self._fields.place(blamed), fault.what, fault.hint)
+            return None
+        known = simple_type(ros_name)
+        if known is None:
+            what = f'the field `{field}` of {type_name} is {ros_name}, not one plain value'
+            self._report.add(self._fields.place('field'), what, 'name a field of a simple type')
+        return known
+
+    def _ready(self, known: FieldType | None) -> tuple[Any, ...]:
+        values: list[Any] = []
+        items = self._fields.items('ready')
+        if not items and self._fields.has('ready') and self._fields.is_sure('ready'):
+            what = '`ready` is empty, so no goal would ever be sent'
+            self._report.add(
+                self._fields.place('ready'), what, 'list the values that allow a goal'
+            )
+        for item in items:
+            value: Any = item.value if isinstance(item, Scalar) else item
+            problem = misfit(value, known) if known else None
+            if problem is not None:
+                what = f'`ready` must be {problem.needed}, not {found(item)}'
+                self._report.add(item.place, what, problem.hint)
+            values.append(value)
+        return tuple(values)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from bt_orchestrator.model.limits import DETAILS_BYTES, INITIALIZATION
 from bt_orchestrator.model.script import Release
-from bt_orchestrator.script.instants import INSTANT_FORM
 from bt_orchestrator.script.keys import LARGEST_WHOLE, Key, Kind, Table, whole, words
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
+from bt_orchestrator.script.orders.instants import INSTANT_FORM
 from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
 
 MOST_ROUNDS = 1000

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, Contest, GoalRequest
+from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, Contest, GoalRequest, SafetyReading
 from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.ports import ActionTypes, Clock, Told
 from bt_orchestrator.ports.news import News
@@ -86,6 +86,7 @@ class VirtualGateway:
         """
         self._cell = cell
         self._news = News()
+        self.unsafe = ''
         self._clients = {
             component.name: VirtualClient(
                 component,
@@ -102,6 +103,8 @@ class VirtualGateway:
     def listen(self, wake: Callable[[], None]) -> None:
         """Name the function to call when there is something new."""
         self._news.listen(wake)
+        if self._cell.safety is not None:
+            self._news.add(SafetyReading(self.unsafe))
 
     def prepare(self, request: GoalRequest) -> None:
         """Do nothing: in virtual time nothing takes time."""
@@ -123,6 +126,11 @@ class VirtualGateway:
     def drain(self) -> Sequence[Told]:
         """Return what is new."""
         return self._news.drain()
+
+    def say_of_safety(self, unsafe: str) -> None:
+        """Set why the safety input is not ready; empty: it is."""
+        self.unsafe = unsafe
+        self._news.add(SafetyReading(unsafe))
 
     def available(self, component: str) -> bool:
         """Tell whether the component's server is known to the graph."""

@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from bt_orchestrator.model.belt_statement import Statement
 from bt_orchestrator.model.by import By
+from bt_orchestrator.model.judging.belt_statement import Statement
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import (
     ARRANGE,

@@ -26,7 +26,6 @@ from fakes.naive_cell import NaiveCell
 from fakes.virtual_run import BY, VirtualRun
 from hypothesis import note
 
-from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Command
 from bt_orchestrator.model.events import INDEX_KEY
@@ -35,6 +34,7 @@ from bt_orchestrator.model.jobs.isa95 import job_word
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
+from bt_orchestrator.model.judging.belt_statement import believed, parse_slots
 from bt_orchestrator.model.packml import VERBS, possible_in
 from bt_orchestrator.model.proof.deadlock import deadlock
 from bt_orchestrator.model.requests.offers import of_job

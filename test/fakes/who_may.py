@@ -22,6 +22,7 @@ class Where(Enum):
     REMOTE = 'remote'
     ELSEWHERE = 'elsewhere in local'
     PANEL = 'panel in local'
+    UNSAFE = 'safety lost'
 
 
 class Row(NamedTuple):
@@ -31,7 +32,7 @@ class Row(NamedTuple):
     cells: Mapping[str, str]
 
     def expected(self, role: Role, where: Where) -> str:
-        """Return for what the request is refused: role, local; or yes."""
+        """Return for what the request is refused: role, local, safety; or yes."""
         return self.cells[where.value] if self.cells[role.value] == 'yes' else 'role'
 
 
@@ -40,7 +41,7 @@ def rows() -> list[Row]:
     lines = [line for line in FILE.read_text().splitlines() if not line.startswith('#')]
     table = [Row(row.pop('request'), row) for row in csv.DictReader(lines)]
     assert [row.request for row in table] == list(REQUESTS)
-    assert all(set(row.cells.values()) <= {'yes', 'no', 'local'} for row in table)
+    assert all(set(row.cells.values()) <= {'yes', 'no', 'local', 'safety'} for row in table)
     return table
 
 
@@ -58,9 +59,12 @@ def arguments(request: str) -> dict[str, Any]:
     return {one.name: _VALUES[one.kind] for one in REQUESTS[request].parameters if one.is_required}
 
 
+UNSAFE = ('the safety input is not ready', 'safety')
+
+
 def outcome(message: str) -> str:
-    """Return what a refusal is for: role or local; yes for any other answer."""
-    for words, what in (('is for the role', 'role'), ('which is in local', 'local')):
+    """Return what a refusal is for: role, local or safety; yes for any other answer."""
+    for words, what in (('is for the role', 'role'), ('which is in local', 'local'), UNSAFE):
         if words in message:
             return what
     return 'yes'
@@ -70,15 +74,21 @@ Ask = Callable[[str, Mapping[str, Any], Role, bool], str]
 """Makes a request with some arguments, by a role, at a panel or not; returns the message."""
 
 
-def differences(ask: Ask, hand_over: Callable[[str], None]) -> Iterator[str]:
+def differences(
+    ask: Ask, hand_over: Callable[[str], None], lose: Callable[[], object]
+) -> Iterator[str]:
     """Ask everything in every column, and yield what is not as the table says.
 
     :param hand_over: brings the line into local or remote
+    :param lose: loses the safety input
     """
     for where in Where:
+        if where is Where.UNSAFE:
+            hand_over('remote')
+            lose()
         for row in rows():
             for role in Role:
-                hand_over('remote' if where is Where.REMOTE else 'local')
+                hand_over('local' if 'local' in where.value else 'remote')
                 said = ask(row.request, arguments(row.request), role, where is Where.PANEL)
                 expected, found = row.expected(role, where), outcome(said)
                 if found != expected:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import http.client
 import json
-import time
 from collections.abc import Iterator, Mapping
 from contextlib import closing
 from pathlib import Path
@@ -12,15 +11,10 @@ from typing import Any
 
 import pytest
 from cell_processes import CellProcesses, StartCell, run_verb, small_script
-from fakes.who_may import differences
 from page_process import PageProcess
 from program_process import PATIENCE_S
 from served_process import PASSWORD
 
-from bt_orchestrator.model.by import By, Known, Role
-from bt_orchestrator.model.jobs.order import WorkOrder
-from bt_orchestrator.model.requests import ask
-from bt_orchestrator.ros.link.ros_link import RosLink
 from bt_orchestrator.script.users.file import UsersFile
 
 
@@ -114,39 +108,4 @@ def test_7_8_control_goes_to_a_panel_and_back_over_kills_of_the_node(
     cell.start_node(options=['--control', 'remote'])
     cell.node.wait_ready()
     cell.watch.until_status(lambda one: one.control == 'remote', 'remote by the option')
-    cell.stop()
-
-
-def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
-    users = UsersFile(tmp_path / 'users.yaml')
-    users.change_panel('address', '10.0.0.9', named=True)
-    cell = line_of(start_cell, tmp_path)
-    cell.connect()
-    with RosLink('/bt_orchestrator', PATIENCE_S) as link:
-        sent = 0
-
-        def told(name: str, by: By, given: Mapping[str, Any]) -> str:
-            if name == 'queue.add':
-                given = {'orders': [WorkOrder('none', 'W-1', 1)]}
-            return link.ask(ask(name, by, **given)).message
-
-        def asked(name: str, given: Mapping[str, Any], role: Role, is_panel: bool) -> str:
-            nonlocal sent
-            sent += 1  # a sender of its own: else their number would be limited
-            known = Known.PAGE_PANEL if is_panel else Known.OPC_UA_USER
-            return told(name, By(f'{role.value} {sent}', 'a door', 'why', role, known), given)
-
-        def hand_over(wanted: str) -> None:
-            said = asked(f'cell.{wanted}', {}, Role.ENGINEER, True)
-            assert said.startswith(f'the line is in {wanted}'), said
-
-        began = time.monotonic()
-        assert list(differences(asked, hand_over)) == []
-        assert time.monotonic() - began < PATIENCE_S
-        # Whoever claims to be at a panel, without a door that is believed, is at none.
-        hand_over('local')
-        said = told('cell.reset', By('Eve', 'over there', 'why', Role.ENGINEER, Known.ROS), {})
-        assert 'somebody who claims to be Eve (ros unauthenticated) is at none' in said
     cell.stop()

@@ -26,8 +26,8 @@ from bt_orchestrator.model.requests import (
 )
 from bt_orchestrator.model.stop_reason import NAMED
 from bt_orchestrator.script.field_types import Misfit
-from bt_orchestrator.script.instants import instant
 from bt_orchestrator.script.orders.asked import NONE
+from bt_orchestrator.script.orders.instants import instant
 from bt_orchestrator.script.orders.terms import Wrong, details_of, wrong_terms
 
 LARGEST_FILE = 1_000_000

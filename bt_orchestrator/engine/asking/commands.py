@@ -9,8 +9,8 @@ from typing import Any
 
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.engine.runtime.operators import offering
-from bt_orchestrator.model.belt_statement import AsShown, parse_slots
 from bt_orchestrator.model.by import By
+from bt_orchestrator.model.judging.belt_statement import AsShown, parse_slots
 from bt_orchestrator.model.limits import cut
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import (

@@ -13,6 +13,7 @@ from bt_orchestrator.base.errors import CommandRefused, NotRead, Refused, counte
 from bt_orchestrator.engine.runtime.deciding import not_from_there
 from bt_orchestrator.engine.runtime.job_queue import AT_PANEL, standing
 from bt_orchestrator.engine.runtime.orders import FITS
+from bt_orchestrator.engine.runtime.safety import refuse_unsafe
 from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
@@ -56,14 +57,15 @@ def check_sender(asked: Asked) -> None:
 
 
 def check_place(asked: Asked, state: CellState) -> None:
-    """Refuse before anything is read what cannot come from there (semantics 7.8).
+    """Refuse before anything is read what cannot come from there, or not now (7.8, 7.9).
 
-    :raises CommandRefused: says from where it can come
+    :raises CommandRefused: says from where it can come, or what it waits for
     """
     if refusal(asked.request, asked.sender, asked.arguments) is None:  # that comes first
         why = not_from_there(state, asked)
         if why is not None:
             raise CommandRefused(why)
+        refuse_unsafe(state, asked)
 
 
 def wanted_orders(given: Sequence[AskedOrder | WorkOrder | Mapping[str, Any]]) -> Orders:

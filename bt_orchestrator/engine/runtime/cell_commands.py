@@ -10,10 +10,10 @@ from bt_orchestrator.engine.runtime.lifecycle import transition
 from bt_orchestrator.engine.runtime.operators import released_with
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.belt_statement import corrections
 from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.hold_words import hold_name
+from bt_orchestrator.model.judging.belt_statement import corrections
 from bt_orchestrator.model.limits import PAUSES
 from bt_orchestrator.model.packml import VERBS, Cause, refusal
 from bt_orchestrator.model.requests import CONTROLS, About, Asked, requests_about
@@ -96,10 +96,11 @@ def _resume(state: CellState, asked: Asked) -> _Act:
 def _abort(state: CellState, asked: Asked) -> _Act:
     number = len(state.running)
     message = f'{number} goal{"s are" if number != 1 else " is"} being cancelled'
-    return message, _events_of_abort(state, str(asked.by))
+    return message, events_of_abort(state, str(asked.by))
 
 
-def _events_of_abort(state: CellState, words: str) -> Iterator[e.Event]:
+def events_of_abort(state: CellState, words: str) -> Iterator[e.Event]:
+    """Yield the cancel of every goal, and the state of the cell."""
     yield e.StopReasonChanged(stop_reason=StopReason.EMERGENCY.value, reason=words)
     yield transition(state.packml, Cause.ABORT, words)
     yield from effects.cancelled(state, state.running, ABORT)

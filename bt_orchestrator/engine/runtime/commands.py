@@ -16,6 +16,7 @@ from bt_orchestrator.engine.runtime.deciding import (
 )
 from bt_orchestrator.engine.runtime.ledger import Ledger
 from bt_orchestrator.engine.runtime.lifecycle import transition
+from bt_orchestrator.engine.runtime.safety import refuse_unsafe
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
@@ -72,6 +73,7 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     why_not = not_from_there(ledger.state, command)
     if why_not is not None:
         raise CommandRefused(why_not)
+    refuse_unsafe(ledger.state, command)
     request = command.request
     message, events = DECIDERS[request.name](ledger.state, command, ledger.now)
     if not request.takes_orders:  # else each order has its own record

@@ -12,6 +12,7 @@ from bt_orchestrator.base.replies import Reply
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import Answer, Command, cancels_all
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.goal import NOT_HEARD
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.ports import ActionGateway, Clock, EventStore, Goal, Timer, Writer, Writing
 
@@ -205,6 +206,7 @@ class Breakdown:
         self._goals = dict(goals)
         self._gateway = gateway
         self._asked: set[str] = set()
+        self._is_unsafe = False
         self.look()
 
     @property
@@ -237,6 +239,9 @@ class Breakdown:
         """Note which goals have ended; nothing else drains the gateway any more."""
         self._gateway.drain()
         self._goals = self._open()
+        was_unsafe, self._is_unsafe = self._is_unsafe, self._gateway.unsafe not in ('', NOT_HEARD)
+        if self._is_unsafe and not was_unsafe and self._goals:
+            log.error('%s: %s, off the record', self._gateway.unsafe, self._cancel_all())
 
     def _cancel_all(self) -> str:
         found = self._open()

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from bt_orchestrator.engine.runtime import contests
 from bt_orchestrator.engine.runtime.goal_ends import TIMEOUT, failed, of_end
 from bt_orchestrator.engine.runtime.ledger import Ledger
+from bt_orchestrator.engine.runtime.safety import SafetyGuard
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.frozen import changed
@@ -15,6 +16,7 @@ from bt_orchestrator.model.goal import (
     GoalRequest,
     GoalStatus,
     Reason,
+    SafetyReading,
     SeenContest,
     SetupReading,
     StateReading,
@@ -68,6 +70,8 @@ class Flights:
         the component is in service."""
         self._provably_lost: set[str] = set()
         """Those goals among them that provably never arrived."""
+        self._safety = SafetyGuard()
+        self._unsent: list[Unsent] = []
         self._timers: dict[str, Timer] = {}
         self._expired: list[str] = []
 
@@ -107,11 +111,16 @@ class Flights:
                 self._ledger.record([e.ComponentSetupRead(**vars(news))])
             elif isinstance(news, SeenContest):
                 self._ledger.record(contests.seen(self._ledger.state, news))
+            elif isinstance(news, SafetyReading):
+                self._ledger.record(self._safety.seen(self._ledger.state, news))
             else:
                 if self._unconfirmed:
                     self._confirm(news)
                 if news.end is not None:
                     self._end(news, news.end)
+        unsent, self._unsent = self._unsent, []
+        for goal in unsent:  # behind the loss, which cancels it
+            self._end(goal, goal.end)
         expired, self._expired = self._expired, []
         for uuid in expired:
             self._expire(uuid)
@@ -252,18 +261,26 @@ class Flights:
     def follow(self, event: e.Event) -> None:
         """Carry out a durable event of `CARRIED_OUT`: send a goal, or cancel one."""
         if isinstance(event, e.TaskStarted):
-            self._goals[event.goal] = (event.key, self._gateway.send(_request_of(event)))
-            self._watch(event.key)
+            self._send(event, _request_of(event))
         elif isinstance(event, e.OrchestratorStarted):
             for key in self._taken_over:
                 self._adopt(key)
         elif isinstance(event, e.TaskResent):
-            request = self._request(event.key)
-            self._goals[event.goal] = (event.key, self._gateway.send(request))
-            self._watch(event.key)
+            self._send(event, self._request(event.key))
         elif isinstance(event, e.TaskCancelRequested) and event.goal in self._goals:
             self._goals[event.goal][1].cancel()
             self._arm(event.goal, GRACE_S)
+
+    def _send(self, event: e.TaskStarted | e.TaskResent, request: GoalRequest) -> None:
+        """Send a goal, unless the safety input was lost while its record was written (7.9)."""
+        if self._gateway.unsafe:
+            unsent = Unsent(request)
+            self._goals[event.goal] = (event.key, unsent)
+            self._unsent.append(unsent)
+            self._wake()
+            return
+        self._goals[event.goal] = (event.key, self._gateway.send(request))
+        self._watch(event.key)
 
     def _adopt(self, key: e.TaskKey) -> None:
         """Ask for the goal of an earlier orchestrator; nothing is sent."""
@@ -312,6 +329,26 @@ class Flights:
         self._timers.pop(uuid, None)
         self._expired.append(uuid)
         self._wake()
+
+
+class Unsent:
+    """A goal that is not sent, because the safety input was lost while it was put on record.
+
+    Implements `ports.Goal`.
+    """
+
+    accepted = False
+    feedback = None
+
+    def __init__(self, request: GoalRequest) -> None:
+        self.request = request
+        self.end = GoalEnd(GoalStatus.CANCELED, message=_UNSENT, never_begun=True)
+
+    def cancel(self) -> None:
+        """Do nothing: it has ended."""
+
+
+_UNSENT = 'it was not sent: the safety input is not ready'
 
 
 def _request_of(event: e.TaskStarted) -> GoalRequest:

@@ -177,7 +177,7 @@ def _by_itself(
 ) -> tuple[Cause, str] | None:
     cause = _AUTOMATIC.get(state.packml)
     if cause is not None:
-        may = auto_start and state.wish is None and not state.shutting_down
+        may = auto_start and state.wish is None and not state.barred
         return (cause, AUTOMATIC) if may and state.has_work else None
     done = _why_done(state, outlook)
     return (Cause.DONE, done) if done is not None else None

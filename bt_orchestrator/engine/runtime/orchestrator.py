@@ -35,6 +35,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import text_of
 from bt_orchestrator.model.commands import Answer, Command, cancels_all
+from bt_orchestrator.model.goal import NOT_HEARD
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.waits.waiting import unready
@@ -184,6 +185,8 @@ class Orchestrator:
             self.breakdown.look()
             return False
         assert not self._settling, 'settle was called from within a settle'
+        if self.awaits_disk and self.gateway.unsafe not in ('', NOT_HEARD):
+            self.flights.cancel_all()  # the record of the loss follows
         went_on = self.awaits_disk
         if (went_on or self._commits.is_owed) and not self._go_on():
             return False

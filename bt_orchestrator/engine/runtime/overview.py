@@ -101,6 +101,7 @@ class Overview:
             stop_after=state.stop_after or '',
             wish=state.wish,
             waits_for=way_to_work(state.packml) if state.stopped_by is not None else '',
+            safety=_safety(state),
             control=state.control,
             unauthenticated_role=self._unauthenticated_role,
             commands=tuple(request.word for request in self._possible()),
@@ -247,3 +248,7 @@ def _item(item: ItemState) -> ItemStatus:
 
 def _finished(finished: Finished) -> FinishedCycle:
     return FinishedCycle(finished.job, finished.item, finished.passed, finished.failed)
+
+
+def _safety(state: CellState) -> str:
+    return '' if state.cell.safety is None else state.unsafe or 'ready'

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from bt_orchestrator import model
 from bt_orchestrator.base.errors import DamagedRecord, JournalMismatch, JournalUnusable
 from bt_orchestrator.engine.runtime.contests import in_utc, to_be_named
+from bt_orchestrator.engine.runtime.safety import taken_over
 from bt_orchestrator.engine.runtime.service import without_component
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import Control
@@ -227,6 +228,7 @@ def take_over(
     )
     if to_remote and state.control is not Control.REMOTE:
         yield e.ControlChanged(control=Control.REMOTE.value, reason='the node was started so')
+    yield from taken_over(state)
     yield from without_component(state)
     for name, component in state.cell.components.items():
         if component.state is not None and state.readings[name].ready:

@@ -11,6 +11,7 @@ from bt_orchestrator.engine.runtime.engine import Engine
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.limits import QUEUE_SHOWN
+from bt_orchestrator.model.line import barred_because
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import CellState, Hold, JobState
 from bt_orchestrator.model.stop_reason import StopReason, way_to_work
@@ -76,7 +77,7 @@ def _cause(state: CellState, broken: str | None, waits: Waits) -> Stands:
     """Return the root cause: the journal, an abort, holds, commands; then waits and the queue."""
     if broken:
         return _stands(StandCause.JOURNAL, broken)
-    if state.packml in _ABORTED or state.shutting_down:
+    if state.packml in _ABORTED or state.barred:
         return _for_a_command(state)
     if state.holds:
         return _held(next(iter(state.holds.values())))
@@ -96,8 +97,8 @@ _AT_REST = (
 
 
 def _for_a_command(state: CellState) -> Stands:
-    if state.shutting_down:
-        return _stands(StandCause.COMMAND, 'the node ends')
+    if state.barred:
+        return _stands(StandCause.COMMAND, barred_because(state))
     way = way_to_work(state.packml)
     who = f' ({state.stopped_by})' if state.stopped_by else ''
     reason = f'the cell is {state.packml.value}{who}; it waits for {way}'

@@ -28,6 +28,7 @@ from bt_orchestrator.model.events.cell import (
     OrchestratorStarted,
     OrchestratorStopping,
     RequestRefused,
+    SafetyChanged,
     StopReasonChanged,
 )
 from bt_orchestrator.model.events.jobs import (
@@ -163,6 +164,7 @@ __all__ = [
     'RequestRefused',
     'OrchestratorStarted',
     'OrchestratorStopping',
+    'SafetyChanged',
     'StopReasonChanged',
     'CellStateChanged',
 ]

@@ -219,6 +219,16 @@ class ClockStepped(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class SafetyChanged(Event):
+    """The safety input became ready, or is not ready any more (semantics 7.9)."""
+
+    event: ClassVar[str] = 'safety.changed'
+    ready: bool
+    reason: str = ''
+    """Why it is not ready; empty: it is."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class StopReasonChanged(Event):
     """The stop reason of the line changed; PackML and ISA-95 states follow from it (7.2)."""
 

@@ -50,6 +50,7 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
         for key, task in state.running.items():
             state.tasks[key] = state.running[key] = changed(task, copied=True)
     state.shutting_down = False
+    state.barred = bool(state.unsafe)
     state.contests.clear()  # not checked yet
     state.setups_told.clear()  # no message yet
     # Older journals have skips of jobs that have not started.
@@ -96,13 +97,19 @@ def component_in_service(event: e.ComponentInService, state: CellState) -> None:
 
 def orchestrator_stopping(_: e.OrchestratorStopping, state: CellState) -> None:
     """Block every start."""
-    state.shutting_down = True
+    state.shutting_down = state.barred = True
 
 
 def stop_reason_changed(event: e.StopReasonChanged, state: CellState) -> None:
     """Set the stop reason, or none."""
     state.stop_reason = StopReason(event.stop_reason) if event.stop_reason else None
     state.stop_message = event.reason
+
+
+def safety_changed(event: e.SafetyChanged, state: CellState) -> None:
+    """Let goals start, or none; what has to be done besides are events of their own."""
+    state.unsafe = event.reason
+    state.barred = state.shutting_down or bool(state.unsafe)
 
 
 def control_changed(event: e.ControlChanged, state: CellState) -> None:

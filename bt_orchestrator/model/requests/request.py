@@ -86,6 +86,8 @@ class Request:
     is_limited: bool = False
     """It can be repeated without end, so its rate is limited. A stop, a pause or an answer is
     refused until something undoes it, so it is never delayed."""
+    needs_safety: bool = False
+    """It is refused while the safety input is not ready (semantics 7.9)."""
     is_of_list: bool = False
     """It changes the list of jobs, and nothing on the line."""
     is_remark: bool = False

@@ -54,6 +54,7 @@ CELL: Mapping[Cause, Request] = {
         _OPERATORS,
         is_limited=True,
         moves=True,
+        needs_safety=True,
     ),
     Cause.START: _request(
         About.CELL,
@@ -61,6 +62,7 @@ CELL: Mapping[Cause, Request] = {
         'lets the cell begin to work',
         _OPERATORS,
         moves=True,
+        needs_safety=True,
         is_limited=True,
     ),
     Cause.HOLD: _request(
@@ -80,6 +82,7 @@ CELL: Mapping[Cause, Request] = {
         _EVERYONES,
         is_limited=True,
         moves=True,
+        needs_safety=True,
     ),
     Cause.STOP: _request(
         About.CELL,
@@ -107,6 +110,7 @@ CELL: Mapping[Cause, Request] = {
         is_confirmed=True,
         is_limited=True,
         moves=True,
+        needs_safety=True,
     ),
 }
 
@@ -293,7 +297,7 @@ OUT_OF_SERVICE = _request(
 )  # fmt: skip
 IN_SERVICE = _request(
     About.COMPONENT, 'in_service', 'lets a component get goals again, and lets jobs that need it '
-    'start', _OPERATORS, moves=True, is_limited=True,
+    'start', _OPERATORS, moves=True, needs_safety=True, is_limited=True,
 )  # fmt: skip
 
 # --- scripts (semantics 6.10) -------------------------------------------------------------------

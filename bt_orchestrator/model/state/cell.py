@@ -78,6 +78,10 @@ class CellState:
     """The stop reason in words."""
     shutting_down: bool = False
     """The orchestrator is shutting down; the next one continues."""
+    unsafe: str = ''
+    """Why the safety input is not ready (semantics 7.9); empty: it is, or there is none."""
+    barred: bool = False
+    """Nothing starts: the orchestrator is shutting down, or the safety input is not ready."""
     belt_seq: int = 0
     """Last event that changed the content of the belt."""
     beat: int = 1
@@ -202,7 +206,7 @@ class CellState:
     @property
     def works(self) -> bool:
         """Tell whether cycles in hand go on."""
-        return self.packml.works and not self.shutting_down
+        return self.packml.works and not self.barred
 
     def times(self, now: float) -> dict[PackmlState, float]:
         """Return the seconds spent in each state, the present stay included."""

@@ -19,6 +19,7 @@ from bt_orchestrator.model.jobs.setups import (
     why_needless,
 )
 from bt_orchestrator.model.line import (
+    barred_because,
     is_done_with,
     may_not_begin,
     stopped_because,
@@ -228,7 +229,7 @@ def stopped_task(state: CellState, key: TaskKey) -> Wait | None:
     """Say why the task must not start or be skipped: a skip counts as if it had run."""
     if not state.works:
         mode = state.packml.value
-        what = 'the node ends' if state.shutting_down else f'the cell is {mode}'
+        what = barred_because(state) if state.barred else f'the cell is {mode}'
         return Wait(what, WaitKind.CELL_STATE, mode)
     if not state.holds:
         return None

@@ -8,13 +8,13 @@ from rclpy.node import Node
 from rclpy.timer import Timer
 
 from bt_orchestrator.model.cell import Cell, Component
-from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, GoalRequest
+from bt_orchestrator.model.goal import NOT_HEARD, SERVER_TIMEOUT_S, GoalRequest
 from bt_orchestrator.ports import ActionTypes, Told
 from bt_orchestrator.ports.news import News
 from bt_orchestrator.ros.actions.action_link import ActionLink
 from bt_orchestrator.ros.actions.fresh_participant import FreshParticipants
 from bt_orchestrator.ros.actions.open_goals import Leave, RosGoal
-from bt_orchestrator.ros.actions.state_watch import StateWatch
+from bt_orchestrator.ros.actions.state_watch import SafetyWatch, StateWatch
 from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.executor.handles import guarded
 from bt_orchestrator.ros.types.interface_classes import action_class
@@ -62,6 +62,12 @@ class RosGateway:
             for component in components
             if component.state is not None
         ]
+        self.unsafe = '' if cell.safety is None else NOT_HEARD
+        self._safety = (
+            None
+            if cell.safety is None
+            else SafetyWatch(node, cell.safety, self._news, self._say_of_safety)
+        )
         self._poll_timer = self._timer(_POLL_PERIOD_S, self._poll)
         self._poll_timer.cancel()
         self._watch_timer = self._timer(_WATCH_PERIOD_S, self._watch)
@@ -141,12 +147,18 @@ class RosGateway:
             self._node.destroy_timer(timer)
         for state in self._states:
             state.close()
+        if self._safety is not None:
+            self._safety.close()
+            self._safety = None
         for link in self._links.values():
             link.close()
         self._fresh.close()
         self._timers.clear()
         self._states.clear()
         self._links.clear()
+
+    def _say_of_safety(self, unsafe: str) -> None:
+        self.unsafe = unsafe
 
     def _link(self, component: Component) -> ActionLink:
         return ActionLink(

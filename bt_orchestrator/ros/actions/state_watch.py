@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from bt_orchestrator.model.cell import Component, StateTopic
+from bt_orchestrator.model.cell import Component, SafetyInput, StateTopic
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.goal import SetupReading, StateReading
+from bt_orchestrator.model.goal import NOT_HEARD, SafetyReading, SetupReading, StateReading
 from bt_orchestrator.model.limits import (
     STATE_VALUE_BYTES,
     STATE_VALUE_SHORT,
     STATES_OF_ONE,
     Allowance,
+    cut,
     shortened,
 )
 from bt_orchestrator.ports.news import News
@@ -152,6 +153,138 @@ def best_profile(offers: Sequence[QoSProfile]) -> QoSProfile:
         reliability=ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )
+
+
+# The safety input: a topic that has to be heard again and again (semantics 7.9).
+
+HEARD_AFTER_S = 3.0
+"""How long a publisher may need to be found when the node starts."""
+
+LATE_S = 0.02
+"""How long a message that is late may wait in this process: one more turn of the executor."""
+
+
+class SafetyWatch:
+    """Knows at every moment why the safety input is not ready, and tells each change.
+
+    Ready means: one publisher, which keeps no messages for others, and a message within the time
+    that has a good value. Every time is of the steady clock.
+    """
+
+    def __init__(
+        self, node: Node, wanted: SafetyInput, news: News, say: Callable[[str], object]
+    ) -> None:
+        """Subscribe.
+
+        :param say: is called with why the input is not ready at this moment; empty: it is
+        :raises UnknownActionType: the message type is not installed
+        """
+        self._node = node
+        self._wanted = wanted
+        self._path = wanted.field.split('.')
+        self._news = news
+        self._say = say
+        self._period_s = min(wanted.within_s / 4, _WAITING_S)
+        self._began: float | None = None
+        """When this thread began to serve the node; None: it has not."""
+        self._looked = self._before = time.monotonic()
+        self._is_contested = False
+        """There are several publishers."""
+        self._heard: float | None = None
+        """When the last message came; None: none has."""
+        self._value = ''
+        """The fault of its value; empty: it is good."""
+        self._publishers = NOT_HEARD
+        """The fault of the publishers; empty: there is one, as it has to be."""
+        self._told: str | None = None
+        self._is_late = False
+        self._logger = SpareLog(node.get_logger().get_child('safety'))
+        self._subscription = node.create_subscription(
+            message_class(wanted.type),
+            wanted.topic,
+            self._on_message,
+            HEARS_ALL,
+            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
+        )
+        look = guarded(self._look, self._logger)
+        self._timer = steady_timer(node, self._period_s, look)
+        self._again = steady_timer(node, LATE_S, guarded(self._look_again, self._logger))
+        self._again.cancel()
+
+    def close(self) -> None:
+        """Stop listening."""
+        self._node.destroy_timer(self._timer)
+        self._node.destroy_timer(self._again)
+        self._node.destroy_subscription(self._subscription)
+
+    def _on_message(self, message: Any) -> None:
+        now = time.monotonic()
+        # If this thread was busy for long, the message may have come as soon as it was.
+        is_fresh = now - self._before <= 3 * self._period_s
+        self._heard = now if is_fresh else self._before
+        self._is_late = False
+        try:
+            value = field_value(message, self._path)
+        except Exception as error:  # noqa: BLE001 - whatever it is, the value cannot be read
+            self._value = f'its value cannot be read: {error!r:.200}'
+        else:
+            is_good = any(_same(value, good) for good in self._wanted.ready)
+            self._value = '' if is_good else f'it is {shown(value)}'
+        self._look_at_publishers()
+        self._tell()
+
+    def _look(self) -> None:
+        self._before, self._looked = self._looked, time.monotonic()
+        self._began = self._began or self._looked
+        self._look_at_publishers()
+        if self._age_s() > self._wanted.within_s and not self._is_late and self._told == '':
+            self._is_late = True  # a message may wait behind this timer
+            self._again.reset()
+        elif not self._is_late:
+            self._tell()
+
+    def _look_again(self) -> None:
+        self._again.cancel()
+        self._is_late = False
+        self._tell()
+
+    def _look_at_publishers(self) -> None:
+        found = self._node.get_publishers_info_by_topic(self._subscription.topic_name)
+        self._is_contested = len(found) > 1
+        if self._is_contested:
+            where = ', '.join(f'{one.node_namespace.rstrip("/")}/{one.node_name}' for one in found)
+            self._publishers = f'{len(found)} publishers: {where}'
+        elif not found:
+            self._publishers = 'it has no publisher'
+        elif found[0].qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL:
+            self._publishers = 'its publisher keeps old messages (transient local)'
+        else:
+            self._publishers = ''
+
+    def _age_s(self) -> float:
+        return float('inf') if self._heard is None else time.monotonic() - self._heard
+
+    def _why(self) -> str:
+        """Return why the input is not ready now; empty: it is."""
+        if self._age_s() <= self._wanted.within_s:
+            return self._publishers or self._value
+        is_early = self._began is None or time.monotonic() - self._began < HEARD_AFTER_S
+        if self._told is None and is_early and not self._is_contested:
+            return NOT_HEARD  # until now this thread has started the node
+        return self._publishers or f'no message for {self._wanted.within_s:g} s'
+
+    def _tell(self) -> None:
+        why = self._why()
+        self._say(why)
+        is_change = self._told is None or bool(why) is not bool(self._told)
+        if is_change and why != NOT_HEARD:
+            self._told = why
+            self._news.add(SafetyReading(why))
+
+
+def shown(value: Any) -> str:
+    """Return a value of a field for people, not too long."""
+    return cut(str(value), 100)
 
 
 # Limits the values of one state topic: it cannot flood the journal (2.5).

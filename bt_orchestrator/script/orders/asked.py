@@ -10,8 +10,8 @@ from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.script.field_types import Misfit
-from bt_orchestrator.script.instants import instant
 from bt_orchestrator.script.orders.desk import AskedOrder
+from bt_orchestrator.script.orders.instants import instant
 from bt_orchestrator.script.orders.terms import AskedTerms
 from bt_orchestrator.script.yaml_nodes import quoted
 

@@ -14,8 +14,8 @@ from bt_orchestrator.model.limits import DETAILS_BYTES, DETAILS_DEPTH
 from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.field_types import Misfit
 from bt_orchestrator.script.fields import Fields, broken_limit
-from bt_orchestrator.script.instants import instant, out_of_range
 from bt_orchestrator.script.names import check_id
+from bt_orchestrator.script.orders.instants import instant, out_of_range
 from bt_orchestrator.script.script_keys import ORDER
 from bt_orchestrator.script.yaml_nodes import Scalar, as_data, found, found_value, quoted
 

@@ -8,12 +8,14 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from rclpy.clock import Clock as RosClock
+from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model.action_type import TASK, ActionType
-from bt_orchestrator.model.cell import Component, StateTopic
+from bt_orchestrator.model.cell import Component, SafetyInput, StateTopic
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S, GoalEnd, GoalRequest
 from bt_orchestrator.ports import Clock
 from bt_orchestrator.sim.carrier import Verdict
@@ -297,6 +299,17 @@ class StatePublisher:
     def destroy(self) -> None:
         """Leave the topic."""
         self._node.destroy_publisher(self._publisher)
+
+
+class SafetyPublisher:
+    """Says again and again that the line is safe; it is simulated, as the controllers are."""
+
+    def __init__(self, node: Node, safety: SafetyInput, interfaces: Interfaces) -> None:
+        message = interfaces.message_class(safety.type)()
+        interfaces.fill(message, nested(safety.field, ready_value(safety)))
+        publisher = node.create_publisher(type(message), safety.topic, 1)
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(safety.within_s / 5, lambda: publisher.publish(message), clock=steady)
 
 
 def nested(path: str, value: Any) -> dict[str, Any]:

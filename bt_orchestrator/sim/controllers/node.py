@@ -11,10 +11,15 @@ from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
 from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
-from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.cell import Component, SafetyInput
 from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.sim.controllers.component_server import ComponentServer, GoalLog, Surroundings
+from bt_orchestrator.sim.controllers.component_server import (
+    ComponentServer,
+    GoalLog,
+    SafetyPublisher,
+    Surroundings,
+)
 from bt_orchestrator.sim.controllers.options import Pace
 from bt_orchestrator.sim.controllers.task_server import Interfaces, guarded
 
@@ -32,6 +37,8 @@ class Setup:
     log: GoalLog
     pace: Pace = field(default_factory=Pace)
     namespace: str = ''
+    safety: SafetyInput | None = None
+    """The safety input that this process publishes; None: none, or another process does."""
     result_timeout_s: float | None = None
     """Seconds for which a server remembers an ended goal; None: as the cell file says."""
 
@@ -57,6 +64,8 @@ class ControllerNode(Node):
             ComponentServer(component, setup.types.action(component.type), surroundings)
             for component in setup.components
         ]
+        if setup.safety is not None:
+            SafetyPublisher(self, setup.safety, setup.interfaces)
         self._present = [server.controller.switch_on() for server in self._servers]
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(STATE_PERIOD_S, self._repeat_states, clock=steady)

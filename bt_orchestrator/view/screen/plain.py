@@ -208,6 +208,9 @@ _LINES: Mapping[type[e.Event], Callable[..., str]] = {
     e.ComponentInService: lambda event: f'{event.component} is in service',
     e.ScriptReleased: lambda event: f'script {event.digest} is released ({event.reason})',
     e.CellStateChanged: _cell_state,
+    e.SafetyChanged: lambda event: (
+        'safety input ready' if event.ready else f'safety input not ready: {event.reason}'
+    ),
     e.ControlChanged: lambda event: f'line in {event.control} ({event.reason})',
     **dict.fromkeys((e.JobQueued, e.JobCompleted, e.JobAborted), _job),
 }

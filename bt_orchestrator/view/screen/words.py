@@ -75,6 +75,8 @@ def _cell_lines(status: CellStatus) -> Iterator[str]:
         yield from (f'  {text}' for text in leadership_words(status.leadership))
     if in_local(status):
         yield f'  {in_local(status)}'
+    if status.safety not in ('', 'ready'):
+        yield f'  safety input not ready: {one_line(status.safety)}'
     if status.stop_after:
         yield f'  the cell stops after the current {status.stop_after}'
     if status.wish:

@@ -20,10 +20,10 @@ from fakes.commands import (
 from fakes.virtual_run import BY, VirtualRun, defaults
 
 from bt_orchestrator.engine.runtime.job_queue import CONTROLS
-from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
+from bt_orchestrator.model.judging.belt_statement import believed, parse_slots
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state.proposed import queue_digest

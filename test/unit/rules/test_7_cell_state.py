@@ -21,10 +21,10 @@ from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.belt_statement import AsShown
 from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.judging.belt_statement import AsShown
 from bt_orchestrator.model.packml import TRANSITIONS, PackmlState
 from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.sim.simulation import Simulation

@@ -8,8 +8,8 @@ from fakes.line import Line, with_section
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.base.errors import CommandRefused
-from bt_orchestrator.model.belt_statement import AsShown, Slots, believed, parse_slots
 from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.judging.belt_statement import AsShown, Slots, believed, parse_slots
 
 
 def aborted(at: float = 3.5) -> VirtualRun:

@@ -74,6 +74,7 @@ _OF_HOLDS = (
     StopId(
         225, stop_reason.UNKNOWN_GOAL, 800, 'a server runs a goal that the journal does not know'
     ),
+    StopId(227, stop_reason.SAFETY, 900, 'the safety input was lost'),
     StopId(226, stop_reason.TOO_MANY_REJECTS, 500, 'too many items in a row were rejected'),
 )
 

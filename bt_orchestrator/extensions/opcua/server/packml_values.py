@@ -22,8 +22,8 @@ from bt_orchestrator.extensions.opcua.mes.packml import (
     transitions_between,
 )
 from bt_orchestrator.extensions.opcua.server.space import Space
-from bt_orchestrator.model.belt_statement import EMPTY
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.judging.belt_statement import EMPTY
 from bt_orchestrator.model.packml import TRANSITIONS, PackmlState
 from bt_orchestrator.model.status import CellStatus, SectionStatus
 

@@ -54,6 +54,7 @@ CELL: Mapping[str, Shown] = {
     'WaitsFor': Shown(TEXT, 'what lets the cell work again, in words; empty: nothing is needed'),
     'Queued': Shown(COUNT, 'jobs in the queue'),
     'Running': Shown(COUNT, 'jobs that have started and not ended'),
+    'Safety': Shown(TEXT, 'ready, or why the safety input is not; empty: the cell has none'),
     'Control': Shown(TEXT, 'local: only the panels of the line may move it; or remote'),
     'Holds': Shown(COUNT, 'holds that wait for an answer'),
 }
@@ -167,6 +168,7 @@ def values(status: CellStatus) -> Iterator[tuple[str, object]]:
     yield 'WaitsFor', status.waits_for
     yield 'Queued', status.queued
     yield 'Running', len(running)
+    yield 'Safety', status.safety
     yield 'Control', status.control.value
     yield 'Holds', len(status.holds)
     over = [job for job in status.jobs if job.state in OVER]

@@ -12,8 +12,8 @@ from fakes.operator import engineer
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.engine.asking.commands import PREPARES, asked_by_name, prepared
 from bt_orchestrator.engine.runtime.deciding import DECIDERS, decided
-from bt_orchestrator.model.belt_statement import AsShown, Slots
 from bt_orchestrator.model.by import Role
+from bt_orchestrator.model.judging.belt_statement import AsShown, Slots
 from bt_orchestrator.model.requests import (
     REQUESTS,
     TABLE,

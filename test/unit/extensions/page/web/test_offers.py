@@ -107,7 +107,7 @@ def test_clear_says_which_status_was_looked_at() -> None:
 
 
 def _as_it_is(run: VirtualRun) -> Any:
-    from bt_orchestrator.model.belt_statement import AsShown
+    from bt_orchestrator.model.judging.belt_statement import AsShown
 
     return AsShown(run.state.seq)
 

@@ -63,12 +63,13 @@ function stateBlock() {
   const word = h('strong', { class: 'state-word' });
   const since = h('span', { class: 'state-since' });
   const local = h('span', { class: 'in-local' });
+  const unsafe = h('span', { class: 'in-local is-unsafe' });
   const why = room('state-why');
   const element = h(
     'div',
     { class: 'state', 'data-part': 'cell' },
     drawn,
-    h('div', { class: 'state-line' }, name, word, local, since),
+    h('div', { class: 'state-line' }, name, word, local, unsafe, since),
     why.element,
   );
 
@@ -81,6 +82,9 @@ function stateBlock() {
     text(name, cell?.name ?? '');
     const isLocal = cell?.control === 'local';
     show(local, isLocal);
+    const isUnsafe = Boolean(cell?.safety) && cell.safety !== 'ready';
+    show(unsafe, isUnsafe);
+    text(unsafe, isUnsafe ? t('topbar.unsafe', { why: cell.safety }) : '');
     text(local, isLocal ? t('topbar.in_local') : '');
     attribute(local, 'title', isLocal ? t('ask.in_local') : null);
     text(word, cell ? stateWords(cell) : t('news.waiting'));
