@@ -88,6 +88,7 @@ def test_orders_by_recipe(start_cell: StartCell, tmp_path: Path) -> None:
     _queued_jobs_follow_what_is_out_of_service(cell)
     _the_rest_of_a_job_is_made_without_it(cell)
     _what_if_in_an_outage_comes_true(cell, recipes)
+    _what_if_with_a_requeue_comes_true(cell, recipes)
     _a_version_says_one_thing(cell, recipes)
     cell.stop()
 
@@ -261,6 +262,38 @@ def _what_if_in_an_outage_comes_true(cell: CellProcesses, recipes: Path) -> None
         ended = watch.until('job.completed', job=job)
         assert abs(ended['time'] - moment.now_s - within_s) < 1.0, (job, ended, expected)
     assert watch.command('in_service', component='worker', who='Ada').accepted
+
+
+def _what_if_with_a_requeue_comes_true(cell: CellProcesses, recipes: Path) -> None:
+    """A job was made without the worker, which is back: its rest is faster if it is made anew."""
+    watch = cell.watch
+    assert watch.command('out_of_service', component='worker', who='Ada').accepted
+    order = by_recipe('Z')
+    order.quantity = 20
+    assert watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[order])).accepted
+    watch.until('item.removed', job='Z')
+    assert watch.until('task.started', job='Z', task='work')['component'] == 'packer'
+    assert watch.command('in_service', component='worker', who='Ada').accepted
+    anew = ask('job.requeue', By('Ada', 'test', 'the worker is back'), job='Z')
+    with open_door(watch.name, 10.0) as door:
+        moment = door.moment()
+        assert door.ask(anew).accepted
+    with closing(PlanningProcess([], [recipes])) as planning:
+        expected = planning.what_if(moment, [anew])
+    assert expected.refusals == ()
+    ends = {one.job: one.ends_s for one in expected.after if one.ends_s is not None}
+    assert list(ends)[:2] == ['Z', 'Z-rest']
+    whole_s = dict(expected.before)['Z']
+    assert whole_s is not None
+    (note,) = (note for note in expected.notes if note.startswith('Z with Z-rest ends in '))
+    assert f'without the requeue, Z ends in {whole_s:.1f} s' in note
+    assert ends['Z-rest'] < whole_s, 'the worker works beside the packer'
+    ended = [watch.until('job.completed', job=job) for job in ('Z', 'Z-rest')]
+    assert ended[0]['seq'] < ended[1]['seq']
+    for event in ended:
+        within_s = ends[event['job']]
+        assert abs(event['time'] - moment.now_s - within_s) < 1.0, (event, expected)
+    assert watch.until('task.started', job='Z-rest', task='work')['component'] == 'worker'
 
 
 def _a_version_says_one_thing(cell: CellProcesses, recipes: Path) -> None:
