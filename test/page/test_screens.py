@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Callable, Iterator
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -160,3 +161,26 @@ def test_the_browser_calls_the_page_alone(held: Stand, sit: Sit) -> None:
     others = [url for url in person.requested if not url.startswith(f'{person.url}/')]
     assert person.requested
     assert not others
+
+
+def test_the_shift_in_detail_says_what_the_report_says(tmp_path: Path, sit: Sit) -> None:
+    """A task that failed once, and was answered: its cause, and the figures by owner."""
+    with stand(tmp_path, speed=20.0) as one:
+        tab = sit(one.port).open()
+        tab.until(lambda: tab.count('[data-hold]'), 'a hold')
+        hold = next(iter(one.happened('hold.raised')))['hold']
+        one.ask('hold.retry', hold=hold)
+        tab.until(lambda: tab.count('[data-part="shift"][data-runs]'), 'the shift')
+        tab.page.locator('[data-part="shift"] a[href="#/shift"]').click()
+        told = tab.page.locator('main')
+
+        def says(words: str) -> Callable[[], bool]:
+            return lambda: words in told.inner_text()
+
+        tab.until(says('further attempt'), 'the cause of the further attempt')
+        tab.until(says('own fault: fault'), 'the part of the loss')
+        tab.page.locator('main select').select_option('component')
+        tab.until(says('operating time'), 'the figures of components')
+        tab.until(says('component_3a'), 'a component')
+        if 'SHIFT_PICTURES' in os.environ:
+            tab.page.screenshot(path=f'{os.environ["SHIFT_PICTURES"]}/detail.png', full_page=True)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from datetime import date, datetime
 from fractions import Fraction
 from typing import Any
+from zoneinfo import ZoneInfo
 
 import pytest
 from fakes.drawn.lines import lines
@@ -25,6 +27,8 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record, to_plain, to_record
 from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.script.shifts.shifts_file import parse_shifts
+from bt_orchestrator.view.report.account.calendar import shift_on, zone_of
 from bt_orchestrator.view.report.account.figures import Figures, Paces, figures
 from bt_orchestrator.view.report.account.fold import FOLLOWED, AccountFold, Times
 from bt_orchestrator.view.report.account.losses import PARTS, Loss, Part, is_stop
@@ -39,6 +43,9 @@ MARKS = st.lists(st.integers(0, 12), min_size=4, max_size=4, unique=True).map(so
 
 ALL = [0, 6, 6, 12]
 """Without a break, the whole run."""
+
+RESTARTS = st.lists(st.tuples(st.integers(1, 99), st.booleans()), min_size=1, max_size=4)
+"""Shares of the records, in hundredths, and whether the node tells its end."""
 
 SECONDS = st.integers(0, 150).map(lambda tenths: tenths / 10)
 
@@ -215,7 +222,7 @@ def closes(shown: Figures) -> None:
 def test_faults_pauses_and_starvation() -> None:
     seen: Counter[str] = Counter()
 
-    @examples(6, 400)
+    @examples(12, 400)
     @given(
         unready=st.tuples(SECONDS, SECONDS),
         works=SECONDS,
@@ -277,7 +284,7 @@ def wait(run: VirtualRun, seconds: float) -> None:
     run.go(until=run.now + seconds)
 
 
-@examples(2, 300)
+@examples(3, 300)
 @given(lines(), MARKS)
 def test_drawn_lines(plan: Plan, marks: list[int]) -> None:
     """Several jobs and scripts, rounds, stops, aborts, components out of service."""
@@ -295,3 +302,85 @@ def test_a_clock_that_is_set_changes_no_figure(plan: Plan, marks: list[int], ste
     operate(bench, plan.moments)
     if bench.run.records:
         stepped_accounts(bench.run.records, marks, steps)
+
+
+@examples(3, 300)
+@given(
+    lines(), MARKS, st.lists(st.tuples(st.integers(1, 99), st.booleans()), min_size=1, max_size=4)
+)
+def test_restarts_of_the_node(
+    plan: Plan, marks: list[int], restarts: list[tuple[int, bool]]
+) -> None:
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    scripts = {job: bench.scripts[name] for job, name in bench.accepted.items()}
+    if bench.run.records:
+        accounts(restarted(bench.run.records, restarts), marks, bench.cell, scripts)
+
+
+def restarted(
+    records: Sequence[dict[str, Any]], restarts: Sequence[tuple[int, bool]]
+) -> list[dict[str, Any]]:
+    """Return records with starts of a node between them.
+
+    :param restarts: shares of the records, in hundredths, and whether the node told its end
+    """
+    due: dict[int, bool] = {share * len(records) // 100: tells for share, tells in restarts}
+    events: list[e.Event] = []
+    for number, record in enumerate(records):
+        event = from_record(record)
+        if number in due and events:
+            if due[number]:
+                events.append(e.OrchestratorStopping().stamped(0, events[-1].time))
+            between = round((events[-1].time + event.time) / 2, 3)
+            began = e.OrchestratorStarted(cell='test_line', digest='d')
+            events.append(began.stamped(0, min(between, event.time)))
+        events.append(event)
+    return [to_record(one.stamped(seq, one.time)) for seq, one in enumerate(events, start=1)]
+
+
+NIGHT = """
+shifts:
+  night: {from: 22:00, to: 06:00, breaks: [{from: 01:30, to: 03:15}]}
+zone: Europe/Berlin
+"""
+HOUR_S = 3600.0
+
+
+@examples(3, 300)
+@given(lines(), st.sampled_from([date(2026, 3, 28), date(2026, 10, 24), date(2026, 5, 18)]))
+def test_nights_on_which_the_clocks_change(plan: Plan, day: date) -> None:
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    if not bench.run.records:
+        return
+    zone = ZoneInfo('Europe/Berlin')
+    begin = datetime(day.year, day.month, day.day, 21, tzinfo=zone).timestamp()
+    stretch = 11 * HOUR_S / max(bench.run.records[-1]['time'], 1.0)
+    shifts = parse_shifts(NIGHT, 'shifts.yaml')
+    period = shift_on(shifts.shifts['night'], day, zone_of(shifts))
+    assert list(period.planned.pieces) == naive_night(begin, zone)
+    whole = (from_record(one) for one in bench.run.records)
+    slow = (one.stamped(one.seq, round(begin + one.time * stretch, 1)) for one in whole)
+    events = [one for one in slow if us_of(one.time) <= period.end_us]
+    shown = figures(times_of(events, period.planned, period.end_us), Paces(None))
+    records = [to_record(one) for one in events]
+    naive = naive_account(records, period.planned.pieces, lambda _: Fraction(0))
+    booked = {loss.value: us for loss, us in shown.times.lost_us.items()}
+    assert +Counter({**booked, 'production': shown.times.producing_us}) == +naive.times
+    agrees(shown, naive)
+
+
+def naive_night(begin: float, zone: ZoneInfo) -> list[tuple[int, int]]:
+    """Return the planned time of the night: each minute by what the clock showed."""
+    found: list[tuple[int, int]] = []
+    for number in range(12 * 60):
+        moment = round(begin) + 60 * number
+        shown = datetime.fromtimestamp(moment, zone)
+        clock = shown.hour * 60 + shown.minute
+        if (clock >= 22 * 60 or clock < 6 * 60) and not 90 <= clock < 195:
+            span = (moment * 1_000_000, (moment + 60) * 1_000_000)
+            if found and found[-1][1] == span[0]:
+                span = (found.pop()[0], span[1])
+            found.append(span)
+    return found

@@ -13,6 +13,7 @@ const WRITTEN = { ratio, count: number, seconds: duration };
 /** Show it in a root, until the function that is returned is called. */
 export function mount(root) {
   const title = h('h1', {}, t('shift.none'));
+  const made = h('p', {});
   const note = h('p', { class: 'remark', role: 'status' });
   const by = h(
     'select',
@@ -27,6 +28,7 @@ export function mount(root) {
   const panels = h(
     'div',
     {},
+    made,
     panel('shift.parts', stops.element),
     panel('shift.causes', causes.element),
     panel('shift.measured', values.element),
@@ -55,7 +57,8 @@ export function mount(root) {
         get(`/api/shift/by/${by.value}`),
       ]);
       text(title, t('shift.title', { name: part('shift')?.shift ?? '' }));
-      text(note, yieldWords(account));
+      text(made, yieldWords(account));
+      text(note, '');
       stops.show(partRows(account));
       causes.show(account.scrap_and_rework);
       values.show(account.measured);
@@ -65,6 +68,7 @@ export function mount(root) {
       text(note, refused.message || t('jobs.silent'));
       show(panels, false);
     }
+    show(note, Boolean(note.textContent));
   }
 
   root.append(element);
