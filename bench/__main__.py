@@ -14,6 +14,7 @@ from pathlib import Path
 import interrupts
 
 from bench import (
+    database_rows,
     engine_rows,
     opcua_rows,
     page_rows,
@@ -52,6 +53,8 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('dispatch', 'dispatch_normal', 'polling', 'wrap', 'cpu', 'watcher'): lambda: (
             ros_rows.dispatch(in_turns, 3 if quick else 20)
         ),
+        ('postgres_append',): lambda: database_rows.append(rounds, 5 if quick else 200),
+        ('postgres_dispatch',): lambda: database_rows.dispatch(in_turns, 3 if quick else 20),
         ('own_part',): lambda: ros_rows.own_part(in_turns, 3 if quick else 20),
         ('readers', 'readers_cpu'): lambda: reader_rows.readers(
             rounds, *((3, 2_000) if quick else (20, 50_000))

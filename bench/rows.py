@@ -57,6 +57,12 @@ TARGETS = {
     'polling': Target('dispatch p50, 100 ms polling tree / ours'),
     'polling_fast': Target('dispatch p50, 10 ms polling tree / ours'),
     'cpu': Target('CPU per task with the forecast, ours / chain, same executor', 1.3, 1.1),
+    'postgres_append': Target(
+        'append p50, PostgreSQL without a replica / file with FULL, same disk', 1.5, 1.2
+    ),
+    'postgres_dispatch': Target(
+        'dispatch p50, journal in PostgreSQL without a replica / file with FULL', 1.1, 1.0
+    ),
     'watcher': Target('dispatch p50, tree watcher attached / without', 1.2, 1.05),
     'page_cpu': Target('CPU, page with one reader / watch on a terminal', 1.5, 1.0),
     'page_node': Target('CPU of the node, with a page that is read / with watch', 1.1, 1.0),

@@ -99,14 +99,16 @@ class Stand:
         watched: bool = False,
         recipes: Iterator[str] | None = None,
         program: str = 'bt_orchestrator',
+        journal: str = '',
     ) -> Measured:
         """Let a tree node drive the line.
 
         :param recipes: what is ordered meanwhile, one after another; None: nothing
         :param program: the module that Python runs
+        :param journal: its address; empty: a new file
         """
-        journal = self.folder / f'{self.name("journal")}.sqlite3'
-        options = ['--journal', str(journal), '--journal-synchronous', synchronous]
+        journal = journal or str(self.folder / f'{self.name("journal")}.sqlite3')
+        options = ['--journal', journal, '--journal-synchronous', synchronous]
         words = [*options, '--executor', executor]
         with self.node(words, program) as node, watcher(watched):
             tail = self.tail()

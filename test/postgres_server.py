@@ -44,12 +44,15 @@ def program(name: str) -> str:
 class PostgresServer:
     """A server on a socket in its folder, which may be stopped, killed and started again."""
 
-    def __init__(self, of: PostgresServer | None = None, **settings: str) -> None:
+    def __init__(
+        self, of: PostgresServer | None = None, disk: str = '/tmp', **settings: str
+    ) -> None:
         """Make one, which does not run yet.
 
         :param of: the server that it is a replica of, under the name `REPLICA`; None: its own
+        :param disk: where its folder is; a short name, since a socket is in it
         """
-        self.folder = Path(tempfile.mkdtemp(prefix='pg', dir='/tmp'))
+        self.folder = Path(tempfile.mkdtemp(prefix='pg', dir=disk))
         self._as: dict[str, Any] = {}
         if os.geteuid() == 0:
             who = _somebody()
@@ -181,7 +184,7 @@ def _somebody() -> pwd.struct_passwd:
 @contextmanager
 def postgres_server(**settings: str) -> Iterator[PostgresServer]:
     """Give a running server."""
-    server = PostgresServer(None, **settings)
+    server = PostgresServer(None, '/tmp', **settings)
     try:
         server.start()
         yield server

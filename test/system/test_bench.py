@@ -17,7 +17,7 @@ from process_use import family
 from program_process import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
-CHEAP = ('simulator', 'sections', 'check', 'restart', 'report')
+CHEAP = ('simulator', 'sections', 'check', 'restart', 'report', 'postgres_append')
 
 
 def test_the_cheap_rows_can_be_measured(tmp_path: Path) -> None:
