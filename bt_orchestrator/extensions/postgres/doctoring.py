@@ -85,16 +85,17 @@ def _writes(connection: Connection) -> Check:
 
 
 def _replicas(connection: Connection) -> Check:
-    named, waited_for, others = _one(
+    named, waited_for, others, hidden = _one(
         connection,
         "SELECT current_setting('synchronous_standby_names'), "
         "count(*) FILTER (WHERE sync_state IN ('sync', 'quorum')), "
-        "count(*) FILTER (WHERE sync_state NOT IN ('sync', 'quorum')) FROM pg_stat_replication",
+        "count(*) FILTER (WHERE sync_state NOT IN ('sync', 'quorum')), "
+        'count(*) FILTER (WHERE sync_state IS NULL) FROM pg_stat_replication',
     )
-    if not named and others:
+    if not named and others + hidden:
         return fail(
             COPIES,
-            f'{others} replicas, and no commit waits for one: a promotion loses events',
+            f'{others + hidden} replicas, and no commit waits for one: a promotion loses events',
             'set synchronous_standby_names to a quorum of replicas (docs/postgres.md)',
         )
     if not named:
@@ -102,6 +103,12 @@ def _replicas(connection: Connection) -> Check:
             COPIES,
             'no commit waits for a replica: events are lost with the disk of the server',
             'set synchronous_standby_names to a quorum of replicas (docs/postgres.md)',
+        )
+    if hidden:
+        return warn(
+            COPIES,
+            f'commits wait for {named}; this role may not see which of {hidden} replicas that are',
+            'GRANT pg_read_all_stats TO the role of the node, and check again',
         )
     if not waited_for:
         return fail(

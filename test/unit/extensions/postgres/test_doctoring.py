@@ -76,6 +76,26 @@ def test_a_replica_that_is_away_fails(waiting: PostgresServer) -> None:
     assert 'wait for far' in words
 
 
+def test_replicas_that_no_commit_waits_for_fail_and_others_beside_are_warned_of() -> None:
+    with postgres_server() as main, closing(main.replica()), closing(main.replica()):
+        address = main.place(main.database(), 'line_1')
+        main.until("SELECT count(*) = 2 FROM pg_stat_replication WHERE state = 'streaming'")
+        verdict, words = verdicts(address)[COPIES]
+        assert (verdict, words[:10]) == (Verdict.FAIL, '2 replicas')
+        main.wait_for_replicas('*')
+        main.until("SELECT count(*) = 1 FROM pg_stat_replication WHERE sync_state = 'sync'")
+        verdict, words = verdicts(address)[COPIES]
+        assert verdict is Verdict.WARN
+        assert 'and not for 1 others' in words
+        main.ask('CREATE ROLE poor LOGIN')
+        verdict, words = verdicts(address.replace('//plant@', '//poor@'))[COPIES]
+        assert verdict is Verdict.WARN
+        assert 'this role may not see' in words
+        main.ask('GRANT pg_read_all_stats TO poor')
+        assert 'and not for 1' in verdicts(address.replace('//plant@', '//poor@'))[COPIES][1]
+        main.wait_for_replicas('')
+
+
 def test_a_role_without_rights_fails(server: PostgresServer) -> None:
     database = server.database()
     with connected(place_of(server.address(database)), 'test') as connection:
