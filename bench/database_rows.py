@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
+from typing import Any
 
 from contract.written_events import events
 from postgres_server import PostgresServer
@@ -15,7 +16,6 @@ from postgres_server import PostgresServer
 from bench.ros_rows import REST_S
 from bench.rows import Row, percentile
 from bench.stand import Measured, stand
-from bt_orchestrator.ports import Journal
 from bt_orchestrator.ros.node_parameters import SINGLE
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
@@ -35,7 +35,7 @@ def append(rounds: int, appends: int) -> Iterator[Row]:
         plain = stack.enter_context(server())
         replicated = stack.enter_context(server(replica=True))
         for number in range(rounds):
-            makes: dict[str, Callable[[], Journal]] = {
+            makes: dict[str, Callable[[], Any]] = {
                 FILE: lambda number=number: SqliteStore(folder / f'{number}.sqlite3'),  # type: ignore[misc]
                 DATABASE: lambda: in_database(plain, folder),
                 REPLICATED: lambda: in_database(replicated, folder),
@@ -88,13 +88,13 @@ def place(of: PostgresServer) -> str:
     return of.place(of.database(), 'bench_cell')
 
 
-def in_database(of: PostgresServer, folder: Path) -> Journal:
+def in_database(of: PostgresServer, folder: Path) -> Any:
     from bt_orchestrator.extensions.postgres.journal import PostgresStore
 
     return PostgresStore(place(of), folder)
 
 
-def _append_s(make: Callable[[], Journal], appends: int) -> float:
+def _append_s(make: Callable[[], Any], appends: int) -> float:
     """Return the median time of an append after a rest, as between two tasks."""
     times = []
     with closing(make()) as store:
