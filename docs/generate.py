@@ -34,7 +34,7 @@ from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
 from bt_orchestrator.script.orders.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
-from bt_orchestrator.script.shifts.shifts_keys import SHIFTS
+from bt_orchestrator.script.shifts.shifts_keys import REASONS, SHIFTS
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (
@@ -65,6 +65,7 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     **{f'keys of {table.name}': partial(keys.keys_in, table) for table in SCRIPT.tree()},
     'keys of a work order': partial(keys.keys_of, ORDER),
     'keys of a file of shifts': partial(keys.keys_of, SHIFTS),
+    'keys of a file of reasons': partial(keys.keys_of, REASONS),
     'losses': losses.losses,
     'kinds of faults': states.kinds_of_faults,
     'methods of a job': states.methods_of_a_job,

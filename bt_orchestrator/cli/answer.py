@@ -10,7 +10,7 @@ from bt_orchestrator.cli.command_parser import in_one_line
 from bt_orchestrator.cli.door import ask_and_print, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.output import WrongUse
-from bt_orchestrator.model.requests import About, requests_about
+from bt_orchestrator.model.requests import CODE, About, requests_about
 from bt_orchestrator.model.requests.alike import why_singly
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.ports import CellLink
@@ -44,6 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='with mark_done: a result field of the task, for later tasks that refer to it, as in '
         'measurement=3.5, pose.x=1.0 or values="[1, 2]"; may be repeated',
     )
+    parser.add_argument(
+        f'--{CODE.name}', metavar='CODE', help=f'{CODE.meaning}; not with a remark'
+    )
     add_who_options(parser)
     add_node_options(parser)
 
@@ -54,9 +57,12 @@ def run(args: argparse.Namespace) -> int:
         results = results_of(args.result) or None
     except ValueError as error:
         raise WrongUse(f'answer: {error}') from error
+    if args.code and WORDS[args.answer].is_remark:
+        raise WrongUse(f'answer: a remark has no reason of the plant; leave --{CODE.name} out')
     holds = list(dict.fromkeys(filter(None, args.hold.split(','))))
     if len(holds) < 2:
-        return ask_and_print(args, f'hold.{args.answer}', hold=args.hold, results=results)
+        given = {'hold': args.hold, 'results': results, 'code': args.code}
+        return ask_and_print(args, f'hold.{args.answer}', **given)
     if results:
         raise WrongUse('answer: results belong to one task; answer its hold singly')
     return _answer_each(args, holds)
@@ -78,6 +84,6 @@ def _why_not(hold: Hold | None, name: str, answer: str) -> str:
 
 
 def _send(args: argparse.Namespace, door: CellLink, hold: str) -> int:
-    answer = door.ask(asked(args, f'hold.{args.answer}', hold=hold))
+    answer = door.ask(asked(args, f'hold.{args.answer}', hold=hold, code=args.code))
     print(f'hold {hold}: {answer.message}', file=sys.stdout if answer.accepted else sys.stderr)
     return 0 if answer.accepted else 1

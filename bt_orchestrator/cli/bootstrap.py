@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 
 from bt_orchestrator.base.errors import Finding, NotRead, Refused
 from bt_orchestrator.base.extending import RECIPES
-from bt_orchestrator.cli.processes.bookkeeping_process import BooksProcess
+from bt_orchestrator.cli.processes.bookkeeping_process import BooksProcess, StopProcess
 from bt_orchestrator.cli.processes.foresight_process import ForesightProcess
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
@@ -25,6 +25,7 @@ from bt_orchestrator.ports import (
     Foresight,
     Generating,
     MadeScript,
+    StopSearch,
 )
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
@@ -165,6 +166,13 @@ def build_foresight(cell: Cell) -> Foresight:
 def build_bookkeeping(journal: JournalPlace) -> Bookkeeping:
     """Build what makes the books of a journal, in a process that starts with each work."""
     return BooksProcess(journal)
+
+
+def build_stop_search(
+    journal: JournalPlace, soon: Callable[[Callable[[], None]], None]
+) -> StopSearch:
+    """Build what looks for stops of the line, in a process that starts with each question."""
+    return StopProcess(journal, soon)
 
 
 def build_generating(

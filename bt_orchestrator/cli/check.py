@@ -20,7 +20,8 @@ from bt_orchestrator.cli.folders import (
     recipe_folders,
     script_folders,
 )
-from bt_orchestrator.cli.here import add_cell_option
+from bt_orchestrator.cli.here import add_cell_option, cell_here
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.pacing import Pacing, add_rates_option
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
@@ -37,6 +38,7 @@ from bt_orchestrator.script.checks.warnings import (
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.orders.by_recipe import is_recipe
 from bt_orchestrator.script.orders.order_file import is_order
+from bt_orchestrator.script.shifts.shifts_file import read_reasons, read_shifts
 from bt_orchestrator.view.report.pace_text import ScriptPace
 
 DESCRIPTION = """\
@@ -56,17 +58,25 @@ standard error. They change nothing without --strict."""
 EPILOG = 'exit status: 0 fine, 1 there are mistakes (with --strict: or warnings), 2 wrong use'
 
 
+PLANT_FILES = {'shifts': 'shifts', 'reasons': 'reasons for stops'}
+"""Options for files that belong to no cell, and their content."""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.add_argument(
         'scripts',
-        nargs='+',
+        nargs='*',
         metavar='SCRIPT',
         help='name or path of a script, or path of a recipe or of a work order (YAML)',
     )
     add_cell_options(parser)
+    parser.set_defaults(cell=None)  # files of the plant need none
+    for name, of in PLANT_FILES.items():
+        what = f'file of the {of} of the plant (YAML), to be checked as well'
+        parser.add_argument(f'--{name}', type=Path, metavar='FILE', help=what)
     add_recipes_option(parser)
     add_rates_option(parser)
     parser.add_argument(
@@ -93,21 +103,43 @@ def check(args: argparse.Namespace, types: ActionTypes) -> int:
 
     :raises Refused: there are mistakes, and they are not wanted as JSON
     """
+    if not (args.scripts or any(getattr(args, name) for name in PLANT_FILES)):
+        raise WrongUse('check: name a script, a recipe or a work order; or --shifts, --reasons')
+    if args.scripts and args.cell is None:
+        args.cell = cell_here()
     try:
-        checked = _read(args, types)
+        plant = _plant_lines(args)
+        checked = _read(args, types) if args.scripts else None
     except Refused as refused:
         if not args.json:
             raise
         print(json.dumps({**as_json(refused.findings), 'warnings': []}))
         return 1
+    if checked is None:
+        print(json.dumps({**as_json(()), 'warnings': []}) if args.json else '\n'.join(plant))
+        return 0
     is_fine = not (args.strict and checked.warnings)
     if args.json:
         print(json.dumps({**_plain_checked(checked), 'ok': is_fine}))
         return int(not is_fine)
     warn(checked.warnings)
     if is_fine:
-        print('\n'.join(_lines(checked)))
+        print('\n'.join([*_lines(checked), *plant]))
     return int(not is_fine)
+
+
+def _plant_lines(args: argparse.Namespace) -> list[str]:
+    """Read the files of the plant that the options name; return a line for each.
+
+    :raises Refused: with the mistakes of all of them
+    """
+    findings, lines = bootstrap.Findings(), []
+    if args.shifts and (shifts := findings.of(partial(read_shifts, args.shifts))):
+        lines.append(f'{args.shifts}: {counted(len(shifts.shifts), "shift")}')
+    if args.reasons and (reasons := findings.of(partial(read_reasons, args.reasons))):
+        lines.append(f'{args.reasons}: {counted(len(reasons), "reason")}')
+    findings.refuse()
+    return lines
 
 
 def warn(found: Iterable[Finding]) -> None:

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.keeping.journal_place import journal_place
 from bt_orchestrator.script.cell_file import CELL_FILE
 
@@ -31,6 +32,17 @@ def add_journal_option(parser: argparse.ArgumentParser) -> None:
         metavar='FILE',
         help='the journal, a file or an address of a database (default: the one in this folder)',
     )
+
+
+def cell_here() -> Path:
+    """Return the cell file of this folder, where no option named one.
+
+    :raises WrongUse: there is none
+    """
+    try:
+        return _cell_here()
+    except argparse.ArgumentTypeError as error:
+        raise WrongUse(f'argument --cell: {error}') from None
 
 
 def _path_or(find: Callable[[], Path]) -> Callable[[str], Path]:

@@ -89,6 +89,7 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         build_bookkeeping,
         build_foresight,
         build_generating,
+        build_stop_search,
         memory_store,
     )
     from bt_orchestrator.cli.journal_file import open_journal, open_standby
@@ -106,6 +107,7 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         build_foresight,
         build_bookkeeping,
         build_generating,
+        build_stop_search,
     )
     parts = parts._replace(sinks=_sinks(args.sink))
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)

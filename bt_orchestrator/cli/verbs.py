@@ -60,6 +60,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         ),
         'component': ('asked.component', 'take a component out of service, or bring it back'),
         'remove-item': ('asked.derived', ''),
+        'classify': ('asked.derived', ''),
         'request': ('request', 'make any request to the cell by its name, or list all requests'),
     },
     'look back': {

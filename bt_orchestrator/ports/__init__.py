@@ -22,7 +22,7 @@ from bt_orchestrator.ports.planning import (
 )
 from bt_orchestrator.ports.records import Records
 from bt_orchestrator.ports.servers import ActionGateway, ActionTypes, Goal, Servers, Told
-from bt_orchestrator.ports.writing import Bookkeeping, EventSink, Writer, Writing
+from bt_orchestrator.ports.writing import Bookkeeping, EventSink, StopSearch, Writer, Writing
 
 __all__ = [
     'Goal',
@@ -39,6 +39,7 @@ __all__ = [
     'StandbyJournal',
     'Records',
     'Writing',
+    'StopSearch',
     'Writer',
     'EventSink',
     'Bookkeeping',

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from typing import NamedTuple, Protocol
 
-from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.judging.used_ids import SealedIds
+from bt_orchestrator.model.keeping.books import Books
 from bt_orchestrator.model.uptime import ClockReading
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from bt_orchestrator.model.books import KeptScript, KeptState, SlotPage
+from bt_orchestrator.model.keeping.books import KeptScript, KeptState, ReasonPage, SlotPage
 from bt_orchestrator.model.records import Extent, JobPlace, RecordPage, Summaries, Wanted
 from bt_orchestrator.ports.journal import Snapshot
 
@@ -69,6 +69,14 @@ class Records(Protocol):
 
     def book_script(self, digest: str) -> KeptScript | None:
         """Return a script whose work is in the journal; None: it is missing, or damaged.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def book_reasons(self, after_seq: int = 0, most: int = 1000) -> ReasonPage:
+        """Return the reasons of stops that were given after an event, as far as books go.
+
+        It goes on with `ReasonPage.rest_seq`.
 
         :raises JournalUnusable: it cannot be read
         """

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Protocol, TypeVar
 
-from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.keeping.books import Books
 
 _Result = TypeVar('_Result')
 _Result_co = TypeVar('_Result_co', covariant=True)
@@ -42,6 +42,22 @@ class EventSink(Protocol):
 
     def publish(self, events: Sequence[Event]) -> None:
         """Publish durable events, oldest first."""
+
+
+# Who knows which stops of the line a journal has.
+
+
+class StopSearch(Protocol):
+    """Looks for stops of the line in a journal, outside the tick thread."""
+
+    async def has(self, seq: int) -> bool:
+        """Tell whether a stop of the line began with an event. Only replies are awaited.
+
+        :raises NotRead: says why it cannot be told
+        """
+
+    def close(self) -> None:
+        """Stop working."""
 
 
 # The maker of the books of a journal.

@@ -41,6 +41,7 @@ from bt_orchestrator.ports import (
     Generating,
     Journal,
     StandbyJournal,
+    StopSearch,
 )
 from bt_orchestrator.ports.spare_log import SpareLog
 from bt_orchestrator.ros.actions.gateway import RosGateway
@@ -71,6 +72,7 @@ from bt_orchestrator.ros.services.services import Senders, Services
 from bt_orchestrator.ros.standby import Leading, NeverLed, Standby, Standbys
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.script.cell_file import CELL_FILE, read_cell
+from bt_orchestrator.script.shifts.shifts_file import read_reasons
 
 NODE_NAME = 'bt_orchestrator'
 
@@ -107,6 +109,8 @@ class Parts(NamedTuple):
     make_generating: Callable[[Cell, Sequence[Path], Soon], Generating]
     """Makes what generates the scripts of orders by recipe, from recipes in some folders; what it
     is given lets the tick thread call something."""
+    make_stop_search: Callable[[JournalPlace, Soon], StopSearch]
+    """Makes what looks for stops of the line in a journal."""
     sinks: Sequence[EventSink] = ()
     """Outputs of other packages."""
 
@@ -128,7 +132,7 @@ class TreeNode:
         :param say: is told that a standby is ready
 
         :raises NoCell: the parameter `cell` is empty, and this folder has no cell file
-        :raises Refused: the cell file, with every mistake in it
+        :raises Refused: the cell file or the file of reasons, with every mistake in it
         :raises BadParameter: a parameter is none of its choices
         :raises NoEventsExecutor: the parameter `executor` asks for one that this ROS 2 has not
         :raises TwinFound: another process runs a cell under this name
@@ -144,6 +148,8 @@ class TreeNode:
         types = InstalledActionTypes()
         self._cell_file = _cell_file(self.parameters)
         cell = read_cell(self._cell_file, types)
+        reasons_file = self.parameters.reasons
+        self._reasons = None if reasons_file is None else read_reasons(reasons_file)
         self.executor: Executor = make_executor(self.parameters.executor)
         self.heart = Heart(node, self.executor)
         self._gateway = RosGateway(
@@ -173,6 +179,8 @@ class TreeNode:
         )
         journal = self.parameters.journal
         self._bookkeeping = None if journal is None else parts.make_bookkeeping(journal)
+        later = partial(soon, self.executor)
+        self._stops = None if journal is None else parts.make_stop_search(journal, later)
         self._housekeeping = self._keep_house()
         self._expected = self._look_ahead(parts, pulse, store)
         self._order_process = self._read_orders()
@@ -280,8 +288,9 @@ class TreeNode:
         self._expected.close()
         self._generating.close()
         self._order_process.close()
-        if self._bookkeeping is not None:
-            self._bookkeeping.close()
+        for work in (self._bookkeeping, self._stops):
+            if work is not None:
+                work.close()
         if self._housekeeping is not None and self._is_durable:
             self._housekeeping.finish()
         self.orchestrator.close()
@@ -336,7 +345,12 @@ class TreeNode:
     def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> None:
         """Offer the services and the action."""
         handler = RequestHandler(
-            self.orchestrator, types, self._orders, self._senders.why_no_panel
+            self.orchestrator,
+            types,
+            self._orders,
+            self._senders.why_no_panel,
+            self._reasons,
+            self._stops,
         )
         later = partial(soon, self.executor)
         self.orchestrator.add_sink(QueueAnew(handler, self.orchestrator.state, later))

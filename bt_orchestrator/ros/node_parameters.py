@@ -62,6 +62,14 @@ class NodeParameters:
             metavar='DIR',
         ),
     ] = ()
+    reasons: Annotated[
+        Path | None,
+        Words(
+            "file of the plant's reasons for stops of the line (YAML); without it no request may "
+            'name one',
+            metavar='FILE',
+        ),
+    ] = None
     script_paths: Annotated[
         bool,
         Words(

@@ -19,7 +19,7 @@ from bt_orchestrator.script.orders.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.references import OPEN
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
-from bt_orchestrator.script.shifts.shifts_keys import SHIFTS
+from bt_orchestrator.script.shifts.shifts_keys import REASONS, SHIFTS
 from bt_orchestrator.script.yaml_nodes import as_data
 
 Schema = dict[str, Any]
@@ -33,6 +33,7 @@ SCHEMA_FILES: Mapping[str, Table] = {
     'recipe.schema.json': RECIPE,
     'overrides.schema.json': OVERRIDES,
     'shifts.schema.json': SHIFTS,
+    'reasons.schema.json': REASONS,
 }
 """The content of `schemas/`."""
 

@@ -15,10 +15,10 @@ from bt_orchestrator.script.keys import Table
 from bt_orchestrator.script.orders.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.report import START, Report, nearest
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
-from bt_orchestrator.script.shifts.shifts_keys import SHIFTS
+from bt_orchestrator.script.shifts.shifts_keys import REASONS, SHIFTS
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar, quoted
 
-KINDS = (CELL, SCRIPT, ORDER, RECIPE, OVERRIDES, SHIFTS)
+KINDS = (CELL, SCRIPT, ORDER, RECIPE, OVERRIDES, SHIFTS, REASONS)
 
 _MISSPELT = 0.8
 """How alike a word and a key are at least, if the key is meant."""

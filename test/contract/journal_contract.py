@@ -16,9 +16,9 @@ from contract.store_contract import EventStoreContract
 from contract.written_events import events
 
 from bt_orchestrator.base.errors import DamagedRecord, JournalFailed, JournalUnusable
-from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.events import Event, JobQueued
 from bt_orchestrator.model.judging.used_ids import SealedIds, text_of
+from bt_orchestrator.model.keeping.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.ports import EventStore, Journal, Snapshot
 
 

@@ -6,9 +6,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 
-from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.keeping.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.ports import Journal, Records, Snapshot
 
 

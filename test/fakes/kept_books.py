@@ -8,7 +8,7 @@ from pathlib import Path
 
 from bt_orchestrator.engine.runtime.writers import WritesAtOnce
 from bt_orchestrator.engine.runtime.writers import Writing as EndedWriting
-from bt_orchestrator.model.books import Books
+from bt_orchestrator.model.keeping.books import Books
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
 from bt_orchestrator.view.report.account.bookkeeper import next_books

@@ -183,6 +183,28 @@ def naive_stops(records: Records, planned: Sequence[tuple[int, int]]) -> list[Na
     return [one for one in planned_us if one.us and one.end - one.begin >= LEAST_STOP_US]
 
 
+def naive_code(stop: NaiveStop, records: Records) -> str:
+    """Return the reason of a stop; empty: it is not classified.
+
+    Of stops by `stop`, by a paused job and by a component out of service only what was said later.
+    """
+    said = [one for one in records if one['event'] == 'operator.decided' and one.get('code')]
+    named = [one for one in said if one.get('stop', '').endswith(f':{stop.seq}')]
+    answers = [one for one in said if stop.hold and one.get('hold') == stop.hold]
+    if named or answers:
+        return str((named or answers)[-1]['code'])
+    for number, one in enumerate(records):
+        if one['event'] == 'hold.raised' and one['hold'] == stop.hold and number:
+            before = records[number - 1]
+            is_pause = one['reason'] == 'paused' and before.get('answer') == 'pause'
+            return str(before.get('code', '')) if is_pause else ''
+    aborts = [one for one in records if one.get('answer') == 'abort' and 'job' not in one]
+    is_abort = stop.loss == 'emergency' and aborts
+    return (
+        str([one for one in aborts if us(one) < stop.end][-1].get('code', '')) if is_abort else ''
+    )
+
+
 def why_it_stands(past: Records, next_event: str) -> tuple[Any, ...] | None:
     """Return what the line stands for: the loss, the exact cause, and the hold; None: nothing."""
     loss = what_is_it(past, next_event)

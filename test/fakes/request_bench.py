@@ -18,10 +18,12 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.plant.shifts import PlantReason
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.ports import MadeScript
 from bt_orchestrator.sim.simulation import Simulation
-from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
+from bt_orchestrator.view.report.account.bookkeeper import has_stop
 
 SCRIPT = """
 script: boxes
@@ -40,6 +42,11 @@ SETUPS = (
     'setups: {nozzle: [fine, wide]}, '
     'changes: {nozzle: {task: TASK_C, argument: special_argument_1}}'
 )
+
+REASONS = {
+    'JAM': PlantReason('JAM', {'en': 'material jam', 'de': 'Materialstau'}, 'material'),
+    'LUNCH': PlantReason('LUNCH', {'en': 'lunch'}),
+}
 
 ANN = engineer('Ann', 'golden', 'because')
 
@@ -64,7 +71,11 @@ class RequestBench:
         state = self.sim.orchestrator.state
         desk = DeskHere(line.cell, TYPES, [folder], state)
         self.handler = RequestHandler(
-            self.sim.orchestrator, TYPES, RecipeOrders(desk, self, state)
+            self.sim.orchestrator,
+            TYPES,
+            RecipeOrders(desk, self, state),
+            reasons=REASONS,
+            stops=self,
         )
         self.told: list[str] = []
 
@@ -77,8 +88,12 @@ class RequestBench:
             choices
         )
 
+    async def has(self, seq: int) -> bool:
+        """Look for a stop at once (`ports.StopSearch`)."""
+        return has_stop(MemoryRecords(self.store), seq, self.sim.clock.now(), self.told.append)
+
     def close(self) -> None:
-        """Stop nothing (`ports.Generating`)."""
+        """Stop nothing (`ports.Generating`, `ports.StopSearch`)."""
 
     def pass_time(self, until: float) -> None:
         """Let time pass until nothing more happens, at most to a time."""

@@ -29,7 +29,7 @@ from bt_orchestrator.script.json_schema import SCHEMA_FILES
 from bt_orchestrator.script.orders.order_file import bind_order, parse_order
 from bt_orchestrator.script.script_file import parse_script, read_script
 from bt_orchestrator.script.script_keys import SCRIPT
-from bt_orchestrator.script.shifts.shifts_file import parse_shifts
+from bt_orchestrator.script.shifts.shifts_file import parse_reasons, parse_shifts
 
 TYPES = FakeActionTypes()
 _LINES = re.MULTILINE | re.DOTALL
@@ -109,6 +109,9 @@ class PageReader:
         if block.starts('shifts'):
             parse_shifts(block.text, block.place)
             return 'shifts'
+        if block.starts('reasons'):
+            parse_reasons(block.text, block.place)
+            return 'reasons'
         if not block.starts('script'):
             self._read_script(laid_over(self.whole, block.text), block.place)
             return 'part'
@@ -157,6 +160,8 @@ def test_every_option_of_a_script_is_shown_in_an_example() -> None:
 
 WITHOUT_RULES = {
     'a target',
+    'a reason',
+    'a file of reasons',
     'a component',
     'the conveyor',
     'a capability',
@@ -187,7 +192,7 @@ def test_an_option_names_a_rule_that_exists() -> None:
 
 
 def test_every_kind_of_file_is_shown() -> None:
-    for key in ('cell', 'sections', 'order', 'recipe', 'bind', 'shifts'):
+    for key in ('cell', 'sections', 'order', 'recipe', 'bind', 'shifts', 'reasons'):
         assert any(block.starts(key) for block in yaml_blocks()), key
 
 

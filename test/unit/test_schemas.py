@@ -17,7 +17,8 @@ FILES = {
     'script.schema.json': list((ROOT / 'trees').glob('*.yaml')),
     'recipe.schema.json': RECIPES,
     'overrides.schema.json': OVERRIDES,
-    'shifts.schema.json': list((ROOT / 'config' / 'shifts').glob('*.yaml')),
+    'shifts.schema.json': list((ROOT / 'config' / 'shifts').glob('*shifts.yaml')),
+    'reasons.schema.json': list((ROOT / 'config' / 'shifts').glob('*reasons.yaml')),
     'work_order.schema.json': list((ROOT / 'config' / 'orders').glob('*.yaml')),
 }
 

@@ -6,9 +6,13 @@ for that. The process ends with each piece of work; a day needs it once or twice
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import threading
+import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from bt_orchestrator.base.child_process import (
@@ -18,8 +22,10 @@ from bt_orchestrator.base.child_process import (
     be_modest,
     serve,
 )
+from bt_orchestrator.base.errors import NotRead
+from bt_orchestrator.base.replies import Reply
 from bt_orchestrator.engine.runtime.writers import Writing
-from bt_orchestrator.model.books import Books
+from bt_orchestrator.model.keeping.books import Books
 from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
 
 log = logging.getLogger(__name__)
@@ -29,6 +35,9 @@ NICE = 19
 
 WITHIN_S = 600.0
 """Longest time for an answer, on a busy machine."""
+
+MOST_ASKED = 5
+"""Stops that are looked for at a time: each takes a process."""
 
 _MADE, _FAILED = b'+', b'-'
 
@@ -63,17 +72,71 @@ class BooksProcess:
 
 
 def _ask(process: ChildProcess) -> Books:
+    return Books.from_bytes(_answer(process, b''))
+
+
+def _answer(process: ChildProcess, question: bytes) -> bytes:
     """Return the answer of a process, which ends with it.
 
     :raises ChildFailed: there is none
     """
     try:
-        answer = process.ask(b'', WITHIN_S)
+        answer = process.ask(question, WITHIN_S)
     finally:
         process.close()
     if answer[:1] == _FAILED:
         raise ChildFailed(answer[1:].decode())
-    return Books.from_bytes(answer[1:])
+    return answer[1:]
+
+
+class StopProcess:
+    """Looks for stops in a process for each question. Implements `ports.StopSearch`."""
+
+    def __init__(self, journal: JournalPlace, soon: Callable[[Callable[[], None]], None]) -> None:
+        """Prepare; nothing is started yet.
+
+        :param journal: which this process writes
+        :param soon: lets the tick thread call something; called by another thread
+        """
+        self._journal = journal.resolve() if isinstance(journal, Path) else journal
+        self._soon = soon
+        self._asked: dict[threading.Thread, ChildProcess] = {}
+        self._closed = False
+
+    async def has(self, seq: int) -> bool:
+        """Tell whether a stop of the line began with an event.
+
+        :raises NotRead: says why it cannot be told
+        """
+        if len(self._asked) >= MOST_ASKED:
+            raise NotRead(f'{MOST_ASKED} stops are looked for; classify this one again later')
+        process, outcome = ChildProcess(__name__, os.fsencode(self._journal)), Reply[bool | str]()
+        thread = threading.Thread(
+            target=self._look, args=(process, seq, outcome), name='stops', daemon=True
+        )
+        self._asked[thread] = process
+        thread.start()
+        found = await outcome
+        del self._asked[thread]
+        if isinstance(found, str):
+            raise NotRead(f'the journal cannot be searched for stops: {found}')
+        return found
+
+    def _look(self, process: ChildProcess, seq: int, outcome: Reply[bool | str]) -> None:
+        found: bool | str
+        try:
+            found = bool(json.loads(_answer(process, str(seq).encode())))
+        except Exception as error:  # noqa: BLE001 - told to the person who classifies
+            found = str(error) or repr(error)
+        if not self._closed:
+            self._soon(partial(outcome.give, found))
+
+    def close(self) -> None:
+        """End the processes that look."""
+        self._closed = True
+        for thread, process in list(self._asked.items()):
+            process.close()
+            thread.join(FAREWELL_S)
 
 
 class _Answers:
@@ -87,6 +150,8 @@ class _Answers:
             self._journal = journal_place(os.fsdecode(question))
             return b''
         try:
+            if question:
+                return _MADE + json.dumps(_has_stop(self._journal, int(question))).encode()
             return _MADE + _next_books(self._journal).to_bytes()
         except Exception as error:  # noqa: BLE001 - told to the node, which goes on without
             return _FAILED + (str(error) or repr(error)).encode()
@@ -100,6 +165,16 @@ def _next_books(journal: JournalPlace) -> Books:
 
     with closing(open_records(journal)) as records:
         return next_books(records, log.warning)
+
+
+def _has_stop(journal: JournalPlace, seq: int) -> bool:
+    from contextlib import closing
+
+    from bt_orchestrator.cli.journal_file import open_records
+    from bt_orchestrator.view.report.account.bookkeeper import has_stop
+
+    with closing(open_records(journal)) as records:
+        return has_stop(records, seq, time.time(), log.warning)
 
 
 def main() -> None:

@@ -9,6 +9,7 @@ import socket
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
+from dataclasses import replace
 from datetime import datetime
 from functools import partial
 
@@ -17,6 +18,7 @@ from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.output import WrongUse
+from bt_orchestrator.cli.reporting.periods import with_reasons
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.view.report.account.calendar import Now, day_on, shift_at
@@ -78,7 +80,7 @@ def follow(args: argparse.Namespace, cell: Cell | None) -> int:
         stop = stack.enter_context(StopSignals())
         picture = None if args.json else _picture(stack)
         account = LiveAccount(
-            _period_at(args), cell, _nothing_said if picture is not None else say_damage
+            _period_with_reasons(args), cell, _nothing_said if picture is not None else say_damage
         )
         show = picture or (_print_json if args.json else _print_line)
         keys = None if picture is None else stack.enter_context(keys_of_person())
@@ -126,6 +128,17 @@ def _refuse_contradictions(args: argparse.Namespace) -> None:
             raise WrongUse(f'--follow shows what goes on until now; leave --{option} out')
     if args.shifts is not None and args.since is not None:
         raise WrongUse('--follow shows the shift that runs; leave --from out, or --shifts')
+
+
+def _period_with_reasons(args: argparse.Namespace) -> Callable[[float], Now]:
+    period_at, plain = _period_at(args), Period.all_planned('', 0, 0)
+    reasons = with_reasons(args, plain).reasons
+
+    def period(now: float) -> Now:
+        found = period_at(now)
+        return found._replace(period=replace(found.period, reasons=reasons))
+
+    return period
 
 
 def _period_at(args: argparse.Namespace) -> Callable[[float], Now]:

@@ -13,7 +13,7 @@ from bt_orchestrator.cli.numbers import add_period_options
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.plant.shifts import DAYS, Shift, Shifts
 from bt_orchestrator.script.report import did_you_mean, listing
-from bt_orchestrator.script.shifts.shifts_file import read_shifts
+from bt_orchestrator.script.shifts.shifts_file import read_reasons, read_shifts
 from bt_orchestrator.view.report.account.account import of_job, whole
 from bt_orchestrator.view.report.account.calendar import (
     day_columns,
@@ -70,6 +70,23 @@ def add_which_options(parser: argparse.ArgumentParser) -> None:
         metavar='FILE',
         help='file of shifts (YAML); without it all time counts as planned',
     )
+    parser.add_argument(
+        '--reasons',
+        type=Path,
+        metavar='FILE',
+        help="file of the plant's reasons for stops (YAML): their words and groups; without it "
+        'stops have the codes alone',
+    )
+
+
+def with_reasons(args: argparse.Namespace, period: Period) -> Period:
+    """Return a period with the reasons of the plant, if their file is named.
+
+    :raises Refused: the file has mistakes
+    """
+    if args.reasons is None:
+        return period
+    return replace(period, reasons=read_reasons(args.reasons))
 
 
 def period_of(args: argparse.Namespace, reading: Reading) -> Period:
@@ -84,12 +101,23 @@ def period_of(args: argparse.Namespace, reading: Reading) -> Period:
     shifts = None if args.shifts is None else read_shifts(args.shifts)
     if args.shift is not None:
         assert shifts is not None
-        return _of_shift(args, shifts)
+        return with_reasons(args, _of_shift(args, shifts))
     period = _without_shift(args, reading, shifts)
-    return period if shifts is None else planned_by(shifts, period)
+    period = period if shifts is None else planned_by(shifts, period)
+    return with_reasons(args, period)
 
 
 def periods_of(args: argparse.Namespace) -> list[tuple[str, Period]]:
+    """Return what `--days` names, with the reasons of the plant.
+
+    :raises WrongUse: the options contradict each other
+    :raises NoShift: there is no such shift, or none of them has begun
+    :raises Refused: the file of shifts or of reasons has mistakes
+    """
+    return [(title, with_reasons(args, period)) for title, period in _days_of(args)]
+
+
+def _days_of(args: argparse.Namespace) -> list[tuple[str, Period]]:
     """Return the days, or the shifts on them, that `--days` names: each with a short title.
 
     :raises WrongUse: the options contradict each other

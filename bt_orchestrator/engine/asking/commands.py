@@ -13,9 +13,11 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.judging.belt_statement import AsShown, parse_slots
 from bt_orchestrator.model.limits import cut
 from bt_orchestrator.model.packml import Cause
+from bt_orchestrator.model.plant.shifts import PlantReason
 from bt_orchestrator.model.requests import (
     ANSWERS,
     CELL,
+    CODE,
     IN_SERVICE,
     OUT_OF_SERVICE,
     RELEASE_SCRIPT,
@@ -81,6 +83,47 @@ def asked_by_name(name: str, by: By, given: Arguments, state: CellState) -> Aske
     values = [parameter.name for parameter in parameters if parameter.kind is Kind.VALUES]
     texts = {name: given[name] for name in values if isinstance(given.get(name), str)}
     return ask(name, by, **{**given, **{name: arguments_of(texts[name]) for name in texts}})
+
+
+# The reasons of the plant for stops of the line (semantics 7.10).
+
+_STOP_NAME = re.compile(r'(?P<history>[^:]*):(?P<seq>[0-9]{1,18})')
+
+
+def unknown_code(asked: Asked, reasons: Mapping[str, PlantReason] | None) -> str:
+    """Say why the code that comes with a request is no reason of the plant; empty: it is one.
+
+    :param reasons: by code; None: the plant has no file of them
+    """
+    code = asked.arguments.get(CODE.name)
+    if not code or (reasons is not None and code in reasons):
+        return ''
+    if reasons is None:
+        return f'this node knows no reasons, and not {code!r}; start it with --reasons FILE'
+    hint = did_you_mean(code, reasons, f'the plant has {listing(reasons)}')
+    return f'there is no reason {code!r}; {hint}'
+
+
+def without_code(asked: Asked) -> Asked:
+    """Return a request without the code of a reason."""
+    given = {name: value for name, value in asked.arguments.items() if name != CODE.name}
+    return replace(asked, arguments=given)
+
+
+def stop_number(name: str, history: str) -> int:
+    """Return the number of the event with which a stop began, from its name.
+
+    :param history: of the journal
+    :raises CommandRefused: it is none, or one of another journal
+    """
+    found = _STOP_NAME.fullmatch(name)
+    if found is None:
+        raise CommandRefused(f'a stop has a name as in {history}:123; found {name!r}')
+    if found['history'] != history:
+        raise CommandRefused(
+            f'the stop {name} is of another history than this journal, which is {history}'
+        )
+    return int(found['seq'])
 
 
 @prepares(CELL[Cause.CLEAR])

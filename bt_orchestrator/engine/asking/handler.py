@@ -10,7 +10,13 @@ from itertools import chain, count
 from typing import Any, Protocol
 
 from bt_orchestrator.base.errors import CommandRefused, NotRead, Refused
-from bt_orchestrator.engine.asking.commands import asked_by_name, prepared
+from bt_orchestrator.engine.asking.commands import (
+    asked_by_name,
+    prepared,
+    stop_number,
+    unknown_code,
+    without_code,
+)
 from bt_orchestrator.engine.asking.orders import (
     Told,
     answer_to_refused,
@@ -32,20 +38,23 @@ from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
 from bt_orchestrator.model.jobs.needs import needed_by
 from bt_orchestrator.model.jobs.order import Job, MadeAnew, order_id_fault
+from bt_orchestrator.model.plant.shifts import PlantReason
 from bt_orchestrator.model.proof.pace import pace
 from bt_orchestrator.model.requests import (
     ADD,
+    CLASSIFY,
     CONTROLS,
     REQUEUE,
     UPDATE,
     Asked,
     BadArguments,
+    Why,
     about_of,
     of_name,
 )
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
-from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.ports import ActionTypes, StopSearch
 from bt_orchestrator.script.given_values import arguments_of
 from bt_orchestrator.script.orders.asked import change_of
 from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Reading, Wanted
@@ -74,16 +83,23 @@ class RequestHandler:
         types: ActionTypes,
         orders: OrderReading,
         why_no_panel: Callable[[], str] = lambda: 'a virtual line has no panels',
+        reasons: Mapping[str, PlantReason] | None = None,
+        stops: StopSearch | None = None,
     ) -> None:
         """Answer for an engine.
 
         :param why_no_panel: says why no request comes from a panel (7.8); empty: one may
+        :param reasons: of the plant for stops, by code; None: it has no file of them
+        :param stops: looks for stops in the journal; None: there is none
         """
         self._engine = engine
         self._types = types
         self._orders = orders
         self.why_no_panel = why_no_panel
+        self._reasons = reasons
+        self._stops = stops
         self._reads: Mapping[str, _Step] = {
+            CLASSIFY.name: self._classify,
             ADD.name: self._add,
             UPDATE.name: self._update,
             REQUEUE.name: self._requeue,
@@ -157,7 +173,32 @@ class RequestHandler:
 
     async def _decide(self, asked: Asked) -> Answer:
         ready = prepared(asked, self._engine.state, self._types)
+        why_not = unknown_code(ready, self._reasons)
+        if why_not and ready.request.why is not Why.AFTERWARDS:
+            raise CommandRefused(why_not)
+        if why_not:  # an emergency is carried out, without what it cannot have
+            answer = await self._engine.carry_out(without_code(ready))
+            return replace(answer, message=f'{answer.message}; {why_not}')
         return await self._engine.carry_out(ready)
+
+    async def _classify(self, asked: Asked) -> Answer:
+        """Put the reason of a stop on record, if there is such a stop (7.10)."""
+        check_sender(asked)
+        why_not = unknown_code(asked, self._reasons)
+        if why_not:
+            raise CommandRefused(why_not)
+        seq = stop_number(asked['stop'], self._engine.state.history)
+        if self._stops is None:
+            raise CommandRefused(
+                'this node keeps no journal, so a stop has no name that lasts; start it with '
+                '--journal FILE'
+            )
+        if not await self._stops.has(seq):
+            raise CommandRefused(
+                f'no stop of the line began with event {seq}; `report --json` and the page name '
+                'the stops'
+            )
+        return await self._engine.carry_out(asked)
 
     # --- orders -----------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.judging.belt_statement import corrections
 from bt_orchestrator.model.limits import PAUSES
-from bt_orchestrator.model.packml import VERBS, Cause, refusal
+from bt_orchestrator.model.packml import VERBS, Cause, PackmlState, refusal
 from bt_orchestrator.model.requests import CONTROLS, About, Asked, requests_about
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.model.stop_reason import PAUSED, StopReason, release_command
@@ -30,6 +30,8 @@ def _command(state: CellState, asked: Asked, _: float) -> Decided:
     cause = asked.request.cause
     assert cause is not None, asked.request.name
     why = refusal(state.packml, cause)
+    if why is not None and _is_told_late(state, asked):
+        return f'the reason of the {asked.request.word} is on record', ()
     if why is not None:
         raise CommandRefused(why)
     if cause in _MOVES:
@@ -54,6 +56,18 @@ _HANDED_OVER = {
     Control.REMOTE: 'the line is in remote: everybody moves it who may',
 }
 
+
+def _is_told_late(state: CellState, asked: Asked) -> bool:
+    """Tell whether a command gives the reason of the same one before (semantics 7.10)."""
+    return bool(asked.arguments.get('code')) and state.packml in _TELLS_LATE.get(
+        asked.request.cause, ()
+    )
+
+
+_TELLS_LATE: Mapping[Cause | None, Collection[PackmlState]] = {
+    Cause.STOP: (PackmlState.STOPPING, PackmlState.STOPPED),
+    Cause.ABORT: (PackmlState.ABORTING, PackmlState.ABORTED),
+}
 
 # --- words and events of each command -----------------------------------------------------------
 

@@ -25,7 +25,7 @@ from bt_orchestrator.model.failures import ABORT, SHUTDOWN
 from bt_orchestrator.model.jobs.needs import is_released
 from bt_orchestrator.model.limits import TWINS, listed
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
-from bt_orchestrator.model.requests import RELEASE_SCRIPT, Asked
+from bt_orchestrator.model.requests import CODE, RELEASE_SCRIPT, Asked
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import TWIN
 
@@ -77,7 +77,9 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     request = command.request
     message, events = DECIDERS[request.name](ledger.state, command, ledger.now)
     if not request.takes_orders:  # else each order has its own record
-        events = chain(decided(request.word, command.by, **command.about), events)
+        code = command.arguments.get(CODE.name, '') if isinstance(command, Asked) else ''
+        record = decided(request.word, command.by, code=code, **command.about)
+        events = chain(record, events)
     ledger.record(events)
     return message
 

@@ -78,7 +78,7 @@ _GIVE_BACK = f'give control back at a panel with remote; {OTHER_WAY}'
 def decided(word: str, by: By | None, **about: Any) -> Iterator[e.Event]:
     """Yield the record of a command that is carried out; it precedes the command's events.
 
-    :param about: the field that names its subject
+    :param about: the field that names its subject, and the code of a reason if it has one
     """
     if by is not None:
         yield e.OperatorDecided(answer=word, **_said(by), **about)

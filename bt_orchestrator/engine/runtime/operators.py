@@ -28,7 +28,14 @@ from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.jobs.setups import changes_for
 from bt_orchestrator.model.judging.results import serial_in, too_long
 from bt_orchestrator.model.limits import listed
-from bt_orchestrator.model.requests import ACKNOWLEDGE, ANSWERS, COMMENT, REMOVE_ITEM, Asked
+from bt_orchestrator.model.requests import (
+    ACKNOWLEDGE,
+    ANSWERS,
+    CLASSIFY,
+    COMMENT,
+    REMOVE_ITEM,
+    Asked,
+)
 from bt_orchestrator.model.requests.offers import offer_words
 from bt_orchestrator.model.state import CellState, Hold, Phase
 from bt_orchestrator.model.stop_reason import release_command
@@ -50,6 +57,12 @@ def _remark(state: CellState, asked: Asked, _: float) -> Decided:
     """Record a remark about a hold, which changes nothing."""
     _standing(state, asked['hold'])
     return _words(asked), ()
+
+
+@decides(CLASSIFY)
+def _classify(_: CellState, asked: Asked, __: float) -> Decided:
+    """Record the reason of a stop, which changes nothing (semantics 7.10)."""
+    return f'the stop has the reason {asked["code"]}', ()
 
 
 def _words(asked: Asked) -> str:

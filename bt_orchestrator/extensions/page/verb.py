@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -26,8 +27,9 @@ from bt_orchestrator.cli.serving import add_server_options, server_log, users_of
 from bt_orchestrator.extensions.page.web.access import IDLE_S, Access, AccessRefused
 from bt_orchestrator.extensions.page.web.seams import Plant
 from bt_orchestrator.model.keeping.journal_place import journal_place
+from bt_orchestrator.model.plant.shifts import PlantReason
 from bt_orchestrator.ports.plant import PlantCells
-from bt_orchestrator.script.shifts.shifts_file import read_shifts
+from bt_orchestrator.script.shifts.shifts_file import read_reasons, read_shifts
 
 DESCRIPTION = """\
 Serve the operator page of a tree node, for any browser: the line as it changes, holds and their
@@ -70,6 +72,7 @@ def run(args: argparse.Namespace) -> int:
         trees=script_folders(args.trees),
         recipes=recipe_folders(args.recipes),
         plant=plant_of(args),
+        reasons=reasons_of(args),
         cells=cells_of(args),
         planning=PlanningProcess(script_folders(args.trees), recipe_folders(args.recipes)),
     )
@@ -165,6 +168,13 @@ def add_plant_options(parser: argparse.ArgumentParser) -> None:
         '(default: it does not)',
     )
     parser.add_argument(
+        '--reasons',
+        type=Path,
+        metavar='FILE',
+        help="file of the plant's reasons for stops (YAML), which the forms offer; with --shifts "
+        'stops are listed and classified',
+    )
+    parser.add_argument(
         '--cell',
         type=Path,
         metavar='CELL',
@@ -190,7 +200,15 @@ def plant_of(args: argparse.Namespace) -> Plant | None:
     cell = None
     if args.cell is not None:
         cell = bootstrap.load_cell(args.cell, bootstrap.installed_types())
-    return Plant(read_shifts(args.shifts), cell)
+    return Plant(read_shifts(args.shifts), cell, reasons_of(args))
+
+
+def reasons_of(args: argparse.Namespace) -> Mapping[str, PlantReason]:
+    """Return the reasons of the plant; none, if their file is not named.
+
+    :raises Refused: it has mistakes
+    """
+    return {} if args.reasons is None else read_reasons(args.reasons)
 
 
 def cells_of(args: argparse.Namespace) -> PlantCells | None:

@@ -154,6 +154,14 @@ _STEPS: Sequence[Sequence[str]] = (
                PRIMARY KEY (digest, copy)
            )""",
     ),
+    # 2: the reasons of stops (schema 8 of a journal file).
+    (
+        """CREATE TABLE {stretch}.book_reasons (
+               made_of bigint PRIMARY KEY,
+               reason text NOT NULL,
+               checksum bigint NOT NULL
+           )""",
+    ),
 )
 
 VERSION = len(_STEPS)

@@ -88,6 +88,10 @@ VIEWS = (
         + _BOOKS,
     ),
     View('book_scripts', _part('b.digest, b.script', 'book_scripts b') + _BOOKS),
+    View(
+        'book_reasons',
+        _part('b.made_of, plant.fact(b.reason) AS reason', 'book_reasons b') + _BOOKS,
+    ),
     View('used_ids', _part('u.digest, u.copy, u.ids', 'used_ids u')),
     # How each cell stands, as far as its events are here.
     View(

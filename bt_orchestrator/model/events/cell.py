@@ -136,6 +136,8 @@ class OperatorEvent(Event):
     component: str | None = None
     digest: str | None = None
     """Of the script that it is about."""
+    stop: str | None = None
+    """Name of the stop of the line that it is about, as in `HISTORY:SEQ`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,6 +146,8 @@ class OperatorDecided(OperatorEvent):
 
     event: ClassVar[str] = 'operator.decided'
     answer: str
+    code: str = ''
+    """Of the plant's reason for the stop; empty: none was given."""
 
 
 @dataclass(frozen=True, kw_only=True)

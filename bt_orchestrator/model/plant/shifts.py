@@ -1,4 +1,4 @@
-"""Named shifts of a plant: when the cell is meant to work. No part of a cell's definition."""
+"""Shifts of a plant, and its reasons for stops. No part of a cell's definition."""
 
 from __future__ import annotations
 
@@ -51,3 +51,26 @@ class Shifts:
     """Figures that the plant wants, by name (`oee`, `availability`, `performance`, `quality`)."""
     micro_stop_s: float = MICRO_STOP_S
     """An own fault that is shorter is a micro-stop, any other a breakdown."""
+
+
+# The reasons of a plant for stops of a line, by code.
+
+LANGUAGE = 'en'
+"""Of reports, and where a reason has no words in the language that is wanted."""
+
+
+@dataclass(frozen=True)
+class PlantReason:
+    """One reason."""
+
+    code: str
+    words: Mapping[str, str]
+    """By language, as in `de`; at least one."""
+    group: str = ''
+
+    def said(self, language: str = LANGUAGE) -> str:
+        """Return it in a language, else in English, else in the first that the file has."""
+        return next(
+            (self.words[name] for name in (language, LANGUAGE) if name in self.words),
+            next(iter(self.words.values())),
+        )

@@ -27,6 +27,8 @@ class About(Enum):
     HOLD = 'hold'
     COMPONENT = 'component'
     SCRIPT = 'script'
+    STOP = 'stop'
+    """A stop of the line, as the account tells it."""
 
 
 class Kind(Enum):
@@ -138,6 +140,12 @@ NAMED = {
         'script',
         Kind.TEXT,
         'digest of the script; or its name, if it is waited for by a job in the queue',
+        is_required=True,
+    ),
+    About.STOP: Parameter(
+        'stop',
+        Kind.TEXT,
+        'name of the stop, as `report --json` and the page tell it: HISTORY:SEQ',
         is_required=True,
     ),
 }

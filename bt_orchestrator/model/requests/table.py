@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from bt_orchestrator.model import failures
@@ -31,6 +32,9 @@ def _request(
     subject = (NAMED[about],) if about in NAMED else ()
     return Request(word, about, effect, roles, moves, (*subject, *parameters), **more)
 
+
+CODE = Parameter('code', Kind.TEXT, "code of the plant's reason for the stop of the line")
+"""Of the requests that stop the line, or end a stop (semantics 7.10)."""
 
 # --- the cell (semantics 7.2, 7.3) --------------------------------------------------------------
 
@@ -70,6 +74,7 @@ CELL: Mapping[Cause, Request] = {
         VERBS[Cause.HOLD],
         'starts nothing more; what runs goes on to its end',
         _OPERATORS,
+        CODE,
         why=Why.AFTERWARDS,
         moves=False,
     ),
@@ -89,6 +94,7 @@ CELL: Mapping[Cause, Request] = {
         VERBS[Cause.STOP],
         'finishes the cycles in hand, then stops; orders wait for a start',
         _OPERATORS,
+        CODE,
         why=Why.AFTERWARDS,
         moves=False,
     ),
@@ -97,6 +103,7 @@ CELL: Mapping[Cause, Request] = {
         VERBS[Cause.ABORT],
         'cancels every goal now; items and queue are kept',
         _OPERATORS,
+        CODE,
         why=Why.AFTERWARDS,
         moves=False,
     ),
@@ -227,7 +234,7 @@ _CONTROLS = (
     _of_method(job_control.START, _BOTH, moves=True, is_limited=True),
     _of_method(job_control.REVOKE_START, _BOTH, moves=False),
     UPDATE,
-    _of_method(job_control.PAUSE, _BOTH, moves=False),
+    _of_method(job_control.PAUSE, _BOTH, CODE, moves=False),
     _of_method(job_control.RESUME, _BOTH, moves=True, is_limited=True),
     _of_method(job_control.STOP, _BOTH, moves=False),
     REQUEUE,
@@ -251,30 +258,32 @@ _RESULTS = Parameter(
 ANSWERS: Mapping[str, Request] = {
     request.word: request
     for request in (
-        _request(About.HOLD, failures.RETRY, 'tries the task once more', _OPERATORS, moves=True),
+        _request(
+            About.HOLD, failures.RETRY, 'tries the task once more', _OPERATORS, CODE, moves=True,
+        ),
         _request(
             About.HOLD, failures.AGAIN, 'does the repeat that the task is in once more, from its '
-            'first task', _OPERATORS, moves=True,
+            'first task', _OPERATORS, CODE, moves=True,
         ),
         _request(
             About.HOLD, failures.CHANGE, 'changes the setup that the task lacks, and then does '
-            'the task', _OPERATORS, moves=True,
+            'the task', _OPERATORS, CODE, moves=True,
         ),
         _request(
             About.HOLD, failures.MARK_DONE, 'the task was done: its item goes on as after success',
-            _OPERATORS, _RESULTS, moves=True,
+            _OPERATORS, _RESULTS, CODE, moves=True,
         ),
         _request(
             About.HOLD, failures.SKIP, 'the item goes on without the task; its flags count as '
-            'performed', _OPERATORS, moves=True,
+            'performed', _OPERATORS, CODE, moves=True,
         ),
         _request(
             About.HOLD, failures.REJECT, 'the item is rejected: later tasks are skipped, and it '
-            'leaves the line as scrap', _OPERATORS, moves=True, is_confirmed=True,
+            'leaves the line as scrap', _OPERATORS, CODE, moves=True, is_confirmed=True,
         ),
         _request(
             About.HOLD, failures.ABORT_JOB, 'ends the job of the item: its goals are cancelled, '
-            'its items on the line are rejected and drain', _ENGINEERS,
+            'its items on the line are rejected and drain', _ENGINEERS, CODE,
             moves=True, is_confirmed=True,
         ),
     )
@@ -292,7 +301,7 @@ COMMENT = _request(
 
 OUT_OF_SERVICE = _request(
     About.COMPONENT, 'out_of_service', 'sends a component no goal, and lets the queue pass jobs '
-    'that need it; what runs goes on; this is no lockout', _OPERATORS,
+    'that need it; what runs goes on; this is no lockout', _OPERATORS, CODE,
     moves=False,
 )  # fmt: skip
 IN_SERVICE = _request(
@@ -308,6 +317,13 @@ RELEASE_SCRIPT = _request(
     Parameter('cell_digest', Kind.TEXT, 'refuse it unless this is the digest of the cell'),
     moves=True,
     is_limited=True,
+)  # fmt: skip
+
+# --- stops of the line (semantics 7.10) ----------------------------------------------------------
+
+CLASSIFY = _request(
+    About.STOP, 'classify', "says the plant's reason for a stop of the line; the last one counts",
+    _OPERATORS, replace(CODE, is_required=True), moves=False, why=Why.NEVER, is_limited=True,
 )  # fmt: skip
 
 TABLE: tuple[Request, ...] = (
@@ -326,6 +342,7 @@ TABLE: tuple[Request, ...] = (
     OUT_OF_SERVICE,
     IN_SERVICE,
     RELEASE_SCRIPT,
+    CLASSIFY,
 )
 """All requests, in the order of the documentation."""
 

@@ -1,19 +1,28 @@
-"""Reading a file of shifts."""
+"""Reading the files of a plant: shifts, and reasons for stops."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
-from bt_orchestrator.model.plant.shifts import DAYS, EVERY_DAY, Hours, Shift, Shifts
+from bt_orchestrator.model.plant.shifts import DAYS, EVERY_DAY, Hours, PlantReason, Shift, Shifts
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
 from bt_orchestrator.script.names import check_id
 from bt_orchestrator.script.report import Report, did_you_mean, listing
-from bt_orchestrator.script.shifts.shifts_keys import CLOCK_FORM, SHIFT, SHIFTS, TARGET
+from bt_orchestrator.script.shifts.shifts_keys import (
+    CLOCK_FORM,
+    LANGUAGE_FORM,
+    REASON,
+    REASONS,
+    SHIFT,
+    SHIFTS,
+    TARGET,
+)
 from bt_orchestrator.script.source_text import read_text
-from bt_orchestrator.script.yaml_nodes import quoted
+from bt_orchestrator.script.yaml_nodes import Scalar, found, quoted
 
 
 def read_shifts(path: Path) -> Shifts:
@@ -114,3 +123,75 @@ def _zone(fields: Fields) -> str:
             hint = 'write for instance `zone: Europe/Berlin`; the package tzdata has them all'
             fields.refuse('zone', what, hint)
     return name
+
+
+# Reading a file of the reasons of a plant for stops.
+
+MOST_LETTERS = 80
+"""Longest words of a reason: they stand on a button, and in a line of a report."""
+
+
+def read_reasons(path: Path) -> Mapping[str, PlantReason]:
+    """Read a file of reasons; the order of the file is kept.
+
+    :raises Refused: with every mistake in it
+    """
+    return parse_reasons(read_text(path), str(path))
+
+
+def parse_reasons(text: str, file: str) -> Mapping[str, PlantReason]:
+    """Read the text of a file of reasons; its name stands in the findings.
+
+    :raises Refused: with every mistake in it
+    """
+    report = Report(file)
+    fields = file_fields(text, REASONS, report)
+    node = fields.mapping('reasons')
+    reasons = {}
+    for entry in (*node.entries, *node.repeated) if node else ():
+        code = entry.key.text
+        check_id(code, 'code of a reason', entry.key.place, report)
+        reason = fields_of(entry.value, REASON, report)
+        if reason is not None:
+            reasons[code] = PlantReason(code, _words(reason), _group(reason))
+    if node is not None and not node.entries:
+        fields.refuse('reasons', 'no reason is named', REASONS.by_name['reasons'].hint)
+    report.refuse()
+    return reasons
+
+
+def _words(fields: Fields) -> Mapping[str, str]:
+    node, hint = fields.mapping('words'), REASON.by_name['words'].hint
+    words = {}
+    for entry in node.entries if node else ():
+        language, value = entry.key.text, entry.value
+        if re.fullmatch(LANGUAGE_FORM, language) is None:
+            what = f'{quoted(language)} is no code of a language'
+            fields.report.add(entry.key.place, what, 'write for instance `en` or `de`')
+        elif not isinstance(value, Scalar) or not value.text:
+            what = f'the words in `{language}` must be a text, not {found(value)}'
+            fields.report.add(value.place, what, hint)
+        elif _is_fine(value, fields.report):
+            words[language] = value.text
+    if node is not None and not node.entries:
+        fields.refuse('words', 'the reason has no words', hint)
+    return words
+
+
+def _group(fields: Fields) -> str:
+    text = fields.text('group')
+    node = fields.value('group') if text else None
+    return text if text and isinstance(node, Scalar) and _is_fine(node, fields.report) else ''
+
+
+def _is_fine(node: Scalar, report: Report) -> bool:
+    """Tell whether a text fits a line; report it otherwise."""
+    if len(node.text) > MOST_LETTERS:
+        what = f'the text {quoted(node.text[:20])} and so on has {len(node.text)} characters'
+        report.add(node.place, what, f'use at most {MOST_LETTERS}')
+    elif not node.text.isprintable():
+        what = f'the text {quoted(node.text)} has characters that cannot be seen'
+        report.add(node.place, what, 'write it in one line, without control characters')
+    else:
+        return True
+    return False

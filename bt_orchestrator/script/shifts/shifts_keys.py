@@ -1,4 +1,4 @@
-"""The keys of a file of shifts."""
+"""The keys of the files of a plant: shifts, and reasons for stops."""
 
 from __future__ import annotations
 
@@ -95,6 +95,49 @@ SHIFTS = Table(
             '120',
             default=MICRO_STOP_S,
             minimum=LEAST_MICRO_STOP_S,
+        ),
+    ),
+)
+
+
+# The keys of a file of reasons.
+
+LANGUAGE_FORM = '[a-z]{2,3}'
+
+REASON = Table(
+    'a reason',
+    (
+        Key(
+            'words',
+            Kind.MAPPING,
+            'the reason in the languages of the plant, by their codes (`en`, `de`)',
+            '{en: material jam, de: Materialstau}',
+            required=True,
+            members=Kind.TEXT,
+            fewest=1,
+            name_form=LANGUAGE_FORM,
+        ),
+        Key(
+            'group',
+            Kind.TEXT,
+            'reasons of one group stand together; absent: those of no group',
+            'material',
+        ),
+    ),
+)
+
+REASONS = Table(
+    'a file of reasons',
+    (
+        Key(
+            'reasons',
+            Kind.MAPPING,
+            'the reasons for stops of the line, by code',
+            '{JAM: {words: {en: material jam}, group: material}}',
+            required=True,
+            of=(REASON,),
+            name_form=ID_FORM,
+            fewest=1,
         ),
     ),
 )

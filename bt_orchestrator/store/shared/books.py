@@ -1,4 +1,4 @@
-"""Books in a journal: written by its node, read by reports (see `model.books`)."""
+"""Books in a journal: written by its node, read by reports (see `model.keeping.books`)."""
 
 from __future__ import annotations
 
@@ -6,13 +6,21 @@ import logging
 from collections.abc import Sequence
 from datetime import datetime, timezone
 
-from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState, SlotPage
+from bt_orchestrator.model.keeping.books import (
+    Books,
+    KeptReason,
+    KeptScript,
+    KeptSlot,
+    KeptState,
+    ReasonPage,
+    SlotPage,
+)
 from bt_orchestrator.model.records import Damage
 from bt_orchestrator.store.shared.database import Database, check_of, replace
 
 log = logging.getLogger(__name__)
 
-TABLES = ('book_slots', 'book_states')
+TABLES = ('book_slots', 'book_states', 'book_reasons')
 """Those whose rows are made of events, by the last one that has a say in them (`made_of`)."""
 
 _SLOT = 'begin_us, until_us, made_of, version, CAST(slot AS BLOB), checksum'
@@ -28,6 +36,7 @@ def keep(database: Database, books: Books) -> None:
         database.execute('DELETE FROM book_states WHERE stays = 0')
     _write(database, 'book_states', 'seq', state, books.states)
     _write(database, 'book_scripts', 'digest', 'script', books.scripts)
+    _write(database, 'book_reasons', 'made_of', 'reason', books.reasons)
 
 
 def _write(
@@ -118,6 +127,24 @@ def script(database: Database, digest: str) -> KeptScript | None:
         return None
     found = KeptScript(digest, row[0].decode(errors='replace'))
     return found if row[1] == _check(found) else None
+
+
+def reasons(database: Database, after_seq: int, most: int) -> ReasonPage:
+    """Return the reasons of stops that were given after an event."""
+    query = (
+        'SELECT made_of, CAST(reason AS BLOB), checksum FROM book_reasons WHERE made_of > ? '
+        'ORDER BY made_of LIMIT ?'
+    )
+    rows = database.execute(query, (after_seq, most + 1)).fetchall()
+    found: list[KeptReason] = []
+    damage: list[Damage] = []
+    for made_of, text, check in rows[:most]:
+        reason = KeptReason(made_of, text.decode(errors='replace'))
+        if check == _check(reason):
+            found.append(reason)
+        else:
+            damage.append(Damage(f'the reason of a stop that event {made_of} gave is damaged'))
+    return ReasonPage(found, damage, rows[most - 1][0] if rows[most:] else None)
 
 
 def _check(row: Sequence[int | str | bool]) -> int:

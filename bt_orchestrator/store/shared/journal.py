@@ -8,10 +8,10 @@ from contextlib import AbstractContextManager
 from uuid import uuid4
 
 from bt_orchestrator.base.errors import JournalFailed
-from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.judging.used_ids import SealedIds
+from bt_orchestrator.model.keeping.books import Books
 from bt_orchestrator.model.uptime import ClockReading
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.shared import books, rows, snapshots

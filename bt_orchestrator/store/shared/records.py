@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 
 from bt_orchestrator.base.errors import DamagedRecord
-from bt_orchestrator.model.books import KeptScript, KeptState, SlotPage
+from bt_orchestrator.model.keeping.books import KeptScript, KeptState, ReasonPage, SlotPage
 from bt_orchestrator.model.records import (
     Damage,
     Extent,
@@ -130,6 +130,16 @@ class KeptRecords(ABC):
         """
         with self._one_moment() as database:
             return books.script(database, digest)
+
+    def book_reasons(self, after_seq: int = 0, most: int = rows.MOST) -> ReasonPage:
+        """Return the reasons of stops that were given after an event, as far as books go.
+
+        :raises JournalUnusable: it cannot be read
+        """
+        with self._one_moment() as database:
+            found = books.reasons(database, after_seq, max(1, min(most, rows.MOST)))
+        where = f'in the journal {self._name}'
+        return replace(found, damage=[Damage(f'{one.what} {where}') for one in found.damage])
 
     # --- its own data -----------------------------------------------------------------------
 

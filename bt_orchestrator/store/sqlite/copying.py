@@ -47,6 +47,7 @@ TABLES = (
         is_mirrored=True,
     ),
     Table('book_scripts', ('digest',), ('script', 'checksum')),
+    Table('book_reasons', ('made_of',), ('reason', 'checksum')),
     Table('used_ids', ('digest', 'copy'), ('ids',), check='1'),
 )
 

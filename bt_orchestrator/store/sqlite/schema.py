@@ -5,6 +5,7 @@ that ended, and where jobs begin. Schema 3 adds a unique id of the journal. Sche
 to every row; older rows stay without one. Schema 5 adds whether a node has closed the file.
 Schema 6 adds books: the account in slots of time, which outlives the events that it was made of.
 Schema 7 adds parts of the ids that were ever used, which states name.
+Schema 8 adds to the books the reasons that operators gave for stops of the line.
 An upgrade adds and never rewrites events; each step runs in one transaction, so a file always has
 one schema or the other.
 """
@@ -19,7 +20,7 @@ from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.store.shared.database import seal
 from bt_orchestrator.store.sqlite.database import pragma, transaction
 
-SCHEMA = 7
+SCHEMA = 8
 """Version of the tables, kept in SQLite's user_version."""
 
 APPLICATION_ID = 0x62746F72
@@ -131,6 +132,15 @@ _STEPS: Sequence[Sequence[str]] = (
                copy INTEGER NOT NULL,
                ids TEXT NOT NULL,
                PRIMARY KEY (digest, copy)
+           ) STRICT""",
+    ),
+    # 8
+    (
+        # The decisions that say the reason of a stop, each as its event was written.
+        """CREATE TABLE book_reasons (
+               made_of INTEGER PRIMARY KEY,
+               reason TEXT NOT NULL,
+               checksum INTEGER NOT NULL
            ) STRICT""",
     ),
 )

@@ -16,6 +16,7 @@ from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import Records
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
 from bt_orchestrator.view.report.jobs import FOLLOWED, JobFold
+from bt_orchestrator.view.report.line_stops import GivenReasons
 
 log = logging.getLogger(__name__)
 
@@ -39,6 +40,8 @@ class Reading:
         self.records = records
         self.steady: SteadyTime | None = None
         """The known steps of the clock; None: not asked for yet."""
+        self.reasons: GivenReasons | None = None
+        """The known reasons of stops; None: not asked for yet."""
         self.lost = 0
         """Records that are damaged or missing, as far as was looked."""
         self._tell = tell

@@ -75,6 +75,8 @@ SAMPLES: dict[str, Any] = {
     'time': 12.5,
     'script': 'test',
     'digest': '0123456789ab',
+    'stop': '010f6d0a:12',
+    'code': 'JAM',
     'cell': 'test_line',
     'definition': SCRIPT,
     'cell_definition': Line().cell,

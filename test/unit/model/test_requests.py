@@ -48,7 +48,8 @@ def test_who_may_ask_what() -> None:
     after = {f'cell.stop_after_{word}' for word in ('item', 'job', 'never')}
     places = {'job.move', 'job.next', 'queue.arrange'}
     service = {'component.out_of_service', 'component.in_service'}
-    assert words(Role.OPERATE) == queue | answers | remarks | cell | after | places | service
+    of_operators = queue | answers | remarks | cell | after | places | service
+    assert words(Role.OPERATE) == of_operators | {'stop.classify'}
 
 
 @pytest.mark.parametrize('recipes', [[None], ['a', 1], [['a']], [{}]])

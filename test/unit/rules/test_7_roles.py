@@ -62,6 +62,7 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
     'item.remove_item': lambda by: RemoveItem('J/1', by),
     'component.out_of_service': lambda by: SetService('a3', False, by),
     'component.in_service': lambda by: SetService('a3', True, by),
+    'stop.classify': lambda by: ask('stop.classify', by, stop=':1', code='JAM'),
     'script.release_script': lambda by: ReleaseScript('0123456789ab', by),
     **{
         f'hold.{word}': lambda by, word=word: AnswerHold('1', word, by)  # type: ignore[misc]

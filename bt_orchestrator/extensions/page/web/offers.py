@@ -52,7 +52,7 @@ def _hold_offer(request: Request, hold: Hold) -> Offer:
             return _offer(request, given={'hold': hold.id}, without=('everyones',))
     offer = _offer(request, hold.id)
     if hold.item is None:  # results belong to an item
-        offer['parameters'] = []
+        offer['parameters'] = list(_parameters(request, {'hold', 'results'}))
     return offer
 
 
@@ -116,6 +116,12 @@ def back_for(job: JobStatus, status: CellStatus) -> list[str]:
         component.name for component in status.components if component.out_of_service_since is None
     )
     return [name for name in there if name in without]
+
+
+def classify_offer() -> Offer:
+    """Return what is always possible: to say the reason of a stop; which one is said then."""
+    (classify,) = requests_about(About.STOP)
+    return {**_offer(classify), 'body': {}}
 
 
 def add_offer() -> Offer:

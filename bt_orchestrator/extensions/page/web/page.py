@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.page.web.access import Access
-from bt_orchestrator.extensions.page.web.account import ShiftWatch
+from bt_orchestrator.extensions.page.web.account import ShiftWatch, reason_part
 from bt_orchestrator.extensions.page.web.archive.archive import Archive
 from bt_orchestrator.extensions.page.web.archive.heard import Heard
 from bt_orchestrator.extensions.page.web.board import Board
@@ -186,7 +186,7 @@ class WebPage(CellClient):
             return
         self._is_stale = False
         parts = self.show.parts(status, self.description, self.node)
-        self.board.put({**parts, **self.shift.parts()})
+        self.board.put({**parts, **reason_part(self.sources.reasons), **self.shift.parts()})
         self._refreshed_at = time.monotonic()
         if self.show.wants_moment:
             self.show.wants_moment = False

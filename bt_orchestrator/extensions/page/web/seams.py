@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.plant.shifts import Shifts
+from bt_orchestrator.model.plant.shifts import PlantReason, Shifts
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import Planning, Records
 from bt_orchestrator.ports.plant import PlantCells
@@ -22,6 +22,8 @@ class Plant:
     shifts: Shifts
     cell: Cell | None
     """For the pace; None: there is no performance and no OEE."""
+    reasons: Mapping[str, PlantReason] = field(default_factory=dict)
+    """Of the plant for stops, by code."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,8 @@ class Sources:
     """Works out what-if and checks orders; the page closes it."""
     plant: Plant | None = None
     """For the account of the shift that runs; None: it is not shown."""
+    reasons: Mapping[str, PlantReason] = field(default_factory=dict)
+    """Of the plant for stops, by code; forms offer them."""
     cells: PlantCells | None = None
     """Reads the list of cells of the plant; None: it is not shown."""
 

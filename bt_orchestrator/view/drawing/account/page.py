@@ -9,8 +9,10 @@ from bt_orchestrator.view.drawing.account.tables import (
     failing,
     flaws,
     holds,
+    line_stops,
     made,
     measured,
+    reasons,
     repairs,
     stops,
     waterfall,
@@ -50,6 +52,9 @@ def _write(page: Html, account: Account) -> None:
     waterfall(sheet, shown)
     stops(sheet, shown)
     classes(sheet, shown)
+    if account.tells_reasons:
+        reasons(sheet, account)
+        line_stops(sheet, account)
     holds(sheet, account)
     made(sheet, shown)
     flaws(sheet, shown)

@@ -24,6 +24,7 @@ from bt_orchestrator.view.report.account.losses import PARTS, WORDS, Step
 from bt_orchestrator.view.report.account.stops import Held
 from bt_orchestrator.view.report.account.text import parts_of
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, is_seen, percent
+from bt_orchestrator.view.report.line_stops import shares
 
 
 class Column(NamedTuple):
@@ -43,6 +44,9 @@ class TableCell(NamedTuple):
     drawing: str = ''
     """SVG; in place of a text."""
 
+
+MOST_LINE_STOPS = 40
+"""Stops that are listed one by one: two sheets of paper are enough."""
 
 BAR = Column('', 'bar')
 
@@ -109,6 +113,44 @@ def classes(sheet: Html, shown: Figures) -> None:
         (TableCell('breakdowns'), breakdowns),
     ):
         add_row(body, (name, *map(TableCell, (str(found.times), duration(found.us)))), columns)
+
+
+def reasons(sheet: Html, account: Account) -> None:
+    """Write the Pareto of the reasons of stops."""
+    shown, period = account.figures, account.period
+    columns = (Column(''), BAR, *_numbers('time', 'times', 'of all'))
+    title = f'Stops by reason, {percent(shown.not_classified)} of their time not classified'
+    found = shares(shown.times.by_reason)
+    body = add_table(sheet, title, columns)
+    for one in found:
+        reason = period.reasons.get(one.code)
+        more = f'{one.code} {reason.group}'.strip() if reason is not None else ''
+        name = TableCell(period.reason_words(one.code), more)
+        drawn = TableCell('', drawing=bar(0, Fraction(one.us, found[0].us)))
+        texts = (duration(one.us), str(one.times), percent(shown.of_stops(one.us)))
+        kind = 'not-busy' if not one.code else _step(Step.AVAILABILITY)
+        add_row(body, (name, drawn, *map(TableCell, texts)), columns, kind)
+
+
+def line_stops(sheet: Html, account: Account) -> None:
+    """Write the longest stops one by one, in their order, with their reasons."""
+    period = account.period
+    when = (Column('from', 'time'), Column('to', 'time'))
+    columns = (*when, Column('time', 'number'), Column('what'), Column('reason'))
+    body = add_table(sheet, 'Stops one by one', columns)
+    longest = sorted(account.figures.times.line_stops, key=lambda one: -one.us)[:MOST_LINE_STOPS]
+    for stop in sorted(longest, key=lambda one: one.span.since_us):
+        span, reason = stop.span, stop.reason
+        by = f'by {reason.who}' if reason is not None and reason.who else ''
+        said = ': '.join(filter(None, (by, reason.why if reason is not None else '')))
+        cells = (
+            TableCell(period.clock(span.since_us)),
+            TableCell(period.clock(span.until_us)),
+            TableCell(duration(stop.us)),
+            TableCell(stop.about, f'stop {span.seq}'),
+            TableCell(period.reason_words('' if reason is None else reason.code), said),
+        )
+        add_row(body, cells, columns)
 
 
 def holds(sheet: Html, account: Account) -> None:

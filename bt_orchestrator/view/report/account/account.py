@@ -23,7 +23,6 @@ from bt_orchestrator.view.report.account.fold import FOLLOWED, AccountFold, From
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import Planned, us_of
-from bt_orchestrator.view.report.account.spans import LineStop
 from bt_orchestrator.view.report.account.steady_time import SteadyTime, Step
 from bt_orchestrator.view.report.account.words import (
     break_words,
@@ -32,6 +31,7 @@ from bt_orchestrator.view.report.account.words import (
     old_step_words,
     step_words,
 )
+from bt_orchestrator.view.report.line_stops import LineStop
 from bt_orchestrator.view.report.reading import Reading
 
 _OF_A_JOB = (e.JobStarted.event, e.JobCompleted.event, e.JobAborted.event)
@@ -101,6 +101,12 @@ class Account:
     """A cell file was given, for the pace."""
     cell_differs: bool
     """The node ran with another cell file than the one that the pace is of."""
+
+    @property
+    def tells_reasons(self) -> bool:
+        """Tell whether the plant has reasons for stops, or a stop has one."""
+        summed = self.figures.times.by_reason
+        return bool(summed) and (bool(self.period.reasons) or any(one.code for one in summed))
 
     def stop_name(self, stop: LineStop) -> str:
         """Return the name of a stop."""

@@ -13,7 +13,13 @@ from itertools import pairwise
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.view.report.account.booked import booked, read_state, script_of, steady_time
+from bt_orchestrator.view.report.account.booked import (
+    booked,
+    given_reasons,
+    read_state,
+    script_of,
+    steady_time,
+)
 from bt_orchestrator.view.report.account.course import Bookings, Course
 from bt_orchestrator.view.report.account.fold import FOLLOWED, AccountFold, Begun, FromBooks
 from bt_orchestrator.view.report.account.losses import Loss
@@ -36,7 +42,7 @@ def fold_at(reading: Reading, period: Period) -> tuple[AccountFold, Wanted]:
         events.begin_at(begin)
     begun = Begun(
         events.course,
-        Total(),
+        Total(given_reasons(reading)),
         begin,
         None,
         FromBooks(),
@@ -81,7 +87,7 @@ class _Beginning:
         self._period = period
         self._planned = period.planned
         self._borders = [moment for piece in period.planned.pieces for moment in piece]
-        self._total = Total()
+        self._total = Total(given_reasons(reading))
         self._now = self._borders[0] if self._borders else period.begin_us
         """Up to when slots were taken in."""
         self._last: Slot | None = None

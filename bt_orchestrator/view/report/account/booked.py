@@ -7,14 +7,15 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from bt_orchestrator.model.books import KeptScript, KeptSlot, KeptState
-from bt_orchestrator.model.codec import from_plain, json_of, text_of
-from bt_orchestrator.model.events import OrchestratorStarted
+from bt_orchestrator.model.codec import from_plain, json_of, known_event, text_of, to_text
+from bt_orchestrator.model.events import OperatorDecided, OrchestratorStarted
+from bt_orchestrator.model.keeping.books import KeptReason, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.records import Damage, Wanted
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.view.report.account.course import EVER_US, FOLLOWED, Course
 from bt_orchestrator.view.report.account.slot import Slot
 from bt_orchestrator.view.report.account.steady_time import STEPS, SteadyTime
+from bt_orchestrator.view.report.line_stops import GivenReasons
 from bt_orchestrator.view.report.reading import Reading
 
 _AT_ONCE, _LOOK_AT = 1000, 10
@@ -63,16 +64,47 @@ def steady_time(reading: Reading) -> SteadyTime:
 
     A reading has one, which takes in further events.
     """
-    if reading.steady is None:
+    return _known(reading)[0]
+
+
+def given_reasons(reading: Reading) -> GivenReasons:
+    """Return the reasons of stops that were given by now, in books and in the events after them.
+
+    They are of all the journal: a stop may be classified long after it.
+    """
+    return _known(reading)[1]
+
+
+def _known(reading: Reading) -> tuple[SteadyTime, GivenReasons]:
+    """Return what one look through all of a journal tells."""
+    if reading.steady is None or reading.reasons is None:
         kept = reading.records.book_state(EVER_US)
         steady = (read_steady(kept) if kept is not None else None) or SteadyTime()
-        for event in reading.events(Wanted(steady.known, events=STEPS)):
+        reasons = _booked_reasons(reading)
+        names = (*STEPS, OperatorDecided.event)
+        for event in reading.events(Wanted(steady.known, events=names)):
+            reasons.follow(event)
             if isinstance(event, OrchestratorStarted):
                 _follow_last(reading, steady, Wanted(before_seq=event.seq))
-            steady.follow(event)
+            if event.event in STEPS:
+                steady.follow(event)
         _follow_last(reading, steady, Wanted())
-        reading.steady = steady
-    return reading.steady
+        reading.steady, reading.reasons = steady, reasons
+    return reading.steady, reading.reasons
+
+
+def _booked_reasons(reading: Reading) -> GivenReasons:
+    reasons, after = GivenReasons(), 0
+    while True:
+        page = reading.records.book_reasons(after, _AT_ONCE)
+        reading.tell_new(page.damage)
+        for kept in page.reasons:
+            event = known_event(json.loads(kept.text))
+            if event is not None:
+                reasons.follow(event)
+        if page.rest_seq is None:
+            return reasons
+        after = page.rest_seq
 
 
 def _follow_last(reading: Reading, steady: SteadyTime, wanted: Wanted) -> None:
@@ -151,6 +183,11 @@ def read_steady(kept: KeptState) -> SteadyTime | None:
         return SteadyTime.from_plain(json.loads(kept.text)['steady'], kept.seq)
 
     return _read(read, kept.version)
+
+
+def keep_reason(event: OperatorDecided) -> KeptReason:
+    """Return a decision that tells the reason of a stop as text."""
+    return KeptReason(event.seq, to_text(event))
 
 
 def keep_script(digest: str, script: Script) -> KeptScript:

@@ -18,6 +18,7 @@ from bt_orchestrator.view.report.account.planned import us_of
 from bt_orchestrator.view.report.account.standing import FOLLOWED as OF_STANDING
 from bt_orchestrator.view.report.account.standing import Cause, Standing
 from bt_orchestrator.view.report.account.stops import Held, OpenHolds
+from bt_orchestrator.view.report.line_stops import CodesGiven
 
 FOLLOWED = (
     *OF_STANDING,
@@ -54,6 +55,8 @@ class Stretch(NamedTuple):
     """When that was."""
     working: tuple[str, ...] = ()
     """The components that operated."""
+    code: str = ''
+    """Of the reason that was given for it; empty: none so far."""
 
 
 class Bookings(Protocol):
@@ -107,6 +110,7 @@ class Course:
         """The number of the last event."""
         self._caused: tuple[Cause | None, int] = (_NOT_RECORDED, 0)
         """The loss after some event, and the number of the event that made it so."""
+        self._codes = CodesGiven()
 
     @property
     def cause(self) -> Cause | None:
@@ -176,9 +180,9 @@ class Course:
         assert self.now is not None
         if self.now >= end:
             return None
-        goes_on = cause == self._last
+        goes_on, code = cause == self._last, self._codes.of(cause)
         name, since = (self._name, self._since) if goes_on else (seq, self.now)
-        return Stretch(self.now, end, cause, goes_on, name, since, self._operating(cause))
+        return Stretch(self.now, end, cause, goes_on, name, since, self._operating(cause), code)
 
     def _operating(self, cause: Cause | None) -> tuple[str, ...]:
         """Return the components that operate: without a node that is not known."""
@@ -203,6 +207,7 @@ class Course:
             # What stood before the node ended, and stands again, is another stop.
             self._caused = _NOT_RECORDED, event.seq
         self._standing.follow(event)
+        self._codes.follow(event)
         self._seq = event.seq
         released = self.holds.follow(event, self.now)
         if released is not None:
@@ -227,6 +232,7 @@ class Course:
             'name': self._name,
             'seq': self._seq,
             'caused': [_plain_cause(self._caused[0]), self._caused[1]],
+            'codes': self._codes.plain(),
             'standing': self._standing.plain(),
             'holds': self.holds.plain(),
             'items': self._items.plain(),
@@ -242,6 +248,7 @@ class Course:
         if 'caused' in plain:  # books of older programs name no stop
             made._name, (caused, seq) = plain['name'], plain['caused']
             made._caused = _cause_of(caused), seq
+            made._codes.go_on_from(plain.get('codes', {}))
         else:
             made._name, made._caused = made._seq, (made._last, made._seq)
         made._standing.go_on_from(plain['standing'])

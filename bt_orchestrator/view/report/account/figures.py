@@ -236,6 +236,15 @@ class Figures:
         yield from self._losses(Step.QUALITY)
         yield Bar(VALUE, self.value_us)
 
+    def of_stops(self, us: int) -> Fraction | None:
+        """Return the share of the time of all stops that are long enough to have a reason."""
+        return _ratio(us, sum(one.us for one in self.times.by_reason))
+
+    @property
+    def not_classified(self) -> Fraction | None:
+        """The share of the stops that have no reason, by their time."""
+        return self.of_stops(sum(one.us for one in self.times.by_reason if not one.code))
+
     def of_planned(self, us: Fraction | int) -> Fraction | None:
         """Return the share of the planned time."""
         return _ratio(us, self.times.planned.total_us)

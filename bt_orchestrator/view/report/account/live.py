@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.events import Event, OperatorDecided
 from bt_orchestrator.model.records import Extent
 from bt_orchestrator.ports import Records
 from bt_orchestrator.view.report.account.account import Account, Source, account_of, with_steps
@@ -22,6 +22,7 @@ from bt_orchestrator.view.report.account.plain import account_plain
 from bt_orchestrator.view.report.account.planned import us_of
 from bt_orchestrator.view.report.account.standing import Cause
 from bt_orchestrator.view.report.account.words import percent
+from bt_orchestrator.view.report.line_stops import gives_later
 from bt_orchestrator.view.report.reading import Reading
 
 log = logging.getLogger(__name__)
@@ -92,7 +93,7 @@ class LiveAccount:
             going = self._going = None
             going = self._going = _Going(Reading(records, self._tell), now.period, extent)
         going.read(records)
-        if going.has_new_step:  # which may change when the clock shows the hours of the period
+        if going.is_outdated:
             going = self._going = _Going(Reading(records, self._tell), now.period, extent)
             going.read(records)
         return going.told(now, us_of(time), self._paces, extent)
@@ -108,6 +109,7 @@ class _Going:
         self._history = extent.history
         self._steady = steady_time(reading)
         self._steps = len(self._steady.steps)
+        self._has_new_reason = False
         self._period = period = period.on(self._steady)
         self._fold, self._wanted = fold_with_books(reading, period)
         self._state_seq = self._wanted.after_seq
@@ -126,9 +128,13 @@ class _Going:
         )
 
     @property
-    def has_new_step(self) -> bool:
-        """Tell whether the clock was set since it was begun."""
-        return len(self._steady.steps) != self._steps
+    def is_outdated(self) -> bool:
+        """Tell whether events since it was begun say something new of the time before.
+
+        The clock was set, and may have shown the hours of the period at another time; or a stop
+        was classified that is added up already.
+        """
+        return self._has_new_reason or len(self._steady.steps) != self._steps
 
     def read(self, records: Records) -> None:
         """Take in what is new."""
@@ -143,6 +149,8 @@ class _Going:
             self._wanted, is_last = page.rest, page.is_last
 
     def _take(self, event: Event) -> None:
+        if isinstance(event, OperatorDecided) and gives_later(event):
+            self._has_new_reason = True
         time = us_of(event.time)
         if time > self._period.end_us:
             return

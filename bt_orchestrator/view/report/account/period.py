@@ -8,9 +8,12 @@ from datetime import datetime, tzinfo
 from fractions import Fraction
 from typing import NamedTuple
 
-from bt_orchestrator.model.plant.shifts import MICRO_STOP_S
+from bt_orchestrator.model.plant.shifts import MICRO_STOP_S, PlantReason
 from bt_orchestrator.view.report.account.planned import US, Planned
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
+
+NOT_CLASSIFIED = 'not classified'
+"""Said of a stop without a reason."""
 
 _DAY_US = 24 * 3600 * US
 
@@ -50,6 +53,8 @@ class Period:
     """Figures that the plant wants, by name (`oee`), as ratios."""
     micro_stop_us: int = MICRO_STOP_US
     """A shorter own fault is a micro-stop."""
+    reasons: Mapping[str, PlantReason] = field(default_factory=dict)
+    """The reasons of the plant for stops, by code."""
 
     @classmethod
     def all_planned(
@@ -102,6 +107,11 @@ class Period:
         """Write a moment for a program: with its offset."""
         moment = datetime.fromtimestamp(self.shown_us(us) / US, self.zone)
         return moment.astimezone(self.zone).isoformat()
+
+    def reason_words(self, code: str) -> str:
+        """Say a reason; one that is not in the plant's file by its code."""
+        known = self.reasons.get(code)
+        return (known.said() if known is not None else code) or NOT_CLASSIFIED
 
     def shown_us(self, us: int) -> int:
         """Return what the clock showed at a moment."""

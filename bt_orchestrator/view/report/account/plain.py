@@ -13,10 +13,10 @@ from bt_orchestrator.view.report.account.figures import LACKS, Bar, Figures, Lac
 from bt_orchestrator.view.report.account.losses import PARTS, Loss
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import US
-from bt_orchestrator.view.report.account.spans import LineStop
 from bt_orchestrator.view.report.account.stops import FailingTask, Held, Repairs, Stop
 from bt_orchestrator.view.report.account.words import clock_plain
 from bt_orchestrator.view.report.csv_export import csv_cell
+from bt_orchestrator.view.report.line_stops import LineStop, ReasonShare, ReasonSum, shares
 
 
 def account_plain(account: Account) -> dict[str, Any]:
@@ -49,6 +49,9 @@ def account_plain(account: Account) -> dict[str, Any]:
             'breakdowns': _class(shown.breakdowns()),
         },
         'stops': [stop_plain(stop) for stop in times.stops],
+        'reasons': [_reason(account, share) for share in shares(times.by_reason)],
+        'stops_by_reason': [_summed_reason(one) for one in times.by_reason],
+        'not_classified': _number(shown.not_classified),
         'line_stops': [line_stop_plain(account, stop) for stop in times.line_stops],
         'line_stops_all': {
             'count': times.line_stops_count,
@@ -155,9 +158,28 @@ def summed(one: Stop | FailingTask) -> dict[str, Any]:
     return {**plain, 'seconds': seconds}
 
 
+def _reason(account: Account, share: ReasonShare) -> dict[str, Any]:
+    reason = account.period.reasons.get(share.code)
+    return {
+        'code': share.code or None,
+        'words': dict(reason.words) if reason is not None else None,
+        'group': (reason.group or None) if reason is not None else None,
+        'times': share.times,
+        'seconds': seconds_of(share.us),
+        'share': _number(account.figures.of_stops(share.us)),
+    }
+
+
+def _summed_reason(one: ReasonSum) -> dict[str, Any]:
+    named = {**one._asdict(), 'code': one.code or None, 'loss': one.loss.value}
+    seconds = seconds_of(named.pop('us'))
+    return {**named, 'seconds': seconds}
+
+
 def line_stop_plain(account: Account, stop: LineStop) -> dict[str, Any]:
-    """Return one stop of the line."""
-    span, when = stop.span, account.period.iso
+    """Return one stop of the line, with its reason."""
+    span, reason, when = stop.span, stop.reason, account.period.iso
+    is_later = reason is not None and reason.seq > 0
     return {
         'stop': account.stop_name(stop),
         'loss': span.loss.value,
@@ -169,6 +191,10 @@ def line_stop_plain(account: Account, stop: LineStop) -> dict[str, Any]:
         'from': when(span.since_us),
         'to': when(span.until_us),
         'seconds': seconds_of(stop.us),
+        'code': None if reason is None else reason.code,
+        'by': reason.who if reason is not None and is_later else None,
+        'why': reason.why if reason is not None and is_later else None,
+        'given_seq': reason.seq if reason is not None and is_later else None,
     }
 
 
@@ -217,6 +243,8 @@ class Row(NamedTuple):
     number: int | None = None
     seconds: float | None = None
     ratio: float | None = None
+    code: str = ''
+    """Of the reason of a stop."""
 
 
 def write_csv(account: Account, file: IO[str]) -> None:
@@ -254,9 +282,13 @@ def _rows(plain: dict[str, Any]) -> Iterator[Row]:
         yield Row(
             'stop', one['loss'], one['component'], one['detail'], one['times'], one['seconds']
         )
+    for one in plain['reasons']:
+        detail = one['group'] or ''
+        code, share = one['code'] or 'not_classified', one['share']
+        yield Row('reason', code, '', detail, one['times'], one['seconds'], share)
     for one in plain['line_stops']:
         about = one['component'], one['detail']
-        yield Row('line stop', one['stop'], *about, seconds=one['seconds'])
+        yield Row('line stop', one['stop'], *about, seconds=one['seconds'], code=one['code'] or '')
     for one in plain['holds']:
         yield Row('hold', one['hold'], detail=one['words'], seconds=one['lost_s'])
     for one in plain['failed_attempts']:

@@ -60,6 +60,8 @@ class StopSpan:
     since_us: int = 0
     """When it began, also where that was before the slot."""
     until_us: int = 0
+    code: str = ''
+    """Of the reason that was given with the pause, the stop or what else caused it."""
 
     @property
     def long_us(self) -> int:

@@ -250,6 +250,7 @@ class OpenSlot:
             span = StopSpan(stretch.seq, *cause, since_us=stretch.since)
             self._spans[stretch.seq] = span
         span.until_us = stretch.end
+        span.code = stretch.code or span.code
 
     def _stands(self, held: Held, *, is_first: bool) -> Held:
         if is_first:

@@ -18,6 +18,7 @@ from bt_orchestrator.view.report.account.losses import PARTS, WORDS, Loss
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.stops import Held
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, is_seen, percent, rate
+from bt_orchestrator.view.report.line_stops import shares
 from bt_orchestrator.view.report.tables import table
 
 MOST_ROWS = 10
@@ -36,6 +37,9 @@ def account_text(account: Account) -> Iterator[str]:
     yield from titled('own fault by length', class_lines(shown))
     yield from titled('made', _made(shown))
     yield from titled('stops, the longest first', stop_lines(shown.times))
+    if account.tells_reasons:
+        yield from titled(_reasons_title(shown), reason_lines(account))
+        yield from titled('stops one by one', line_stop_lines(account))
     yield from titled('holds', hold_lines(shown.times, period))
     yield from titled('scrap and rework by cause', flaw_lines(shown.times))
     yield from titled('measured values beside their bounds', measured_lines(shown.times))
@@ -127,6 +131,42 @@ def stop_lines(times: Times) -> Iterator[str]:
         if stop.is_shown
     ]
     yield from _pareto(('', 'times', 'time'), rows)
+
+
+def _reasons_title(shown: Figures) -> str:
+    return f'stops by reason, {percent(shown.not_classified)} of their time not classified'
+
+
+def reason_lines(account: Account) -> Iterator[str]:
+    """Yield the reasons of stops, the longest first."""
+    shown, period = account.figures, account.period
+    found = shares(shown.times.by_reason)
+    rows = []
+    for one in found:
+        reason = period.reasons.get(one.code)
+        code = one.code if reason is not None else ''
+        group = reason.group if reason is not None else ''
+        said = period.reason_words(one.code)
+        numbers = (str(one.times), duration(one.us), percent(shown.of_stops(one.us)))
+        rows.append((said, code, group, *numbers))
+    yield from _pareto(('', 'code', 'group', 'times', 'time', 'of all'), rows)
+
+
+def line_stop_lines(account: Account) -> Iterator[str]:
+    """Yield the longest stops with their names and their reasons, the longest first."""
+    period = account.period
+    found = sorted(account.figures.times.line_stops, key=lambda one: (-one.us, one.span.seq))
+    rows = [
+        (
+            period.clock(stop.span.since_us),
+            duration(stop.us),
+            stop.about,
+            account.stop_name(stop),
+            period.reason_words('' if stop.reason is None else stop.reason.code),
+        )
+        for stop in found
+    ]
+    yield from _pareto(('from', 'time', '', 'name', 'reason'), rows)
 
 
 def hold_lines(times: Times, period: Period) -> Iterator[str]:

@@ -13,7 +13,6 @@ from bt_orchestrator.view.report.account.causes.made import Made, add
 from bt_orchestrator.view.report.account.losses import WORDS, Loss, Part, Step, is_stop
 from bt_orchestrator.view.report.account.planned import Planned
 from bt_orchestrator.view.report.account.slot import RestOfHolds, Slot, StopSum
-from bt_orchestrator.view.report.account.spans import LineStop, SpanTotal
 from bt_orchestrator.view.report.account.stops import (
     MOST_HOLDS,
     FailingTask,
@@ -21,6 +20,12 @@ from bt_orchestrator.view.report.account.stops import (
     Repairs,
     Stop,
     without_times,
+)
+from bt_orchestrator.view.report.line_stops import (
+    GivenReasons,
+    LineStop,
+    ReasonSum,
+    SpanTotal,
 )
 
 
@@ -55,12 +60,20 @@ class Times:
     """A part of it is from books of an older program, without causes and times of work."""
     line_stops: tuple[LineStop, ...] = ()
     """The longest stops one by one, in their order."""
-    line_stops_count: int = 0
-    """How many stops there were that are long enough for the list."""
-    line_stops_us: int = 0
-    """Their planned time."""
+    by_reason: tuple[ReasonSum, ...] = ()
+    """All that are long enough, added up by reason, loss and cause."""
     long_faults: Mapping[str, Sequence[int]] = field(default_factory=dict)
     """By component, the planned time of each own fault that may be a breakdown."""
+
+    @property
+    def line_stops_count(self) -> int:
+        """How many stops there were that are long enough for the list."""
+        return sum(one.times for one in self.by_reason)
+
+    @property
+    def line_stops_us(self) -> int:
+        """Their planned time."""
+        return sum(one.us for one in self.by_reason)
 
     @property
     def short_stops_us(self) -> int:
@@ -86,8 +99,12 @@ class Times:
 class Total:
     """Takes in one slot after another, oldest first; each is planned, or is not."""
 
-    def __init__(self) -> None:
-        self._spans = SpanTotal()
+    def __init__(self, reasons: GivenReasons | None = None) -> None:
+        """Begin.
+
+        :param reasons: of the stops; None: they have none but those that are in the slots
+        """
+        self._spans = SpanTotal(reasons or GivenReasons())
         self._producing = 0
         self._stops: dict[tuple[Loss, str, str, Part], StopSum] = {}
         self._has_counted = False

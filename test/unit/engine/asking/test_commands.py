@@ -99,7 +99,7 @@ def test_a_name_that_no_request_has_is_refused_with_those_near_it() -> None:
             'fly',
             {},
             BadArguments,
-            "no request 'fly'; one of cell.reset, .*, script.release_script$",
+            "no request 'fly'; one of cell.reset, .*, stop.classify$",
         ),
         ('hold.fly', {'hold': '9'}, CommandRefused, 'there is no hold 9; holds now: none'),
     ):
@@ -122,7 +122,7 @@ def test_other_words_of_a_request_name_it_as_well() -> None:
 
 
 def test_results_are_for_mark_done_alone() -> None:
-    with pytest.raises(BadArguments, match=r'hold\.skip takes hold; found results'):
+    with pytest.raises(BadArguments, match=r'hold\.skip takes hold, code; found results'):
         asked_by_name('hold.skip', ANN, {'hold': '1', 'results': '{x: 1}'}, STATE)
 
 

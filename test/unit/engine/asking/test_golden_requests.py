@@ -109,6 +109,30 @@ def of_the_cell() -> Iterator[Step]:
     yield 'cell.start', {}
 
 
+def of_reasons() -> Iterator[Step]:
+    yield 'queue.add', {'orders': orders('A')}
+    yield 'cell.pause', {'code': 'LUNCH'}
+    yield 3.0
+    yield 'cell.resume', {}
+    yield HELD
+    yield 'hold.retry', {'hold': '2', 'code': 'TOOTH'}
+    yield 'hold.retry', {'hold': '2', 'code': 'JAM'}
+    yield 'component.out_of_service', {'component': 'a2', 'code': 'JAM'}
+    yield 'component.in_service', {'component': 'a2'}
+    yield 'job.pause', {'job': 'A', 'code': 'LUNCH'}
+    yield 'job.resume', {'job': 'A'}
+    yield 'cell.stop', {'code': 'TOOTH'}
+    yield 'cell.stop', {'code': 'LUNCH'}
+    yield 'cell.abort', {'code': 'JAM'}
+    yield 'cell.abort', {}
+    yield 'cell.abort', {'code': 'LUNCH'}
+    yield 'stop.classify', {'stop': ':14', 'code': 'JAM'}
+    yield 'stop.classify', {'stop': ':41', 'code': 'TOOTH'}
+    yield 'stop.classify', {'stop': ':2', 'code': 'JAM'}
+    yield 'stop.classify', {'stop': 'abc:41', 'code': 'JAM'}
+    yield 'stop.classify', {'stop': '41', 'code': 'JAM'}
+
+
 STORIES: Mapping[str, Sequence[Step]] = {
     'queue': tuple(of_the_queue()),
     'proposal': tuple(of_a_proposal()),
@@ -119,6 +143,7 @@ STORIES: Mapping[str, Sequence[Step]] = {
         for answer in ('retry', 'again', 'skip', 'reject', 'abort_job')
     },
     'change': tuple(of_a_setup()),
+    'reasons': tuple(of_reasons()),
     'mark_done': tuple(of_holds('mark_done', results={'measurement': 1.5})),
 }
 

@@ -15,8 +15,8 @@ from fakes.long_journal import LongRun
 from bt_orchestrator.base.child_process import ChildFailed
 from bt_orchestrator.engine.runtime import housekeeping
 from bt_orchestrator.engine.runtime.writers import WritesAtOnce, Writing
-from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.keeping.books import Books
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
 from bt_orchestrator.view.report.account.account import Account, account, of_job, whole

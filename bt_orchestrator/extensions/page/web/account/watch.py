@@ -6,21 +6,29 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from typing import Any
 
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
+from bt_orchestrator.extensions.page.web.offers import classify_offer
 from bt_orchestrator.extensions.page.web.seams import Plant
-from bt_orchestrator.view.report.account.calendar import Turn, day_columns, shift_at, today
+from bt_orchestrator.model.plant.shifts import PlantReason
+from bt_orchestrator.view.report.account.account import Account
+from bt_orchestrator.view.report.account.calendar import Now, Turn, day_columns, shift_at, today
 from bt_orchestrator.view.report.account.live import Live, LiveAccount
 from bt_orchestrator.view.report.account.losses import Loss
 from bt_orchestrator.view.report.account.planned import US
 from bt_orchestrator.view.report.beside import Beside, beside
+from bt_orchestrator.view.report.line_stops import LineStop, shares
 from bt_orchestrator.view.report.reading import Reading
 
 log = logging.getLogger(__name__)
+
+MOST_STOPS = 50
+"""Stops that the page lists: the longest."""
 
 EVERY_S, SOON_S = 5.0, 1.0
 """Time between two looks at what is new; and while there is no account."""
@@ -47,8 +55,7 @@ class ShiftWatch:
         self._tell = tell
         self._plant = plant
         if plant is not None:
-            period_at = partial(shift_at, plant.shifts)
-            self._account = LiveAccount(period_at, plant.cell, _quiet)
+            self._account = LiveAccount(partial(_shift_at, plant), plant.cell, _quiet)
 
     async def run(self) -> None:
         """Look again and again, until it is cancelled."""
@@ -79,7 +86,8 @@ class ShiftWatch:
         plant = self._plant
         assert plant is not None, 'there are no shifts'
         now = time.time()
-        columns = day_columns(plant.shifts, today(plant.shifts, now), count, now)
+        days = day_columns(plant.shifts, today(plant.shifts, now), count, now)
+        columns = [(title, replace(day, reasons=plant.reasons)) for title, day in days]
 
         def read(look: Look) -> Beside:
             return beside(Reading(look.records, _quiet), columns, plant.cell)
@@ -90,7 +98,8 @@ class ShiftWatch:
         """Return what the page shows; nothing if it knows no shifts."""
         if not self.is_wanted:
             return {}
-        return {'shift': {**shift_part(self.live, self.why_not), 'is_reading': self.is_reading}}
+        shift = {**shift_part(self.live, self.why_not), 'is_reading': self.is_reading}
+        return {'shift': shift, **stops_part(self.live)}
 
     def close(self) -> None:
         """End the thread."""
@@ -104,6 +113,11 @@ class ShiftWatch:
         lost = live.account.figures.times.lost_us
         is_whole = not lost.get(Loss.NOT_RECORDED)
         return live, self._archive.why_not_whole(look.extent, has_beginning=is_whole)
+
+
+def _shift_at(plant: Plant, time: float) -> Now:
+    now = shift_at(plant.shifts, time)
+    return now._replace(period=replace(now.period, reasons=plant.reasons))
 
 
 def _quiet(_: str) -> None:
@@ -160,6 +174,61 @@ def shift_part(live: Live | None, why_not: str) -> dict[str, Any]:
         ],
         'why_not': why_not,
     }
+
+
+def stops_part(live: Live | None) -> dict[str, Any]:
+    """Return the stops of the shift one by one; nothing if there is no shift."""
+    if live is None or live.now.turn is None:
+        return {}
+    account, stopped = live.account, live.stopped
+    times = account.figures.times
+    longest = sorted(times.line_stops, key=lambda one: -one.us)[:MOST_STOPS]
+    now = '' if stopped is None else stopped.stop
+    return {
+        'stops': {
+            'stops': [
+                _stop(account, stop, stands=account.stop_name(stop) == now)
+                for stop in sorted(longest, key=lambda one: -one.span.since_us)
+            ],
+            'is_cut': times.line_stops_count > len(longest),
+            'reasons': [
+                {'code': one.code or None, 'times': one.times, 'seconds': round(one.us / US)}
+                for one in shares(times.by_reason)
+            ],
+            'not_classified': _rounded(account.figures.not_classified),
+            'offer': classify_offer(),
+        }
+    }
+
+
+def _stop(account: Account, stop: LineStop, *, stands: bool) -> dict[str, Any]:
+    """Return a stop, without what grows while it stands: it would be sent again and again."""
+    span, reason, shown_us = stop.span, stop.reason, account.period.shown_us
+    return {
+        'stop': account.stop_name(stop),
+        'loss': span.loss.value,
+        'detail': span.detail,
+        'component': span.component,
+        'begin': _s(shown_us(span.since_us)),
+        'end': None if stands else _s(shown_us(span.until_us)),
+        'seconds': None if stands else _s(stop.us),
+        'code': None if reason is None else reason.code,
+        'by': '' if reason is None else reason.who,
+        'why': '' if reason is None else reason.why,
+    }
+
+
+def _rounded(share: Fraction | None) -> float | None:
+    return None if share is None else round(float(share), 2)
+
+
+def reason_part(reasons: Mapping[str, PlantReason]) -> dict[str, Any]:
+    """Return the reasons that forms offer; nothing if the page knows none."""
+    each = [
+        {'code': one.code, 'words': dict(one.words), 'group': one.group}
+        for one in reasons.values()
+    ]
+    return {'reasons': each} if each else {}
 
 
 def _next(turn: Turn | None) -> dict[str, Any] | None:

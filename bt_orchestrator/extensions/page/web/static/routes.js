@@ -14,6 +14,7 @@ export const SCREENS = {
   jobs: () => import('./screens/jobs.js'),
   job: () => import('./screens/job.js'),
   item: () => import('./screens/item.js'),
+  shift: () => import('./screens/shift.js'),
   login: () => import('./screens/login.js'),
 };
 
@@ -26,7 +27,13 @@ export const NAVIGATION = IN_NAVIGATION.filter((name) => name in SCREENS).map((n
 }));
 
 /** Which place of the navigation a screen belongs to. */
-const BELONGS = { section: 'overview', component: 'overview', shift: 'overview', job: 'jobs', item: 'jobs' };
+const BELONGS = {
+  section: 'overview',
+  component: 'overview',
+  shift: 'overview',
+  job: 'jobs',
+  item: 'jobs',
+};
 
 /**
  * @typedef {Object} Route

@@ -61,7 +61,7 @@ def test_the_answers_of_a_hold_carry_their_path_and_words() -> None:
     done = offer(part, 'mark_done')
     assert done['path'] == '/api/requests/hold.mark_done'
     assert done['body'] == {'hold': hold}
-    assert [one['name'] for one in done['parameters']] == ['results']
+    assert [one['name'] for one in done['parameters']] == ['results', 'code']
     reject = offer(part, 'reject')
     assert (reject['is_confirmed'], reject['why']) == (True, 'first')
     assert reject['roles'] == ['operate', 'engineer']
@@ -74,7 +74,8 @@ def test_results_are_asked_for_only_with_the_task_of_an_item() -> None:
     run.go()
     parts = page_parts(run)
     (hold,) = parts['cell']['holds']
-    assert offer(parts[f'hold/{hold}'], 'mark_done')['parameters'] == []
+    asked = offer(parts[f'hold/{hold}'], 'mark_done')['parameters']
+    assert [one['name'] for one in asked] == ['code']
 
 
 def test_again_is_offered_where_the_task_is_in_a_repeat() -> None:

@@ -39,6 +39,7 @@ NEEDED = {
     'orders': [{'script': 'small'}],
     'queue_digest': 'd1ge57',
     'jobs': ['WO-1'],
+    'code': 'JAM',
 }
 """Arguments that a request cannot do without."""
 ADDRESS = '10.0.0.1'

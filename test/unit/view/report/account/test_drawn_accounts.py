@@ -179,7 +179,7 @@ def same_stops(times: Times, records: list[dict[str, Any]], planned: Planned) ->
     """Assert that both agree about every stop, its name, its hold and its length."""
     mine = [
         (span.seq, span.loss.value, span.hold, span.since_us, span.until_us, us)
-        for span, us in times.line_stops
+        for span, us, _ in times.line_stops
     ]
     assert mine == [tuple(one) for one in naive_stops(records, planned.pieces)]
     assert len({one[0] for one in mine}) == len(mine)

@@ -7,6 +7,7 @@
  */
 
 import { newTicket, send } from '../core/api.js';
+import { codeField, hasReasons } from './code_field.js';
 import { dialogButtons, openDialog } from './dialog.js';
 import { h } from '../core/dom.js';
 import { who } from '../core/me.js';
@@ -18,6 +19,7 @@ import { at, t } from '../core/text.js';
 /** Ask why something was done. */
 export function askAfterwards(offer, title, doneAt) {
   const reason = reasonField(offer.name, true);
+  const code = hasReasons() ? codeField(offer) : null;
   const record = h(
     'button',
     { type: 'button', class: 'primary', 'data-do': 'send', onclick: keep },
@@ -27,6 +29,7 @@ export function askAfterwards(offer, title, doneAt) {
     title,
     [
       h('p', { class: 'effect' }, t('ask.why_afterwards', { time: at(doneAt) })),
+      code?.element ?? '',
       reason.element,
       dialogButtons(() => dialog.close(), record),
     ],
@@ -37,12 +40,13 @@ export function askAfterwards(offer, title, doneAt) {
   async function keep() {
     if (!reason.isGiven()) return;
     const words = reason.value();
+    const given = { reason: words, ...(code ? { code: code.read().value } : {}) };
     dialog.close();
     keepReason(offer.name, words);
     const isOffered = part('cell')?.offers.some((one) => one.name === offer.name);
     const pause = isOffered ? myPause() : null;
     if (isOffered && !pause) return note('refused', t('ask.too_late'));
-    const outcome = await send(offer, { reason: words }, newTicket());
+    const outcome = await send(offer, given, newTicket());
     // An offer that was gone is refused, with its reason on record.
     if (pause && outcome.kind === 'accepted')
       await send(pause.offers[0], { reason: words }, newTicket());

@@ -6,6 +6,7 @@ import { meaningOf } from '../core/requests.js';
 import { t } from '../core/text.js';
 import { UPDATE_FIELDS } from './update_fields.js';
 import { beltField } from './belt_field.js';
+import { CODE, codeField, hasReasons } from './code_field.js';
 
 /** Parameters that the page asks for in its own way, by request and name. */
 const SPECIAL = { 'cell.clear.belt': beltField, ...UPDATE_FIELDS };
@@ -17,10 +18,14 @@ const SPECIAL = { 'cell.clear.belt': beltField, ...UPDATE_FIELDS };
  */
 export function parameterForm(offer) {
   const given = offer.body ?? {};
-  const open = offer.parameters.filter((one) => !(one.name in given) && isMine(one));
+  const open = offer.parameters.filter(
+    (one) => !(one.name in given) && isMine(one) && (one.name !== CODE || hasReasons()),
+  );
   const fields = open.map((one) => ({ parameter: one, ...fieldOf(offer, one) }));
   const isPlain = ({ parameter }) =>
-    parameter.is_required || `${offer.name}.${parameter.name}` in SPECIAL;
+    parameter.is_required ||
+    parameter.name === CODE ||
+    `${offer.name}.${parameter.name}` in SPECIAL;
   const folded = fields.filter((field) => !isPlain(field));
   const element = h(
     'div',
@@ -66,6 +71,7 @@ function valuesOf(fields, isQuiet = false) {
 function fieldOf(offer, parameter) {
   const special = SPECIAL[`${offer.name}.${parameter.name}`];
   if (special) return special(offer);
+  if (parameter.name === CODE) return codeField(offer);
   /** @type {{input: HTMLElement, read: function(*): *}} */
   const { input, read } = inputOf(parameter);
   const warning = h(

@@ -1,8 +1,10 @@
 /** The shift in detail: why items were not good, what was done again, who made and lost what. */
 import { get } from '../core/api.js';
 import { h, show, text } from '../core/dom.js';
+import { onPerson } from '../core/me.js';
 import { part, subscribe } from '../core/store.js';
 import { duration, number, ratio, t, tOr } from '../core/text.js';
+import { stopList } from '../parts/stop_list.js';
 import { table } from '../parts/table.js';
 
 const OWNERS = ['product', 'job', 'component'];
@@ -21,7 +23,8 @@ export function mount(root) {
     OWNERS.map((name) => h('option', { value: name }, t(`shift.by_${name}`))),
   );
   const days = h('a', { class: 'button', download: '' }, t('shift.days'));
-  const stops = partTable();
+  const parts = partTable();
+  const stops = stopList();
   const causes = causeTable();
   const values = valueTable();
   const owners = h('div', { 'data-part': 'owners' });
@@ -29,7 +32,7 @@ export function mount(root) {
     'div',
     {},
     made,
-    panel('shift.parts', stops.element),
+    panel('shift.parts', parts.element),
     panel('shift.causes', causes.element),
     panel('shift.measured', values.element),
     h(
@@ -45,6 +48,7 @@ export function mount(root) {
     { class: 'screen' },
     h('div', { class: 'screen-head' }, title),
     note,
+    stops.element,
     panels,
   );
   let timer = 0;
@@ -59,7 +63,7 @@ export function mount(root) {
       text(title, t('shift.title', { name: part('shift')?.shift ?? '' }));
       text(made, yieldWords(account));
       text(note, '');
-      stops.show(partRows(account));
+      parts.show(partRows(account));
       causes.show(account.scrap_and_rework);
       values.show(account.measured);
       owners.replaceChildren(ownerTable(by.value, rows.groups));
@@ -73,6 +77,9 @@ export function mount(root) {
 
   root.append(element);
   read();
+  stops.update();
+  const ends = ['stops', 'reasons'].map((name) => subscribe(name, stops.update));
+  ends.push(onPerson(stops.update));
   const end = subscribe('shift', () => {
     clearTimeout(timer);
     timer = setTimeout(() => element.isConnected && read(), SOON_MS);
@@ -80,6 +87,7 @@ export function mount(root) {
   return () => {
     clearTimeout(timer);
     end();
+    ends.forEach((one) => one());
   };
 }
 

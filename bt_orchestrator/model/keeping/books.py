@@ -46,6 +46,15 @@ class KeptScript(NamedTuple):
     text: str
 
 
+class KeptReason(NamedTuple):
+    """A decision that says the reason of a stop."""
+
+    made_of: int
+    """Seq of its event."""
+    text: str
+    """The record of the event."""
+
+
 @dataclass(frozen=True)
 class Books:
     """Books made from some events, to be kept all at once."""
@@ -59,17 +68,17 @@ class Books:
     slots: Sequence[KeptSlot] = ()
     states: Sequence[KeptState] = ()
     scripts: Sequence[KeptScript] = ()
+    reasons: Sequence[KeptReason] = ()
 
     def to_bytes(self) -> bytes:
         """Return it in the form between processes."""
-        return json.dumps(
-            [self.history, self.reached, self.is_last, self.slots, self.states, self.scripts]
-        ).encode()
+        rows = [self.slots, self.states, self.scripts, self.reasons]
+        return json.dumps([self.history, self.reached, self.is_last, *rows]).encode()
 
     @classmethod
     def from_bytes(cls, message: bytes) -> Books:
         """Return what was sent."""
-        history, reached, is_last, slots, states, scripts = json.loads(message)
+        history, reached, is_last, slots, states, scripts, reasons = json.loads(message)
         return cls(
             history,
             reached,
@@ -77,6 +86,7 @@ class Books:
             [KeptSlot(*slot) for slot in slots],
             [KeptState(*state) for state in states],
             [KeptScript(*script) for script in scripts],
+            [KeptReason(*reason) for reason in reasons],
         )
 
 
@@ -88,6 +98,16 @@ class SlotPage:
     damage: Sequence[Damage]
     rest_us: int | None
     """The place at which to ask for more; None: this is the end."""
+
+
+@dataclass(frozen=True)
+class ReasonPage:
+    """Some of the reasons that were given for stops, in order."""
+
+    reasons: Sequence[KeptReason]
+    damage: Sequence[Damage]
+    rest_seq: int | None
+    """The seq after which to ask for more; None: this is the end."""
 
 
 class WithoutBooks:
@@ -109,3 +129,7 @@ class WithoutBooks:
 
     def book_script(self, digest: str) -> None:
         """Return no script: there are no books."""
+
+    def book_reasons(self, after_seq: int = 0, most: int = 1000) -> ReasonPage:  # noqa: ARG002
+        """Return no reasons: there are no books."""
+        return ReasonPage((), (), None)
