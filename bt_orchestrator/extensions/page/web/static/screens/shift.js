@@ -66,7 +66,7 @@ export function mount(root) {
       parts.show(partRows(account));
       causes.show(account.scrap_and_rework);
       values.show(account.measured);
-      owners.replaceChildren(ownerTable(by.value, rows.groups));
+      owners.replaceChildren(...ownerList(rows.groups));
       show(panels, true);
     } catch (refused) {
       text(note, refused.message || t('jobs.silent'));
@@ -147,15 +147,11 @@ function whyOf({ task, component, reason, bound }) {
 
 function valueTable() {
   const columns = [
-    { head: t('shift.value'), cell: (one) => valueOf(one) },
+    { head: t('shift.value'), cell: valueOf },
     { head: t('shift.times'), cell: (one) => number(one.times), isNumber: true },
     { head: t('shift.below'), cell: (one) => number(one.below), isNumber: true },
     { head: t('shift.above'), cell: (one) => number(one.above), isNumber: true },
-    ...['least', 'mean', 'greatest', 'at_least', 'at_most'].map((name) => ({
-      head: t(`shift.${name}`),
-      cell: (one) => orDash(one[name], number),
-      isNumber: true,
-    })),
+    { head: t('shift.spread'), cell: spreadOf, isNumber: true },
   ];
   const key = (one) =>
     JSON.stringify([one.product, one.task, one.component, one.value, one.at_least, one.at_most]);
@@ -167,25 +163,28 @@ function valueOf({ task, value, component, product }) {
   return [h('div', {}, `${task} ${value}`), h('div', { class: 'quiet' }, about)];
 }
 
-/** Make the table of the products, jobs or components: a figure a column. */
-function ownerTable(by, groups) {
-  const figures = groups[0]?.rows ?? [];
-  const columns = [
-    { head: t(`shift.by_${by}`), cell: (one) => one.name },
-    ...figures.map(({ name, unit }, place) => ({
-      head: t(`figure.${name}`),
-      cell: (one) => orDash(one.rows[place].together, WRITTEN[unit]),
-      isNumber: true,
-    })),
-  ];
-  const made = table({
-    caption: t('shift.figures'),
-    columns,
-    key: (one) => one.name,
-    empty: t('shift.nothing'),
-  });
-  made.show(groups);
-  return made.element;
+function spreadOf({ least, mean, greatest, at_least: low, at_most: high }) {
+  const bounds = t('shift.bounds', { low: orDash(low, number), high: orDash(high, number) });
+  const spread = [least, mean, greatest].map(number).join(' / ');
+  return [h('div', {}, spread), h('div', { class: 'quiet' }, bounds)];
+}
+
+/** Make the list of the products, jobs or components, each with its figures. */
+function ownerList(groups) {
+  const owners = groups.map(({ name, rows }) =>
+    h(
+      'section',
+      { class: 'owner' },
+      h('h3', {}, name),
+      h('dl', { class: 'owner-figures' }, rows.map(figureOf)),
+    ),
+  );
+  return owners.length ? owners : [h('p', { class: 'nothing' }, t('shift.nothing'))];
+}
+
+function figureOf({ name, unit, together }) {
+  const value = orDash(together, WRITTEN[unit]);
+  return h('div', {}, h('dt', {}, t(`figure.${name}`)), h('dd', {}, value));
 }
 
 function orDash(value, write) {
