@@ -1,10 +1,13 @@
 """Kill a cell's orchestrator and controllers many times, and say what that did.
 
-python -m chaos [--database] [--kills N] [--items N] [--seed N] [--keep FOLDER]
+python -m chaos [--database | --standby] [--kills N] [--items N] [--seed N] [--keep FOLDER]
 
 With --database the journal is in PostgreSQL: a server with a synchronous replica, which this
 program makes, cuts off, restarts, ends as a crash does and replaces. Then each trap of such a
 database is sprung, with the check that is against it and without.
+
+With --standby there are two nodes of the cell. The leader is killed, or stopped and let go on
+later; each time the other one has to go on.
 """
 
 from __future__ import annotations
@@ -33,6 +36,14 @@ def main() -> int:
     with OwnDomain(), tempfile.TemporaryDirectory(prefix='chaos_') as scratch:
         folder = (args.keep or Path(scratch)).resolve()
         drawn = random.Random(args.seed)
+        if args.standby:
+            from chaos import standby
+
+            stops = args.kills // 2
+            campaign = standby.Succession(folder, args.seed, args.items, args.kills, stops)
+            counts = campaign.run()
+            print('\n'.join(counts.lines()), flush=True)
+            return 1 if counts.verdict.faults else 0
         if not args.database:
             shots = list(plan.draw(drawn, args.kills))
             return _report(_campaigns(folder, drawn, args.items, shots, Campaign))
@@ -108,6 +119,9 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument('--kills', type=int, default=200, help='of the orchestrator (default 200)')
     parser.add_argument(
         '--database', action='store_true', help='the journal is in PostgreSQL, with a replica'
+    )
+    parser.add_argument(
+        '--standby', action='store_true', help='a standby goes on; half as many are stopped'
     )
     parser.add_argument('--items', type=int, default=ITEMS, help='of each order (default 20)')
     parser.add_argument('--seed', type=int, default=1, help='of every draw (default 1)')

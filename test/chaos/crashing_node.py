@@ -25,6 +25,7 @@ from bt_orchestrator.cli.main import main
 from bt_orchestrator.engine.runtime.flights import Flights
 from bt_orchestrator.engine.runtime.ledger import Ledger
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
+from bt_orchestrator.ros import clock
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.services.outputs import EventsTopic
@@ -32,6 +33,9 @@ from bt_orchestrator.store.sqlite.store import SqliteStore
 
 CRASHES = 'crashes.jsonl'
 CLOCKS = 'clocks.jsonl'
+
+BOOT = 'boot'
+"""A file with the id of the boot of the machine, where it is to be another one than it is."""
 
 POINTS = {
     'landed': 'ends of goals are events in memory',
@@ -140,6 +144,13 @@ def _databases() -> Iterator[tuple[type, type]]:
         yield PostgresStore, Session
 
 
+def set_machine(folder: Path) -> None:
+    """Be on another machine, if there is the file that names its boot."""
+    if (folder / BOOT).exists():
+        boot = (folder / BOOT).read_text()
+        clock._boot_id = lambda _: boot
+
+
 def set_clock(ahead_s: float, folder: Path) -> None:
     """Set the wall clock of the node, and say from which event on it is so."""
     original = RosClock.now
@@ -190,6 +201,7 @@ _ARM: dict[str, Callable[[CrashPoint], None]] = {
 
 if __name__ == '__main__':
     _folder, _ahead_s, *_words = sys.argv[1:]
+    set_machine(Path(_folder))
     set_clock(float(_ahead_s), Path(_folder))
     _place = 0
     while _words[0] in POINTS:

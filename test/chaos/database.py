@@ -67,6 +67,20 @@ class Database:
                 'SELECT seq, record FROM cell_1.events ORDER BY seq'
             ).fetchall()
 
+    def execute(self, statement: str) -> None:
+        """Carry out a statement, as an administrator."""
+        import psycopg
+
+        with psycopg.connect(self.server.address(self._name), autocommit=True) as connection:
+            connection.execute(statement.encode())
+
+    def ask_all(self, query: str) -> list[tuple[int, ...]]:
+        """Return the rows of a query."""
+        import psycopg
+
+        with psycopg.connect(self.server.address(self._name), autocommit=True) as connection:
+            return connection.execute(query.encode()).fetchall()
+
     @property
     def is_waited_for(self) -> bool:
         """Tell whether a commit waits for the replica."""

@@ -14,6 +14,7 @@ from chaos.campaign import Campaign
 from chaos.crashing_node import POINTS
 from chaos.database import Database
 from chaos.plan import BOTH, STRIKES, Restart, Shot, forgotten
+from chaos.standby import Succession
 
 BACK = Restart(clock_step_s=-120.0, auto_resume=False)
 
@@ -52,3 +53,12 @@ def test_9_1_what_a_server_shows_after_a_crash_is_not_kept_before_its_replica_ha
 ) -> None:
     pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
     assert traps.rounds(tmp_path, traps.TRAPS[0], 1, checked=True) == [[]]
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_9_4_leaders_are_killed_and_stopped_and_a_standby_goes_on(tmp_path: Path) -> None:
+    pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
+    counts = Succession(tmp_path, seed=94, items=4, kills=3, stops=1).run()
+    assert counts.verdict.faults == []
+    assert (counts.kills, counts.stops) == (3, 1)
