@@ -141,8 +141,8 @@ def _two_setups(script: Script) -> str:
             if there != value:
                 return (
                     f'`{other}` needs {setup} {there} of `{task.component}`, and `{task.id}` '
-                    f'{value}: generated scripts do not change a setup between operations; bind '
-                    'one of them to another component, or write the script by hand'
+                    f'{value}: put an operation between them that changes it, and one behind them '
+                    'that changes it back, or bind one of them to another component'
                 )
     return ''
 

@@ -367,6 +367,41 @@ def test_a_generated_script_has_the_setups_of_its_capabilities() -> None:
     assert [task.id for task in script.initialization] == ['ready_arm', 'arm.gripper.large']
 
 
+CHANGED = """\
+recipe: L
+version: 1
+script: changed
+operations:
+  - {id: load, do: load}
+  - {id: lift, do: lift}
+  - {id: to_small, do: take_small}
+  - {id: press, do: press}
+  - {id: to_large, do: take_large}
+  - {id: pack, do: pack}
+"""
+CHANGES = """\
+      take_small: {task: TASK_C, args: {special_argument_1: small}, runs_for: all}
+      take_large: {task: TASK_C, args: {special_argument_1: large}, runs_for: all}
+"""
+
+
+def test_operations_may_change_the_setup_between_others(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A change in the middle of a script is an ordinary task, in a recipe as well."""
+    press = '      press: {task: TASK_B, setup: {gripper: small}}\n'
+    Path('cell.yaml').write_text(GRIPPING.replace(press, press + CHANGES))
+    Path('box.yaml').write_text(CHANGED)
+    text = said(capsys)
+    script = admitted(text, 'changed.yaml', read_cell(Path('cell.yaml'), TYPES), TYPES)
+    assert [task.id for task in script.sections[2].tasks] == [
+        *('lift', 'to_small', 'press', 'to_large')
+    ]
+    assert [task.change.on_demand for task in script.initialization if task.change] == [
+        *(False, True)
+    ]
+
+
 def test_two_setups_of_one_component_are_named_and_not_planned() -> None:
     Path('cell.yaml').write_text(GRIPPING)
     Path('box.yaml').write_text(LIFTED.replace('{id: pack', '{id: press, do: press}, {id: pack'))

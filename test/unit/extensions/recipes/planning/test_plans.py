@@ -436,7 +436,7 @@ for seed in range(12):
         print(digest(made.script), made.claim, *made.made.values())
     except NotMade as why:
         print(why)
-for line in (mix(4), mix(4)):
+for line in [mix(4)] * 4:
     made = generate(line.cell, line.recipe, judge=Judge())
     print(digest(made.script), made.claim, *made.made.values())
 """
@@ -452,4 +452,6 @@ def test_8_5_equal_inputs_give_equal_scripts_whatever_the_hashes() -> None:
         )
         return done.stdout
 
-    assert printed('0') == printed('1') == printed('4711') != ''
+    texts = {printed(seed) for seed in ('0', '1', '4711')}
+    (text,) = texts
+    assert len({*text.splitlines()[-4:]}) == 1, 'twelve runs in all'
