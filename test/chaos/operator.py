@@ -90,6 +90,7 @@ class Operator:
     def forget(self) -> None:
         """Expect no answer any more: another node is there, or another terminal."""
         self._asked, self._unheard, self._patient_until = _Nothing(), 0, 0.0
+        self._heard_s = time.monotonic()  # a terminal has to be given time to hear something
 
     def is_cut_off(self, *, node_lives: bool) -> bool:
         """Tell whether nothing is heard of a node that lives."""

@@ -6,13 +6,17 @@ Nor does it if its database is struck. These are the short forms of `scripts/cha
 from __future__ import annotations
 
 import random
+import time
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from chaos import traps
 from chaos.campaign import Campaign
 from chaos.crashing_node import POINTS
 from chaos.database import Database
+from chaos.operator import Operator
 from chaos.plan import BOTH, STRIKES, Restart, Shot, forgotten
 from chaos.standby import Succession
 
@@ -62,3 +66,16 @@ def test_9_4_leaders_are_killed_and_stopped_and_a_standby_goes_on(tmp_path: Path
     counts = Succession(tmp_path, seed=94, items=4, kills=3, stops=1).run()
     assert counts.verdict.faults == []
     assert (counts.kills, counts.stops) == (3, 1)
+
+
+def test_an_operator_at_another_terminal_is_given_time_to_hear(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr('chaos.operator._QUIET_S', 0.5)
+    nothing: Any = SimpleNamespace(statuses=[])
+    operator = Operator(nothing, 'small', 1, tmp_path / 'none', tmp_path / 'none')
+    until = time.monotonic() + 60.0
+    while not operator.is_cut_off(node_lives=True):
+        assert time.monotonic() < until
+    operator.forget()
+    assert not operator.is_cut_off(node_lives=True)
