@@ -39,7 +39,8 @@ def test_7_8_a_line_in_local_is_moved_at_its_panel_alone(tmp_path: Path, sit: Si
             tab.log_in(name)
             tab.until(lambda tab=tab: tab.count(RETRY), 'a hold')
         assert not locked(ann, RETRY)
-        assert not ann.page.locator('.in-local').is_visible()
+        for name in ('.in-local', '.unsafe'):
+            assert not ann.page.locator(name).is_visible()
 
         line.ask('cell.local')
         for tab in (ann, eve):
@@ -66,6 +67,11 @@ def test_7_8_a_line_in_local_is_moved_at_its_panel_alone(tmp_path: Path, sit: Si
             'local',
             'remote',
         ]
+
+        line.cell.node._gateway.say_of_safety('it is False')
+        told = 'Safety input not ready: it is False'
+        ann.page.locator('.unsafe', has_text=told).wait_for()
+        picture(ann, 'unsafe')
 
         german = sit(line.port, locale='de-DE', **person).open()
         line.ask('cell.local')

@@ -251,4 +251,4 @@ def _finished(finished: Finished) -> FinishedCycle:
 
 
 def _safety(state: CellState) -> str:
-    return '' if state.cell.safety is None else state.unsafe or 'ready'
+    return state.unsafe or ('' if state.cell.safety is None else 'ready')

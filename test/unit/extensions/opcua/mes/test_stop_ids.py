@@ -22,6 +22,7 @@ KEPT = {
     214: 'setup_missing', 221: 'restarted',
     222: 'restored', 223: 'missing',
     224: 'twin', 225: 'unknown_goal', 226: 'too_many_rejects',
+    227: 'safety',
     300: 'starved', 400: 'blocked', 500: 'emergency',
     600: 'journal', 610: 'contested',
 }  # fmt: skip

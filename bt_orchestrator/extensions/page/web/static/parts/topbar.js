@@ -63,7 +63,7 @@ function stateBlock() {
   const word = h('strong', { class: 'state-word' });
   const since = h('span', { class: 'state-since' });
   const local = h('span', { class: 'in-local' });
-  const unsafe = h('span', { class: 'in-local is-unsafe' });
+  const unsafe = h('span', { class: 'unsafe' });
   const why = room('state-why');
   const element = h(
     'div',
