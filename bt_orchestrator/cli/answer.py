@@ -10,7 +10,7 @@ from bt_orchestrator.cli.command_parser import in_one_line
 from bt_orchestrator.cli.door import ask_and_print, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.output import WrongUse
-from bt_orchestrator.model.requests import CODE, About, requests_about
+from bt_orchestrator.model.requests import About, requests_about
 from bt_orchestrator.model.requests.alike import why_singly
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.ports import CellLink
@@ -22,6 +22,8 @@ Decide about something that is held; `status` lists the holds and what each of t
 
 WORDS = {one.word: one for one in requests_about(About.HOLD)}
 """Answers, and remarks, which leave the hold unchanged."""
+
+_CODE = next(one for word in WORDS.values() for one in word.parameters if one.name == 'code')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,9 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='with mark_done: a result field of the task, for later tasks that refer to it, as in '
         'measurement=3.5, pose.x=1.0 or values="[1, 2]"; may be repeated',
     )
-    parser.add_argument(
-        f'--{CODE.name}', metavar='CODE', help=f'{CODE.meaning}; not with a remark'
-    )
+    parser.add_argument('--code', metavar='CODE', help=f'{_CODE.meaning}; not with a remark')
     add_who_options(parser)
     add_node_options(parser)
 
@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
     except ValueError as error:
         raise WrongUse(f'answer: {error}') from error
     if args.code and WORDS[args.answer].is_remark:
-        raise WrongUse(f'answer: a remark has no reason of the plant; leave --{CODE.name} out')
+        raise WrongUse('answer: a remark has no reason of the plant; leave --code out')
     holds = list(dict.fromkeys(filter(None, args.hold.split(','))))
     if len(holds) < 2:
         given = {'hold': args.hold, 'results': results, 'code': args.code}

@@ -137,7 +137,7 @@ def test_an_operator_classifies_stops_while_the_node_is_killed_twice(
         tab.until_news()
         tab.go('overview')
         resume = tab.page.locator('main [data-hold] [data-offer="cell.resume"]')
-        tab.until(lambda found=resume: found.count(), 'the hold of the restart')
+        tab.until(resume.count, 'the hold of the restart')
         tab.go('shift')
         names[kill] = stop_of(tab, 'node not running', names.values())
         classify(tab, names[kill], 'CLEANING')

@@ -19,11 +19,12 @@ from bt_orchestrator.extensions.postgres.schema import (
     stretches,
 )
 from bt_orchestrator.extensions.postgres.session import Session
+from bt_orchestrator.model.keeping.books import ReasonPage
 from bt_orchestrator.model.records import Damage
 from bt_orchestrator.store.shared.database import Database, History
 from bt_orchestrator.store.shared.mark import Reached, mark_of, read_mark
 from bt_orchestrator.store.shared.records import KeptRecords
-from bt_orchestrator.store.shared.rows import Terms
+from bt_orchestrator.store.shared.rows import MOST, Terms
 
 WITHIN_S = 30.0
 """Longest wait for the answer to one query."""
@@ -91,6 +92,15 @@ class PostgresRecords(KeptRecords):
             query = 'SELECT history FROM plant.cells WHERE cell = $1'
             found = self._session.ask(query, (self._place.cell,)).fetchone()
         return found is None or found[0] != self._copy.history
+
+    def book_reasons(self, after_seq: int = 0, most: int = MOST) -> ReasonPage:
+        """Return the reasons of stops; none where no program of today has written.
+
+        :raises JournalUnusable: it cannot be read
+        """
+        with self._one_moment() as database:
+            (table,) = database.execute("SELECT to_regclass('book_reasons')").fetchone()
+        return ReasonPage((), (), None) if table is None else super().book_reasons(after_seq, most)
 
     def _reached(self) -> Reached | None:
         return read_mark(self._mark) if self._copy is None else None

@@ -437,7 +437,7 @@ def _bring_up_to_date(connection: Connection, stretch: Stretch) -> None:
 
 def _make_views(connection: Connection) -> None:
     query = (
-        'SELECT s.number, c.cell, s.tables FROM plant.stretches s '
+        'SELECT s.number, c.cell, s.tables, s.version FROM plant.stretches s '
         'JOIN plant.cells c ON c.number = s.cell ORDER BY s.number'
     )
     for statement in view_statements(connection.execute(query).fetchall()):

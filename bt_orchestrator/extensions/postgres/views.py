@@ -15,6 +15,8 @@ class View(NamedTuple):
     part: str
     """SELECT of one stretch `s` of a cell; they are put together with UNION ALL."""
     whole: str = 'SELECT * FROM ({parts}) AS parts'
+    since: int = 1
+    """Version of the tables of a stretch from which on they have what it shows."""
 
 
 def _part(columns: str, table: str) -> str:
@@ -91,6 +93,7 @@ VIEWS = (
     View(
         'book_reasons',
         _part('b.made_of, plant.fact(b.reason) AS reason', 'book_reasons b') + _BOOKS,
+        since=2,
     ),
     View('used_ids', _part('u.digest, u.copy, u.ids', 'used_ids u')),
     # How each cell stands, as far as its events are here.
@@ -112,12 +115,15 @@ VIEWS = (
 )
 
 
-def view_statements(stretches: Sequence[tuple[int, str, str]]) -> Iterator[sql.Composed]:
+def view_statements(stretches: Sequence[tuple[int, str, str, int]]) -> Iterator[sql.Composed]:
     """Yield what makes the views of some stretches.
 
-    :param stretches: the number of each, the name of its cell, and the schema of its tables
+    :param stretches: the number of each, the name of its cell, and the schema of its tables with
+        their version; programs bring those of their own cells up to date
     """
     for view in VIEWS:
+        if all(version < view.since for *_, version in stretches):
+            continue
         parts = sql.SQL(' UNION ALL ').join(
             sql.SQL('({})').format(
                 sql.SQL(view.part).format(
@@ -126,7 +132,8 @@ def view_statements(stretches: Sequence[tuple[int, str, str]]) -> Iterator[sql.C
                     tables=sql.Identifier(tables),
                 )
             )
-            for number, cell, tables in stretches
+            for number, cell, tables, version in stretches
+            if version >= view.since
         )
         whole = sql.SQL(view.whole).format(parts=parts)
         yield sql.SQL('CREATE OR REPLACE VIEW plant.{} AS {}').format(

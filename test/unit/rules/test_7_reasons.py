@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fakes.operator import ann
@@ -12,7 +13,7 @@ from fakes.request_bench import RequestBench
 
 from bt_orchestrator.model.by import Role
 
-STORY = (
+STORY: Sequence[tuple[str, Mapping[str, Any]]] = (
     ('cell.pause', {}),
     ('cell.resume', {}),
     ('component.out_of_service', {'component': 'a2'}),
@@ -53,7 +54,8 @@ def test_7_10_a_reason_changes_no_other_event(tmp_path: Path) -> None:
         cell = begun(tmp_path, until=2.0)
         for name, given in STORY:
             has_code = code and name.rpartition('.')[2] in WITH_CODE
-            assert cell.ask(name, **given, **({'code': code} if has_code else {}))
+            more: Mapping[str, Any] = {'code': code} if has_code else {}
+            assert cell.ask(name, **given, **more)
         cells.append(cell)
     assert without_codes(cells[0]) == without_codes(cells[1])
     codes = [event.code for event in cells[1].records('operator.decided') if event.code]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import closing
+
 import pytest
 from psycopg import errors
 
@@ -14,6 +16,7 @@ from bt_orchestrator.extensions.postgres.connecting import (
     connected,
     place_of,
 )
+from bt_orchestrator.extensions.postgres.records import PostgresRecords
 from bt_orchestrator.extensions.postgres.schema import (
     FEED,
     JOURNAL,
@@ -26,6 +29,7 @@ from bt_orchestrator.extensions.postgres.schema import (
     stretches,
 )
 from bt_orchestrator.extensions.postgres.views import VIEWS
+from bt_orchestrator.model.keeping.books import ReasonPage
 
 
 def write(connection: Connection, stretch: Stretch, seq: int, record: str = '{}') -> None:
@@ -134,7 +138,8 @@ def test_an_upgrade_that_waits_for_a_report_gives_up(
     write(connection, stretch, 1)
     change = ('ALTER TABLE {stretch}.events ADD COLUMN more text',)
     monkeypatch.setattr(schema, '_STEPS', (*schema._STEPS, change))
-    monkeypatch.setattr(schema, 'VERSION', 2)
+    newer = schema.VERSION + 1
+    monkeypatch.setattr(schema, 'VERSION', newer)
     monkeypatch.setattr(schema, 'LOCK_TIMEOUT_S', 0.2)
     with connected(place, 'report') as report, report.transaction():
         report.execute(b'SELECT count(*) FROM plant.events')
@@ -142,8 +147,30 @@ def test_an_upgrade_that_waits_for_a_report_gives_up(
             enter(connection, 'line_1', FEED, 'me')
         write(connection, stretch, 2)
     enter(connection, 'line_1', FEED, 'me')
-    assert stretches(connection, cell_named(connection, place))[0].version == 2
+    assert stretches(connection, cell_named(connection, place))[0].version == newer
     assert connection.execute(b'SELECT count(*) FROM plant.events').fetchone() == (2,)
+
+
+def test_cells_of_two_versions_stand_in_one_plant(
+    connection: Connection, place: Place, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A program brings the tables of its own cells up to date, and reads those of others."""
+    with monkeypatch.context() as older:
+        older.setattr(schema, '_STEPS', schema._STEPS[:1])
+        older.setattr(schema, 'VERSION', 1)
+        for number in (1, 2):
+            begin_stretch(
+                connection, enter(connection, f'line_{number}', FEED, 'me'), f'h{number}'
+            )
+    cell = enter(connection, 'line_1', FEED, 'me')
+    assert [one.version for one in stretches(connection, cell)] == [schema.VERSION]
+    begin_stretch(connection, enter(connection, 'line_3', FEED, 'me'), 'h3')
+    with closing(PostgresRecords(place.of('line_2').whole)) as records:
+        assert records.book_reasons() == ReasonPage((), (), None)
+    rows = connection.execute(b'SELECT count(*) FROM plant.book_reasons').fetchone()
+    assert rows == (0,)
+    enter(connection, 'line_2', FEED, 'me')
+    connection.execute(b'SELECT * FROM plant.book_reasons')
 
 
 def test_a_reader_reads_everything_and_writes_nothing(
