@@ -5,7 +5,7 @@ The rows are the figures of the line, or those of each product, job or component
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
@@ -30,6 +30,7 @@ from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import Planned
 from bt_orchestrator.view.report.account.stops import Held, Stop
 from bt_orchestrator.view.report.account.words import is_seen
+from bt_orchestrator.view.report.line_stops import ReasonShare, ReasonSum, shares
 from bt_orchestrator.view.report.reading import Reading
 
 FEWEST_FOR_TREND = 3
@@ -95,6 +96,8 @@ class Largest(NamedTuple):
     bar: Bar
     stops: tuple[Stop, ...]
     holds: tuple[Held, ...]
+    reasons: tuple[ReasonShare, ...]
+    """Of its stops, the longest first; empty: no stop of it has a reason."""
 
     @property
     def is_open(self) -> bool:
@@ -191,9 +194,15 @@ class Beside:
                         key=lambda one: -one.lost_us,
                     )
                 ),
+                _reasons(one for one in shown.times.by_reason if one.loss is bar.loss),
             )
             for bar in found
         )
+
+
+def _reasons(sums: Iterable[ReasonSum]) -> tuple[ReasonShare, ...]:
+    found = shares(sums)
+    return found if any(one.code for one in found) else ()
 
 
 def beside(reading: Reading, periods: Sequence[tuple[str, Period]], cell: Cell | None) -> Beside:

@@ -100,6 +100,8 @@ def causes(report: Beside, loss: Largest) -> Iterator[str]:
     for stop in loss.stops[:MOST_CAUSES]:
         yield f'{duration(stop.us)} in {stop.times}: {stop.about or WORDS[stop.loss].title}'
     period = report.together.period
+    for share in loss.reasons[:MOST_CAUSES]:
+        yield f'reason {period.reason_words(share.code)}: {duration(share.us)} in {share.times}'
     for held in loss.holds[:MOST_CAUSES]:
         reason = f': {held.reason}' if held.reason else ''
         said = f'{held.answer} by {held.who}{reason}' if held.answer else 'open'
@@ -125,6 +127,14 @@ def beside_plain(report: Beside, by: By | None) -> dict[str, Any]:
                 'seconds': seconds_of(one.bar.us),
                 'stops': [stop_plain(stop) for stop in one.stops],
                 'holds': [held_plain(held, period) for held in one.holds],
+                'reasons': [
+                    {
+                        'code': share.code or None,
+                        'times': share.times,
+                        'seconds': seconds_of(share.us),
+                    }
+                    for share in one.reasons
+                ],
             }
             for one in report.largest()
             if one.bar.loss is not None

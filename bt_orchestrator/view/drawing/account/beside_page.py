@@ -145,7 +145,11 @@ def _causes(listed: Html, report: Beside, loss: Largest) -> None:
     for stop in loss.stops[:MOST_CAUSES]:
         words = stop.about or WORDS[stop.loss].title
         listed.add('li', f'{words}: {duration(stop.us)} in {stop.times}')
-    clock = report.together.period.clock
+    period = report.together.period
+    for share in loss.reasons[:MOST_CAUSES]:
+        words = f'{period.reason_words(share.code)}: {duration(share.us)} in {share.times}'
+        listed.add('li', f'reason {words}')
+    clock = period.clock
     for held in loss.holds[:MOST_CAUSES]:
         line = listed.add('li', f'{clock(held.raised_us)}, {duration(held.lost_us)}: {held.words}')
         if held.answer:

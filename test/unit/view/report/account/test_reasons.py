@@ -31,6 +31,7 @@ from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
+from bt_orchestrator.view.drawing.account.beside_page import beside_page
 from bt_orchestrator.view.drawing.account.page import account_page
 from bt_orchestrator.view.report.account.account import Account, account, whole
 from bt_orchestrator.view.report.account.bookkeeper import has_stop
@@ -41,6 +42,8 @@ from bt_orchestrator.view.report.account.planned import Planned, us_of
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
 from bt_orchestrator.view.report.account.text import account_text
 from bt_orchestrator.view.report.account.total import Total
+from bt_orchestrator.view.report.beside import beside
+from bt_orchestrator.view.report.beside_words import beside_plain, beside_text
 from bt_orchestrator.view.report.line_stops import GivenReasons, shares
 from bt_orchestrator.view.report.reading import Reading
 
@@ -243,6 +246,26 @@ def test_a_second_opinion_finds_the_same_reasons_in_drawn_runs(plan: Plan, rando
     known = Counter(stop.reason.code if stop.reason else '' for stop in times.line_stops)
     summed = Counter({one.code: one.times for one in shares(times.by_reason)})
     assert summed == known
+
+
+def test_days_side_by_side_tell_the_reasons_of_the_largest_losses(tmp_path: Path) -> None:
+    period = written(tmp_path / 'j', the_day()).period
+    half = (period.begin_us + period.end_us) // 2
+    halves = [
+        replace(period, begin_us=begin, end_us=end, planned=Planned.of([(begin, end)]))
+        for begin, end in ((period.begin_us, half), (half, period.end_us))
+    ]
+    with closing(SqliteRecords(tmp_path / 'j')) as records:
+        report = beside(Reading(records, pytest.fail), [('a', halves[0]), ('b', halves[1])], None)
+    largest = {one['loss']: one['reasons'] for one in beside_plain(report, None)['largest_losses']}
+    assert largest['own_fault'] == [
+        {'code': 'JAM', 'times': 1, 'seconds': 10 * MINUTE},
+        {'code': None, 'times': 1, 'seconds': 5 * MINUTE},
+    ]
+    assert largest['no_node'] == []
+    words = 'reason material jam: 0:10:00 in 1'
+    assert words in '\n'.join(beside_text(report, None))
+    assert words in beside_page(report, None)
 
 
 def test_a_report_tells_reasons_in_words(tmp_path: Path) -> None:
