@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from pathlib import Path
+from typing import Any
 
 from chaos.truth import Rows
 from postgres_proxy import Proxy
@@ -57,15 +58,11 @@ class Database:
 
     def rows(self) -> Rows:
         """Return number and record of the events."""
-        import psycopg
-
-        with psycopg.connect(self.server.address(self._name), autocommit=True) as connection:
-            there = connection.execute("SELECT to_regclass('cell_1.events')").fetchone()
-            if there is None or there[0] is None:
-                return []
-            return connection.execute(
-                'SELECT seq, record FROM cell_1.events ORDER BY seq'
-            ).fetchall()
+        there = "SELECT 1 FROM pg_class WHERE oid = to_regclass('cell_1.events')"
+        if not self.ask_all(there):
+            return []
+        query = 'SELECT seq, record FROM cell_1.events ORDER BY seq'
+        return [(seq, record) for seq, record in self.ask_all(query)]
 
     def execute(self, statement: str) -> None:
         """Carry out a statement, as an administrator."""
@@ -74,12 +71,12 @@ class Database:
         with psycopg.connect(self.server.address(self._name), autocommit=True) as connection:
             connection.execute(statement.encode())
 
-    def ask_all(self, query: str) -> list[tuple[int, ...]]:
+    def ask_all(self, query: str) -> list[Any]:
         """Return the rows of a query."""
         import psycopg
 
         with psycopg.connect(self.server.address(self._name), autocommit=True) as connection:
-            return connection.execute(query.encode()).fetchall()
+            return list(connection.execute(query.encode()))
 
     @property
     def is_waited_for(self) -> bool:
