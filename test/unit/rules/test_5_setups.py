@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 
 import pytest
@@ -11,6 +12,8 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.jobs.setups import known
+from bt_orchestrator.model.keeping.snapshot import state_to_plain
+from bt_orchestrator.sim.run_on import expected_ends
 from bt_orchestrator.view.screen.words import setup_words, status_lines
 
 GRIPPER = (
@@ -436,6 +439,21 @@ def test_5_3_a_told_value_that_the_line_has_not_set_is_shown() -> None:
     by_hand(run, 'medium')
     (shown,) = [one for one in run.sim.status().components if one.setups]
     assert setup_words(shown) == 'gripper medium'
+
+
+def test_5_3_expected_ends_know_what_the_topic_tells() -> None:
+    line = reading()
+    run = VirtualRun(line.cell, line.types)
+    run.sim.gateway.set_up('a2', 'gripper', 'large')
+    run.submit('J', line.script(LARGE), 2)
+    run.submit('K', line.script(SMALL), 2)
+    run.go(until=1.0)
+    plain = json.loads(json.dumps(state_to_plain(run.state)))
+    ends = expected_ends(line.cell, line.types, plain, {}, run.now)
+    run.go()
+    assert [value for _, _, value in changes(run)] == ['small']
+    real = {job: run.times('job.completed', job=job)[0] for job in 'JK'}
+    assert ends == pytest.approx(real)
 
 
 def test_5_3_a_told_setup_is_not_known_while_nothing_is_published() -> None:
