@@ -13,7 +13,7 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.drawn.recipes import DrawnRecipe
 from fakes.naive_order import can_be_made, mistakes
-from fakes.profiles import examples
+from fakes.profiles import PROFILE, examples
 from fakes.steady import steady
 from hypothesis import given
 from hypothesis import strategies as st
@@ -253,8 +253,10 @@ def test_every_price_is_true_and_every_reason() -> None:
                 assert is_true(price, found.made[name].why, rest), (price, found.made[name])
                 seen[price.words.split()[0].rstrip('0123456789.')] += 1
                 seen[found.made[name].why.name] += 1
+                seen['claims'] += 1
 
     holds()
+    assert PROFILE != 'nightly' or seen['claims'] >= 1000, seen
     assert {'impossible:', '+', 'same', 'PACE', 'SPREAD'} <= {*seen}, seen
 
 
