@@ -292,7 +292,10 @@ class OpenSlot:
             known.measured(what.value)
             return
         key = (what.of.job, what.of.digest)
-        count(self._made.setdefault(key, replace(what.of)), what)
+        made = self._made.get(key)
+        if made is None:
+            made = self._made[key] = replace(what.of)
+        count(made, what)
         if what.flaw is not None:
             self._flaws[what.flaw] += 1
 

@@ -111,7 +111,10 @@ class ItemsAtWork:
         yield from ()
 
     def _of(self, job: str) -> _Job:
-        return self._jobs.setdefault(job, _Job(Made(job)))
+        known = self._jobs.get(job)
+        if known is None:
+            known = self._jobs[job] = _Job(Made(job))
+        return known
 
     def _item(self, job: str, item: str) -> _Item:
         return self._of(job).items.setdefault(item, _Item())
