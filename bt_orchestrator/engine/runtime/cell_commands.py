@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
 from bt_orchestrator.base.errors import CommandRefused
-from bt_orchestrator.engine.runtime.deciding import OTHER_WAY, Decided, decides
+from bt_orchestrator.engine.runtime.deciding import Decided, decides
 from bt_orchestrator.engine.runtime.lifecycle import transition
 from bt_orchestrator.engine.runtime.operators import released_with
 from bt_orchestrator.model import effects
@@ -46,8 +46,6 @@ def _hand_over(state: CellState, asked: Asked, _: float) -> Decided:
     control = Control(asked.request.word)
     if state.control is control:
         raise CommandRefused(f'the line is in {control.value} already')
-    if control is Control.REMOTE and not asked.sender.known.is_panel:
-        raise CommandRefused(f'only a panel of the line gives it back; {OTHER_WAY}')
     return _HANDED_OVER[control], [e.ControlChanged(control=control.value, reason=str(asked.by))]
 
 

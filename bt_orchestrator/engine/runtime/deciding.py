@@ -46,10 +46,6 @@ def not_allowed(command: Command) -> str | None:
     return refusal(request, by, getattr(command, 'arguments', ()))
 
 
-OTHER_WAY = 'without one, start the node anew with --control remote'
-"""How a line comes back that is in local without a panel."""
-
-
 def is_elsewhere(state: CellState, by: By | None) -> bool:
     """Tell whether a sender may move nothing now: the line is in local, and this is no panel.
 
@@ -69,7 +65,10 @@ def not_from_there(state: CellState, command: Command) -> str | None:
     )
 
 
-_GIVE_BACK = f'give control back at a panel with remote; {OTHER_WAY}'
+_GIVE_BACK = (
+    'give control back at a panel with remote; without one, start the node anew with --control '
+    'remote'
+)
 
 
 # The record of every command, carried out or refused: who, from where and why.

@@ -219,6 +219,7 @@ def test_7_8_1_every_request_is_as_the_hand_written_table(tmp_path: Path) -> Non
         try:
             loop.run_until_complete(log_in(stack))
             assert list(differences(asked, hand_over, lose)) == []
+            hand_over('local')
             control = readers['vic'].wait('Simple/Control', lambda one: one == 'local')
             loop.run_until_complete(control)
         finally:
