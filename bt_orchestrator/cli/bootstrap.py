@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple, TypeVar
@@ -12,7 +13,7 @@ from bt_orchestrator.base.errors import Finding, NotRead, Refused
 from bt_orchestrator.base.extending import RECIPES
 from bt_orchestrator.cli.processes.bookkeeping_process import BooksProcess, StopProcess
 from bt_orchestrator.cli.processes.foresight_process import ForesightProcess
-from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.cell import Approval, Cell
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.keeping.journal_place import JournalPlace
 from bt_orchestrator.model.recipe import Recipe
@@ -230,7 +231,8 @@ def memory_store() -> EventStore:
 def build_simulation(cell: Cell, types: ActionTypes, sinks: Sequence[EventSink]) -> Simulation:
     """Build a virtual run of a cell."""
     # Without a random name, so that two runs of one line have the same trace.
-    return Simulation(cell, types, MemoryStore(history=''), sinks)
+    approved = replace(cell, first_piece=Approval.AUTOMATIC)  # nobody is there (6.12)
+    return Simulation(approved, types, MemoryStore(history=''), sinks)
 
 
 def queue(simulation: Simulation, given: Sequence[Given]) -> None:

@@ -50,6 +50,16 @@ class Release(Enum):
     """It starts without anybody's release."""
 
 
+class Approval(Enum):
+    """The approval that the first piece of a job needs, where an order asks for it (6.12)."""
+
+    ENGINEER = 'engineer'
+    OPERATE = 'operate'
+    """An operator's, or an engineer's."""
+    AUTOMATIC = 'automatic'
+    """No job waits for an approval."""
+
+
 class Start(Enum):
     """The meaning of the `start` of a work order (semantics 6.7)."""
 
@@ -179,6 +189,8 @@ class Cell:
     """For scripts without a limit of their own. It is no part of the digest either."""
     safety: SafetyInput | None = None
     """None: goals are sent without one."""
+    first_piece: Approval = Approval.ENGINEER
+    """The approval of first pieces. It is no part of the digest either."""
 
     def by_action(self, action: str) -> Component | None:
         """Return the component that serves an action name."""

@@ -31,7 +31,9 @@ _T = TypeVar('_T')
 _TEMPLATE = '$'
 _NOT_FINITE = '$float'
 _APART = ('made_from', 'most_items', 'likely')
-"""Keys outside of the digest: no goal depends on them. `hold_after` of a cell is apart, too."""
+"""Keys outside of the digest: no goal depends on them."""
+
+_OF_CELL = (*_APART, 'hold_after', 'first_piece')
 
 _DIGEST = '$digest'
 _TEXT = '$text'
@@ -218,7 +220,7 @@ def digest(definition: Script | Cell | Recipe) -> str:
     known = vars(definition)
     if _DIGEST not in known:  # as a cached property: its cost grows with the size
         plain = to_plain(definition)
-        for name in (*_APART, 'hold_after') if isinstance(definition, Cell) else _APART:
+        for name in _OF_CELL if isinstance(definition, Cell) else _APART:
             plain.pop(name, None)
         known[_DIGEST] = digest_of(plain)
     return str(known[_DIGEST])

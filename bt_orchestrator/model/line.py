@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
+from bt_orchestrator.model.cell import Approval
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.jobs.initialization import Preparation
@@ -91,11 +92,21 @@ def may_not_begin(state: CellState, job: JobState) -> Wait | None:
 
 def _may_not_feed(state: CellState, job: JobState) -> Wait | None:
     """Say what keeps a job from its next item (semantics 6.6)."""
+    if job.piece:
+        what = f'{job.job.id} waits for the approval of {job.piece}'
+        return Wait(what, WaitKind.PAUSE, job.job.id)
     if job.paused:
         return Wait(f'waiting for {job.job.id} to be resumed', WaitKind.PAUSE, job.job.id)
     if state.stop_after == 'item':
         return _the_line_stops(state.stop_after)
     return may_not_begin(state, job)
+
+
+def is_first_piece(state: CellState, job: JobState, section: int) -> bool:
+    """Tell whether a job waits for the approval of the item that a section begins (6.12)."""
+    if section != job.job.script.source or not job.cycles_left:
+        return False
+    return state.cell.first_piece is not Approval.AUTOMATIC
 
 
 def _the_line_stops(after: str) -> Wait:

@@ -61,7 +61,8 @@ class Recipe:
     likely: Mapping[str, Likely] = field(default_factory=dict)
     """By the id of the operation; changes nothing of the script but this, nor its digest."""
     hold_after: HoldAfter | None = None
-    """As that of a script."""
+    first_piece: bool = False
+    """As those of a script."""
 
     @cached_property
     def by_id(self) -> Mapping[str, Operation]:

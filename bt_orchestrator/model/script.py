@@ -310,6 +310,7 @@ class Script:
     """By the id of the task; changes nothing of what it does, nor its digest."""
     hold_after: HoldAfter | None = None
     """None: as the cell says (semantics 7.7)."""
+    first_piece: bool = False
 
     @cached_property
     def source(self) -> int:

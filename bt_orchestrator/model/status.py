@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from bt_orchestrator.model.by import Control, Role
-from bt_orchestrator.model.jobs.counting import produced_of
+from bt_orchestrator.model.jobs.counting import APPROVED, produced_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
 from bt_orchestrator.model.packml import PackmlState
@@ -205,11 +205,20 @@ class JobStatus:
     """Missing items that were placed and then taken off by hand."""
     end_unknown: str = ''
     """Why its end cannot be expected; empty: nothing speaks against it."""
+    first_piece: str = ''
+    """Its first piece: it waits for the approval of that, or had it (semantics 6.12)."""
+    first_piece_state: str = ''
+    """approved, else how it left the line: packed, rejected, by_hand, missing; empty: not yet."""
 
     @property
     def unreleased(self) -> str:
         """The digest of its script, if it waits for the release of it; else empty."""
         return self.digest if self.awaits_release else ''
+
+    @property
+    def awaited_piece(self) -> str:
+        """The first piece whose approval it waits for; empty: it waits for none."""
+        return '' if self.first_piece_state == APPROVED else self.first_piece
 
     @property
     def to_begin(self) -> int:

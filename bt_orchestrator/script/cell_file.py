@@ -8,6 +8,7 @@ from pathlib import Path
 from bt_orchestrator.base.errors import Finding, Refused
 from bt_orchestrator.model.cell import (
     CONVEYOR,
+    Approval,
     Cell,
     Component,
     Conveyor,
@@ -85,8 +86,17 @@ class _CellReader:
         components = {CONVEYOR: conveyor.component, **components}
         most_items, hold_after = self._fields.whole('most_items'), read_hold_after(self._fields)
         safety = self._safety()
+        piece = Approval(self._fields.choice('first_piece'))
         return Cell(
-            name, conveyor, components, start, release, most_items, hold_after, safety=safety
+            name,
+            conveyor,
+            components,
+            start,
+            release,
+            most_items,
+            hold_after,
+            safety=safety,
+            first_piece=piece,
         )
 
     def _safety(self) -> SafetyInput | None:

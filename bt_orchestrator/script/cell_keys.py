@@ -9,6 +9,7 @@ from bt_orchestrator.model.cell import (
     DEFAULT_TIMEOUT_S,
     MOST_ITEMS,
     WITHIN_S,
+    Approval,
     OnFailure,
     Release,
     Start,
@@ -321,6 +322,15 @@ CELL = Table(
             '{topic: /safety/ok, type: std_msgs/msg/Bool, field: data, ready: [true]}',
             of=(SAFETY,),
             rule='7.9',
+        ),
+        Key(
+            'first_piece',
+            Kind.CHOICE,
+            'who approves the first item of jobs that ask for it; automatic: no job waits',
+            'operate',
+            default=Approval.ENGINEER.value,
+            choices=words(Approval),
+            rule='6.12',
         ),
     ),
 )

@@ -121,6 +121,7 @@ class _ScriptReader:
             lots=read_lots(draft, self._report),
             likely=read_likely(draft.listed, conditions, self._report),
             hold_after=read_hold_after(self._fields),
+            first_piece=self._fields.switch('first_piece'),
         )
 
     def _section(self, section: SectionDraft) -> SectionList:

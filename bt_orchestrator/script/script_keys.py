@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from bt_orchestrator.model.limits import DETAILS_BYTES, INITIALIZATION
 from bt_orchestrator.model.script import Release
 from bt_orchestrator.script.keys import LARGEST_WHOLE, Key, Kind, Table, whole, words
@@ -229,6 +231,15 @@ HOLD_AFTER = Key(
     rule='7.7',
 )
 
+FIRST_PIECE = Key(
+    'first_piece',
+    Kind.SWITCH,
+    'the first item of each job has to be approved before its second one begins',
+    'true',
+    default=False,
+    rule='6.12',
+)
+
 LOTS = Key(
     'lots',
     Kind.MAPPING,
@@ -263,6 +274,7 @@ SCRIPT = Table(
         PARAMS,
         LOTS,
         HOLD_AFTER,
+        FIRST_PIECE,
         Key(
             'initialization',
             Kind.LIST,
@@ -366,6 +378,7 @@ ORDER = Table(
         _instant(
             'due', 'when it should have ended, not before `start`', '2026-05-18T12:00:00Z', '6.6'
         ),
+        replace(FIRST_PIECE, meaning='its first item has to be approved before the second begins'),
         Key(
             'details',
             Kind.MAPPING,

@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.cell import Approval, Cell
 from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus
 from bt_orchestrator.model.jobs.order import Job
@@ -56,7 +56,13 @@ class PaceJudge:
         """
         components = {name: replace(one, faults=()) for name, one in cell.components.items()}
         conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
-        self._cell = replace(cell, conveyor=conveyor, components=components, hold_after=None)
+        self._cell = replace(
+            cell,
+            conveyor=conveyor,
+            components=components,
+            hold_after=None,
+            first_piece=Approval.AUTOMATIC,
+        )
         self._types = types
         self._new_store = new_store
 

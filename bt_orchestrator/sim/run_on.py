@@ -19,7 +19,7 @@ from bt_orchestrator.engine.runtime.job_overview import Unknown
 from bt_orchestrator.engine.runtime.observed_durations import as_observed
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.cell import Approval, Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.judging.used_ids import text_of
@@ -175,7 +175,8 @@ def _has_to_be_resumed(plain_state: Mapping[str, Any]) -> bool:
 def _without_faults(cell: Cell) -> Cell:
     components = {name: replace(one, faults=()) for name, one in cell.components.items()}
     conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
-    return replace(cell, conveyor=conveyor, components=components)
+    piece = Approval.AUTOMATIC  # taken as approved
+    return replace(cell, conveyor=conveyor, components=components, first_piece=piece)
 
 
 class _Log:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from bt_orchestrator.model.fault import FaultKind
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.jobs.job_control import METHODS, REQUEUE, Method
+from bt_orchestrator.model.jobs.job_control import ANOTHER, METHODS, REQUEUE, Method
 from bt_orchestrator.model.packml import MEANINGS, TRANSITIONS, VERBS, Cause, PackmlState
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
 from tables import docstrings
@@ -55,7 +55,7 @@ def stop_reasons() -> Iterator[str]:
     )
 
 
-_ALL = (*METHODS, REQUEUE)
+_ALL = (*METHODS, REQUEUE, ANOTHER)
 
 
 def methods_of_a_job() -> Iterator[str]:

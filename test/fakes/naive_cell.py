@@ -132,12 +132,16 @@ class NaiveCell(NaiveQueue):
         job, item, beat = self.next_cycle(number)
         if not job or not self.may_begin() or not self.prepared(number, job):
             return
+        is_new = not item
         if not item:
             item = self.new_item(job)
         self.cycles[number] = self.new_cycle(number, item, beat)
         self.last_beat[number] = beat
         self.begin_job(job)
         self.say('cycle.started', item.at(number), beat=beat)
+        if is_new and job.asks and job.left and self.approves:
+            job.paused, job.asks, job.piece = True, False, item
+            self.say('job.paused', {'job': job, 'item': item})
 
     def next_cycle(self, number: int) -> tuple[Job | None, Item | None, int]:
         """Return job, item (None: a new one), beat of a section's next cycle (3.4, 3.7, 6.1)."""

@@ -107,6 +107,7 @@ def plan_of(script: Row) -> SimpleNamespace:
         repeats=repeats,
         lots=script.get('lots', {}),
         limit=script.get('hold_after'),
+        asks=script.get('first_piece', False),
         first=script.get('initialization', []),
         order=script.get('initialization_dependencies', []),
     )

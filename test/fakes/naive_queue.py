@@ -108,7 +108,10 @@ class NaiveQueue(NaiveTasks):
             return ['abort']
         runs = ['pause'] if not job.paused and self.state == 'Execute' and not self.holds else []
         rest = ['requeue'] if job.by_recipe and job.left else []
-        return [*(['resume'] if job.paused else runs), 'stop', 'abort', *rest]
+        approved = not job.piece or self.said('item.removed packed', {'item': job.piece})
+        goes_on = ['resume'] if approved else []
+        refused = ['another'] if job.piece else []
+        return [*(goes_on if job.paused else runs), *refused, 'stop', 'abort', *rest]
 
     def ask(self, what: str, name: str, number: int) -> None:
         """Do what an operator asks of a job.
@@ -170,6 +173,7 @@ class NaiveQueue(NaiveTasks):
         """Let a job of the queue have another script."""
         new = self.taken(job.id, script, job.left)
         job.plan, job.first, job.needs = new.plan, new.first, new.needs
+        job.asks = new.asks
         for task in job.first.values():
             task.job = job
 
@@ -183,12 +187,17 @@ class NaiveQueue(NaiveTasks):
         self.say('job.paused', {'job': job})
 
     def _resume(self, job: Job, _: int) -> None:
-        job.paused = False
-        self.say('job.resumed', {'job': job})
+        piece, job.paused, job.piece = job.piece, False, None
+        self.say('job.resumed', {'job': job}, item=piece)
+
+    def _another(self, job: Job, _: int) -> None:
+        """Refuse a first piece: the next item is another one (6.12)."""
+        piece, job.paused, job.piece, job.asks = job.piece, False, None, True
+        self.say('job.resumed', {'job': job}, item=piece, another=True)
 
     def _stop(self, job: Job, _: int) -> None:
-        job.stopping, job.left = True, 0
-        self.say('job.stopping', {'job': job})
+        piece, job.stopping, job.left, job.piece = job.piece, True, 0, None
+        self.say('job.stopping', {'job': job}, item=piece)
 
     def _requeue(self, job: Job, _: int) -> None:
         """Stop a job, and queue what it has not begun in front of all others (7.6)."""

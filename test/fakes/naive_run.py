@@ -58,6 +58,10 @@ class Job(Named):
     """What references of its initialization stand for."""
     held: bool = False
     paused: bool = False
+    asks: bool = False
+    """The next item is its first piece (6.12)."""
+    piece: Any = None
+    """The first piece whose approval it waits for (6.12)."""
     stopping: bool = False
     needs: set[str] = field(default_factory=set)
     """The components of all of its tasks, and the conveyor (7.5)."""
@@ -199,6 +203,8 @@ class NaiveRun(ABC):
         self.serials: set[str] = set()
         """Of all items that ever had one (6.8)."""
         self.limit = cell.get('hold_after')
+        self.approves = cell.get('first_piece') != 'automatic'
+        """Whether first pieces have to be approved (6.12)."""
         self.counts: dict[str, SimpleNamespace] = {}
         """Items in the order in which they were begun, by the script that has a limit (7.7)."""
         self.holds: list[Any] = []
@@ -231,6 +237,7 @@ class NaiveRun(ABC):
 
     def new_job(self, id_: str, script: str, quantity: int) -> Job:
         job = Job(id_, self.plans[script], quantity, values={'order.id': id_})
+        job.asks = job.plan.asks
         job.first = {given['id']: self.new_task(given, job) for given in job.plan.first}
         tasks = [t for steps in job.plan.lists.values() for step in steps for m in step for t in m]
         given = [one['action'] for one in [*tasks, *job.plan.first]]

@@ -259,7 +259,7 @@ class NaiveTasks(NaiveSetups):
     def abort_jobs(self, jobs: Collection[Job]) -> None:
         """Abort jobs, in the order of the queue (3.5, 4.3)."""
         for job in [job for job in self.jobs if job in jobs and not job.aborting]:
-            job.aborting, job.left = True, 0
+            job.aborting, job.left, job.piece = True, 0, None
             self.say('job.aborting', {'job': job})
             for item in [item for item in job.items if item.place and not item.empty]:
                 self.reject(item)
@@ -273,6 +273,7 @@ class NaiveTasks(NaiveSetups):
     def take_out(self, item: Item, how: str) -> None:
         """Take an item off the belt; before the sink it leaves an empty position (3.2)."""
         self.say('item.removed', item.at(item.place), how=how)
+        self._facts.add((f'item.removed {how}', item))
         if item.place == item.job.plan.sink and how != 'by_hand':
             item.place = 0
         else:

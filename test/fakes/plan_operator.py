@@ -138,7 +138,8 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
 
 def _kept(possible: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
     """Return what lets jobs go on that somebody holds or has paused."""
-    return [one for one in possible if one[0] in ('release', 'resume')]
+    found = [one for one in possible if one[0] in ('release', 'resume', 'another')]
+    return sorted(found, key=lambda one: one[0] == 'another')
 
 
 def _command(bench: Bench, meant: Sequence[str]) -> bool:

@@ -283,6 +283,8 @@ class ProductBench:
                 is_held=job.held,
                 is_by_recipe=job.job.recipe is not None,
                 left=job.cycles_left,
+                piece=job.piece,
+                piece_left=job.piece_left,
             )
             words = {request.word for request in of_job(facts)}
             if not job.paused:  # the whole cell is

@@ -13,6 +13,7 @@ from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.engine.runtime.stands import obstacles
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.hold_words import hold_wait_words
+from bt_orchestrator.model.jobs.counting import APPROVED
 from bt_orchestrator.model.jobs.isa95 import job_word
 from bt_orchestrator.model.jobs.needs import awaited_by
 from bt_orchestrator.model.limits import FEEDBACK_BYTES
@@ -52,6 +53,8 @@ def job_status(
         # A forecast may outlive its job.
         expected_end_s=ends_s.get(id_) if is_live and not why_unknown else None,
         end_unknown=why_unknown,
+        first_piece=job.piece or job.approved,
+        first_piece_state=job.piece_left if job.piece else APPROVED if job.approved else '',
         quantity=job.job.quantity,
         priority=terms.priority,
         start=terms.start,
@@ -128,7 +131,8 @@ class Unknown:
         if job.started:
             lacks = ' and '.join(awaited_by(self._state, job))
             if job.paused and job.cycles_left:
-                return f'{name} is paused'
+                waits = f'waits for the approval of {job.piece}' if job.piece else 'is paused'
+                return f'{name} {waits}'
             return f'{name} needs {lacks}, which is out of service' if lacks else ''
         return '; '.join(
             f'{name} {words}' for cause, words in obstacles(job) if cause not in _KNOWN

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from operator import add
 
@@ -187,16 +188,16 @@ def _only(event: Callable[..., e.Event]) -> Callable[[CellState, JobState, str],
     return lambda _, job, __: iter([event(job=job.job.id)])
 
 
-def _resume(_: CellState, job: JobState, __: str) -> Events:
+def _resume(_: CellState, job: JobState, __: str, *, another: bool = False) -> Events:
     if not job.paused:
         raise CommandRefused(
             f'{job.job.id} is not paused, the whole cell is; resume the cell instead'
         )
-    yield e.JobResumed(job=job.job.id)
+    yield e.JobResumed(job=job.job.id, item=job.piece or None, another=another)
 
 
 def _stop(_: CellState, job: JobState, reason: str) -> Events:
-    yield e.JobStopping(job=job.job.id, reason=reason)
+    yield e.JobStopping(job=job.job.id, reason=reason, item=job.piece or None)
 
 
 def _abort(state: CellState, job: JobState, reason: str) -> Events:
@@ -212,6 +213,7 @@ CONTROLS: Mapping[str, _Control] = {
         (job_control.START, 'is released', _release),
         (job_control.PAUSE, 'begins no more items', _only(e.JobPaused)),
         (job_control.RESUME, 'goes on', _resume),
+        (job_control.ANOTHER, 'makes another first piece', partial(_resume, another=True)),
         (job_control.STOP, _ENDS, _stop),
         (job_control.ABORT, 'is being aborted', _abort),
         (job_control.CANCEL, 'is out of the queue', _only(e.JobRemoved)),
@@ -226,6 +228,9 @@ def _control(state: CellState, asked: Asked, _: float) -> Decided:
     word, name = asked.request.word, asked['job']
     method, answer, act = CONTROLS[word]
     job = allowed(state, method, name)
+    why_not = job_control.not_approving(job.piece, asked.sender.role, state.cell.first_piece)
+    if why_not is not None and method is job_control.RESUME:
+        raise CommandRefused(f'{name} {why_not}')
     events = list(act(state, job, asked.sender.deciding(word)))
     more = _after_release(state, job) if method is job_control.START else ()
     return '\n'.join([f'{name} {answer}', *more]), events
@@ -250,12 +255,7 @@ def _stop_after(state: CellState, asked: Asked, _: float) -> Decided:
     return message, [e.QueueStopRequested(after=after)]
 
 
-_STANDS = (
-    PackmlState.STOPPED,
-    PackmlState.ABORTED,
-    PackmlState.IDLE,
-    PackmlState.COMPLETE,
-)
+_STANDS = (*(PackmlState.STOPPED, PackmlState.ABORTED), *(PackmlState.IDLE, PackmlState.COMPLETE))
 """States in which the cell has stopped already when its line is empty."""
 
 
@@ -298,6 +298,8 @@ def allowed(state: CellState, method: job_control.Method, name: str) -> JobState
         is_held=job.held,
         is_by_recipe=job.job.recipe is not None,
         left=job.cycles_left,
+        piece=job.piece,
+        piece_left=job.piece_left,
     )
     refused = job_control.refusal(method, name, facts)
     if refused is not None:

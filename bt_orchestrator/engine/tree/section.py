@@ -11,7 +11,7 @@ from py_trees.common import Status
 from bt_orchestrator.engine.tree.subject import Recorder, Subject, Waiter, is_done
 from bt_orchestrator.engine.tree.ticking import FirstOf, InOrder, Ticked, invalidate
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.line import next_cycle
+from bt_orchestrator.model.line import is_first_piece, next_cycle
 from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.model.state import Cycle, SectionState
 from bt_orchestrator.model.wait import Wait
@@ -132,6 +132,9 @@ class NextCycle(_OfSection, Waiter):
             job=begin.job, section=self.number, item=begin.item, beat=begin.beat
         )
         self.recorder.record([started])
+        job = state.jobs[begin.job]
+        if job.wants_piece and is_first_piece(state, job, self.number):
+            self.recorder.record([e.JobPaused(job=begin.job, item=begin.item)])
         self.feedback_message = f'begins with {begin.item}'
         return Status.RUNNING
 

@@ -50,6 +50,8 @@ class OrderEvent(Event):
     """When it should have ended, seconds since the epoch; None: not said."""
     details: Mapping[str, object] = field(default_factory=dict)
     """The customer's JSON, as given."""
+    first_piece: bool = False
+    """The order asks for an approval of its first item (semantics 6.12)."""
     awaits_start: bool = False
     """It may not start before `start`."""
     awaits_release: bool = False
@@ -175,6 +177,8 @@ class JobPaused(Event):
 
     event: ClassVar[str] = 'job.paused'
     job: str
+    item: str | None = None
+    """Its first piece, whose approval it waits for (semantics 6.12); None: a person paused it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,6 +187,10 @@ class JobResumed(Event):
 
     event: ClassVar[str] = 'job.resumed'
     job: str
+    item: str | None = None
+    """Its first piece, which was approved, or was refused where another is wanted; None: none."""
+    another: bool = False
+    """The next item is its first piece: it waits for the approval of that."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,6 +200,8 @@ class JobStopping(Event):
     event: ClassVar[str] = 'job.stopping'
     job: str
     reason: str
+    item: str | None = None
+    """Its first piece, which was refused by that; None: it waited for no approval."""
 
 
 @dataclass(frozen=True, kw_only=True)

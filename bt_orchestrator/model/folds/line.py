@@ -5,7 +5,7 @@ from __future__ import annotations
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.counting import NONCONFORMING, kind_of
 from bt_orchestrator.model.judging.rejects import count_item
-from bt_orchestrator.model.state import CellState, Cycle, Finished, ItemState
+from bt_orchestrator.model.state import CellState, Cycle, Finished, ItemState, JobState
 from bt_orchestrator.model.task_spans import passed_tasks
 
 # --- cycles, flags, the belt ----------------------------------------------------------------
@@ -78,6 +78,7 @@ def item_missing(event: e.ItemMissing, state: CellState) -> None:
     _stand(state, event.item, event.section)
     state.items[event.item].present = False
     state.jobs[event.job].progress.missing += 1
+    _piece_left(state.jobs[event.job], event.item, 'missing')
 
 
 def item_identified(event: e.ItemIdentified, state: CellState) -> None:
@@ -106,6 +107,7 @@ def mark_nonconforming(state: CellState, name: str, task: str) -> None:
 def item_removed(event: e.ItemRemoved, state: CellState) -> None:
     item = state.items[event.item]
     progress = state.jobs[event.job].progress
+    _piece_left(state.jobs[event.job], event.item, event.how)
     if event.how == 'by_hand':
         item.present = False
         progress.missing += 1
@@ -122,6 +124,12 @@ def item_removed(event: e.ItemRemoved, state: CellState) -> None:
         return
     item.present = False
     progress.processed += event.how == 'packed'
+
+
+def _piece_left(job: JobState, item: str, how: str) -> None:
+    """Note how the first piece that a job waits for has left the line (semantics 6.12)."""
+    if job.piece == item:
+        job.piece_left = how
 
 
 def position_ended(event: e.PositionEnded, state: CellState) -> None:

@@ -5,6 +5,9 @@ from __future__ import annotations
 MISSING, BY_HAND, PACKED = 'missing', 'by_hand', 'packed'
 """How an item ended: never placed, taken off the belt by an operator, out at the sink."""
 
+APPROVED, PIECE_REFUSED, PIECE_WAITS = 'approved', 'refused', 'waits'
+"""The state of a first piece (semantics 6.12)."""
+
 GOOD, NONCONFORMING, REJECTED = 'good', 'nonconforming', 'rejected'
 
 

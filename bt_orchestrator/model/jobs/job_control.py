@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from bt_orchestrator.model.by import Role
+from bt_orchestrator.model.cell import Approval
 from bt_orchestrator.model.jobs.isa95 import JobWord
 
 Change = Mapping[JobWord | None, JobWord | None]
@@ -90,6 +92,14 @@ REQUEUE = Method(
 )
 """Ours: ISA-95 has nothing like it."""
 
+ANOTHER = Method(
+    'Another',
+    'another',
+    'refuse the first piece of a job, whose next item is its first piece then',
+    RESUME.changes,
+)
+"""Ours, too."""
+
 METHODS = (
     STORE,
     STORE_AND_START,
@@ -138,6 +148,10 @@ class JobFacts:
     """Its order named a recipe."""
     left: int = 1
     """How many of its items have not begun."""
+    piece: str = ''
+    """The first piece whose approval it waits for (semantics 6.12)."""
+    piece_left: str = ''
+    """How that has left the line; empty: it has not."""
 
     @property
     def is_passed(self) -> bool:
@@ -163,7 +177,31 @@ def refusal(method: Method, job: str, facts: JobFacts) -> str | None:
         left_to_ask = ', '.join(one.title for one in LEFT_WHILE_ENDING[ending])
         what = f'{job} is {ending} already and ends when its last item has left the line'
         return f'{what}; only {left_to_ask} is left' if left_to_ask else what
+    if method is ANOTHER and not facts.piece:
+        return f'{job} waits for no approval of a first piece'
+    if method is RESUME and facts.piece and facts.piece_left != 'packed':
+        return _no_approval(job, facts)
     return _no_rest(job, facts) if method is REQUEUE else None
+
+
+def not_approving(piece: str, role: Role, who: Approval) -> str | None:
+    """Say why a role may not approve a first piece (semantics 6.12); None: it may."""
+    may = {Role.ENGINEER, *([Role.OPERATE] if who is Approval.OPERATE else [])}
+    if not piece or role in may:
+        return None
+    names = ' or '.join(sorted(one.value for one in may))
+    what = f'waits for the approval of {piece}, its first piece, by {names}'
+    return f'{what}; your role is {role.value}'
+
+
+def _no_approval(job: str, facts: JobFacts) -> str:
+    """Say why a first piece cannot be approved."""
+    if not facts.piece_left:
+        return f'{facts.piece}, the first piece of {job}, has not left the line yet'
+    return (
+        f'{facts.piece}, the first piece of {job}, cannot be approved: it was not packed, but '
+        f'{facts.piece_left}; job another {job} makes another one, job stop {job} ends the order'
+    )
 
 
 def _no_rest(job: str, facts: JobFacts) -> str | None:

@@ -40,6 +40,7 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
         awaits_release=event.awaits_release,
         unavailable=event.unavailable,
         ranked=event.ranked,
+        wants_piece=event.first_piece or script.first_piece,
     )
     state.jobs.add(queued, event.position)
     state.order_ids.add(event.job)
@@ -69,6 +70,7 @@ def job_updated(event: e.JobUpdated, state: CellState) -> None:
         changed.digest = event.digest
         changed.recipe, changed.recipe_version = event.recipe, event.recipe_version
         changed.anew = event.anew
+        changed.wants_piece = event.first_piece or script.first_piece
         changed.awaits_start = event.awaits_start
         changed.awaits_release = event.awaits_release
         changed.unavailable = event.unavailable
@@ -145,18 +147,24 @@ def job_started(event: e.JobStarted, state: CellState) -> None:
 
 def job_paused(event: e.JobPaused, state: CellState) -> None:
     """Let it begin no more items."""
-    state.jobs[event.job].paused = True
+    job = state.jobs[event.job]
+    job.paused = True
+    if event.item is not None:
+        job.wants_piece, job.piece, job.piece_left = False, event.item, ''
 
 
 def job_resumed(event: e.JobResumed, state: CellState) -> None:
     """Let it begin items again."""
-    state.jobs[event.job].paused = False
+    job = state.jobs[event.job]
+    if event.item is not None and not event.another:
+        job.approved = event.item
+    job.paused, job.piece, job.wants_piece = False, '', event.another or job.wants_piece
 
 
 def job_stopping(event: e.JobStopping, state: CellState) -> None:
     """Let it end with the items that it has begun."""
     job = state.jobs[event.job]
-    job.stopping, job.paused, job.end_reason = True, False, event.reason
+    job.stopping, job.paused, job.piece, job.end_reason = True, False, '', event.reason
 
 
 def job_aborting(event: e.JobAborting, state: CellState) -> None:
@@ -192,7 +200,7 @@ def note_work(state: CellState, job: JobState) -> None:
 
 def terms_of(event: e.OrderEvent) -> Terms:
     """Return the scheduling data of an order in an event."""
-    return Terms(event.priority, event.start, event.due, event.details)
+    return Terms(event.priority, event.start, event.due, event.details, event.first_piece)
 
 
 def _job_of(event: e.OrderEvent, script: Script) -> Job:

@@ -123,6 +123,10 @@ class JobRecord:
     counts: Counts = Counts()
     items: dict[str, ItemRecord] = field(default_factory=dict)
     failures: list[FailureRecord] = field(default_factory=list)
+    first_piece: str = ''
+    """The last item that was its first piece (semantics 6.12); empty: none was asked for."""
+    first_piece_state: str = ''
+    """approved, refused, or waits for it; empty: none was asked for."""
     complete: bool = True
     """False: its events were removed, and with them its items and failures."""
     clock_set_s: float = 0.0

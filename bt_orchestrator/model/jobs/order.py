@@ -28,6 +28,8 @@ class Terms:
     """When it should have ended, seconds since the epoch; None: not said."""
     details: Mapping[str, object] = field(default_factory=dict)
     """JSON of the customer's own, never interpreted."""
+    first_piece: bool = False
+    """Its first item has to be approved, also where the script does not say so (6.12)."""
 
     @property
     def urgency(self) -> tuple[int, float]:

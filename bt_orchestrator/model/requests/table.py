@@ -236,6 +236,7 @@ _CONTROLS = (
     UPDATE,
     _of_method(job_control.PAUSE, _BOTH, CODE, moves=False),
     _of_method(job_control.RESUME, _BOTH, moves=True, is_limited=True),
+    _of_method(job_control.ANOTHER, _OPERATORS, moves=True, is_limited=True),
     _of_method(job_control.STOP, _BOTH, moves=False),
     REQUEUE,
     _of_method(job_control.ABORT, _ENGINEERS, moves=True, is_confirmed=True),

@@ -97,6 +97,14 @@ class JobState:
     """Its place in the queue follows from its priority and start; False: it was given."""
     paused: bool = False
     """It begins no more items until it is resumed."""
+    wants_piece: bool = False
+    """The next item that it begins is its first piece (semantics 6.12)."""
+    piece: str = ''
+    """The first piece whose approval it waits for; empty: it waits for none."""
+    piece_left: str = ''
+    """How that has left the line: packed, rejected, by_hand or missing; empty: it has not."""
+    approved: str = ''
+    """The first piece that was approved; empty: none was."""
     stopping: bool = False
     """It begins no more items, and ends when those on the line have left it."""
     aborting: bool = False

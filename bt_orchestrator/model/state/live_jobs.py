@@ -247,6 +247,7 @@ class LiveJobs(dict[str, 'JobState']):
             self[name] = changed(queued, **nothing)
         job = self[name]
         job.aborting, job.paused, job.held, job.end_reason = True, False, False, reason
+        job.piece = ''
         if queued is not None:
             self._judge(name)
 

@@ -39,8 +39,11 @@ def call_of(asked: Asked) -> Call:
 
 
 def _has_orders(asked: Asked) -> bool:
+    """Tell whether its orders are carried by messages, which have no field for a first piece."""
     orders = asked.arguments.get('orders', ())
-    return asked.request.takes_orders and all(isinstance(order, WorkOrder) for order in orders)
+    return asked.request.takes_orders and all(
+        isinstance(order, WorkOrder) and not order.terms.first_piece for order in orders
+    )
 
 
 def _sign(request: Any, by: By) -> None:
@@ -56,9 +59,15 @@ def answer_of(response: Any) -> Answer:
 
 
 def _any(asked: Asked) -> Call:
-    request = srv.MakeRequest.Request(
-        name=asked.request.name, arguments=json_of(dict(asked.arguments))
-    )
+    from bt_orchestrator.script.orders.asked import mapping_of
+
+    arguments = dict(asked.arguments)
+    if asked.request.takes_orders:
+        orders: Any = arguments['orders']
+        arguments['orders'] = [
+            mapping_of(one) if isinstance(one, WorkOrder) else one for one in orders
+        ]
+    request = srv.MakeRequest.Request(name=asked.request.name, arguments=json_of(arguments))
     return Call(srv.MakeRequest, 'request', request)
 
 

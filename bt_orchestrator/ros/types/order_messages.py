@@ -15,7 +15,8 @@ _ABSENT = Codec((), lambda _: {}, lambda _: '')
 
 
 def _apart(message: Any, **others: Codec) -> dict[str, Codec]:
-    return {'terms': flat(AskedTerms, message, {}), 'recipe': CHOICE, 'text': _ABSENT, **others}
+    terms = flat(AskedTerms, message, {'first_piece': Codec((), lambda _: {}, lambda _: None)})
+    return {'terms': terms, 'recipe': CHOICE, 'text': _ABSENT, **others}
 
 
 _ORDER = mapped(AskedOrder, msg.WorkOrder, _apart(msg.WorkOrder))

@@ -113,7 +113,10 @@ _JOB = mapped(
         ),
         'good': Codec((), _nothing, lambda it: good_of(it.packed, it.nonconforming)),
         'by_hand': Codec((), _nothing, _by_hand),
-        'end_unknown': Codec((), _nothing, lambda _: ''),
+        **dict.fromkeys(
+            ('end_unknown', 'first_piece', 'first_piece_state'),
+            Codec((), _nothing, lambda _: ''),
+        ),
     },
 )
 _JOB_FACTS = supplement(JobStatus, msg.JobFacts, {'id': 'job'})

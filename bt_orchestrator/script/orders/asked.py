@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from datetime import datetime, timezone
 from typing import Any
 
 from bt_orchestrator.base.errors import CommandRefused
@@ -36,10 +37,37 @@ def asked_of(order: AskedOrder | WorkOrder | Mapping[str, Any]) -> AskedOrder:
         )
     terms = order.terms
     details = json_of(terms.details) if terms.details else ''
-    asked = AskedTerms(terms.priority or None, terms.start, terms.due, details)
+    piece = terms.first_piece or None
+    asked = AskedTerms(terms.priority or None, terms.start, terms.due, details, piece)
     texts = written(order.params)
     quantity = order.quantity or 0
     return AskedOrder(order.script, order.order or '', quantity, texts, asked, order.recipe)
+
+
+def mapping_of(order: WorkOrder) -> dict[str, Any]:
+    """Return an order as a mapping with the keys of an order file."""
+    terms, choice = order.terms, order.recipe
+    given = {
+        'order': order.order,
+        'script': order.script,
+        'recipe': list(choice.recipes) if choice else None,
+        'version': choice.version if choice else None,
+        'bind': dict(choice.bind) if choice else None,
+        'quantity': order.quantity,
+        'params': dict(order.params),
+        'priority': terms.priority,
+        'start': _in_utc(terms.start),
+        'due': _in_utc(terms.due),
+        'details': dict(terms.details),
+        'first_piece': terms.first_piece,
+    }
+    return {key: value for key, value in given.items() if value}
+
+
+def _in_utc(seconds: float | None) -> str | None:
+    if seconds is None:
+        return None
+    return datetime.fromtimestamp(seconds, timezone.utc).isoformat()
 
 
 def change_of(given: Mapping[str, Any]) -> AskedOrder:

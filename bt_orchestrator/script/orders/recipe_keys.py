@@ -7,7 +7,7 @@ from dataclasses import replace
 from bt_orchestrator.model.limits import OPERATIONS
 from bt_orchestrator.script.keys import Key, Kind, Table, whole
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
-from bt_orchestrator.script.script_keys import HOLD_AFTER, LOTS, PARAMS, REPEAT
+from bt_orchestrator.script.script_keys import FIRST_PIECE, HOLD_AFTER, LOTS, PARAMS, REPEAT
 from bt_orchestrator.script.task_keys import TASK
 
 _OF_EQUIPMENT = ('task', 'action', 'args', 'requires_conveyor', 'qty_change', 'setup')
@@ -128,6 +128,7 @@ RECIPE = Table(
         PARAMS,
         LOTS,
         HOLD_AFTER,
+        FIRST_PIECE,
         Key(
             'operations',
             Kind.LIST,

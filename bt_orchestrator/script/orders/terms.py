@@ -43,6 +43,7 @@ class AskedTerms:
     """0.0: none is wanted."""
     details: str = ''
     """JSON."""
+    first_piece: bool | None = None
 
     def over(self, terms: Terms) -> Terms | Wrong:
         """Return the job's new terms; values not given stay."""
@@ -54,6 +55,7 @@ class AskedTerms:
             terms.start if self.start is None else self.start or None,
             terms.due if self.due is None else self.due or None,
             details,
+            terms.first_piece if self.first_piece is None else self.first_piece,
         )
 
 
@@ -68,6 +70,7 @@ def read_terms(fields: Fields) -> Terms:
         _moment(fields, 'start'),
         _moment(fields, 'due'),
         as_data(details) if details else {},  # type: ignore[arg-type]  # it is a mapping
+        fields.switch('first_piece'),
     )
     for wrong in wrong_terms(terms):
         if fields.is_sure(wrong.key):

@@ -74,6 +74,8 @@ class _ScriptWriter:
             yield from entry('lots', script.lots, '')
         if script.hold_after is not None:
             yield from entry('hold_after', asdict(script.hold_after), '')
+        if script.first_piece:
+            yield from entry('first_piece', True, '')
         yield from self._initialization()
         yield 'sections:'
         for number in sorted(script.sections):

@@ -14,7 +14,15 @@ from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import why_words
-from bt_orchestrator.model.jobs.counting import GOOD, MISSING, counts_of, kind_of
+from bt_orchestrator.model.jobs.counting import (
+    APPROVED,
+    GOOD,
+    MISSING,
+    PIECE_REFUSED,
+    PIECE_WAITS,
+    counts_of,
+    kind_of,
+)
 from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.jobs.job_record import (
     REMOVED,
@@ -76,6 +84,17 @@ def _updated(job: JobRecord, event: e.JobUpdated) -> None:
     job.script, job.quantity, job.params = event.script, event.quantity, event.params
     job.digest, job.recipe, job.recipe_version = event.digest, event.recipe, event.recipe_version
     job.terms = terms_of(event)
+
+
+def _piece_waits(job: JobRecord, event: e.JobPaused) -> None:
+    if event.item is not None:
+        job.first_piece, job.first_piece_state = event.item, PIECE_WAITS
+
+
+def _piece_decided(job: JobRecord, event: e.JobResumed | e.JobStopping) -> None:
+    if event.item is not None:
+        is_refused = isinstance(event, e.JobStopping) or event.another
+        job.first_piece_state = PIECE_REFUSED if is_refused else APPROVED
 
 
 def _ended(job: JobRecord, event: e.JobCompleted | e.JobAborted) -> None:
@@ -163,6 +182,9 @@ def _nonconforming(job: JobRecord, event: e.ItemNonconforming | e.TaskContinued)
 _FOLDS: Mapping[type[e.Event], Callable[[JobRecord, Any], object]] = {
     e.JobStarted: _started,
     e.JobUpdated: _updated,
+    e.JobPaused: _piece_waits,
+    e.JobResumed: _piece_decided,
+    e.JobStopping: _piece_decided,
     e.JobCompleted: _ended,
     e.JobAborted: _ended,
     e.JobRemoved: _removed,

@@ -174,6 +174,7 @@ def _job(job: JobStatus, status: CellStatus) -> JobRow:
         counts=job_count_words(job)
         + words.ending(job)
         + words.start_wait(job)
+        + words.piece_wait(job)
         + words.lacks(job)
         + words.expected_finish(job, status),
         packed=min(job.left / quantity, 1.0),

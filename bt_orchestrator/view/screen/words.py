@@ -174,7 +174,7 @@ def job_terms(job: JobStatus) -> str:
         told.append(start_wait(job) or f', start {_moment(job.start)}')
     if job.due is not None:
         told.append(f', due {_moment(job.due)}')
-    return ''.join([*told, of_its_making(job), lacks(job)])
+    return ''.join([*told, of_its_making(job), lacks(job), piece_wait(job)])
 
 
 def of_its_making(job: JobStatus) -> str:
@@ -200,6 +200,14 @@ def start_wait(job: JobStatus) -> str:
     if not job.awaits_start or job.start is None:
         return ''
     return f', waits for its start {_moment(job.start)}'
+
+
+def piece_wait(job: JobStatus) -> str:
+    """Say that a job waits for the approval of its first piece (semantics 6.12)."""
+    if not job.awaited_piece or job.state in OVER:
+        return ''
+    left = job.first_piece_state or 'still on the line'
+    return f', waits for the approval of {one_line(job.awaited_piece)} ({left})'
 
 
 def _moment(seconds: float) -> str:

@@ -50,6 +50,8 @@ def draw_cell(draw: Draw, size: int, traits: Traits) -> Row:
         'faults': _faults(draw, 6) if traits.faults else [],
     }
     cell = {'cell': 'random_cell', 'conveyor': conveyor, 'components': components}
+    if traits.pieces and chance(draw, 10):
+        cell['first_piece'] = 'automatic'
     if traits.rejects and not chance(draw, 20):
         cell['hold_after'] = draw_limit(draw)
     return {**cell, 'release': 'automatic'} if chance(draw, 25) else cell

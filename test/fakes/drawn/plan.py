@@ -125,6 +125,8 @@ class Traits:
     """Components have setups, and tasks ask for values of them."""
     rejects: bool = False
     """Many items are rejected, and limits of rejects hold the line."""
+    pieces: bool = False
+    """Scripts ask for approvals of first pieces."""
 
 
 def devices(cell: Row) -> list[Row]:

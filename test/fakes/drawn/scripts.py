@@ -48,6 +48,8 @@ class DrawnScript:
         }
         if chance(self.draw, 30):
             script['made_from'] = {'recipe': 'R', 'version': 3}
+        if self.traits.pieces and chance(self.draw, 85):
+            script['first_piece'] = True
         if self.traits.rejects and chance(self.draw, 40):
             script['hold_after'] = draw_limit(self.draw)
         if chance(self.draw, 20):

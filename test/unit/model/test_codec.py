@@ -124,6 +124,8 @@ SAMPLES: dict[str, Any] = {
     'hold': '3',
     'answers': ('retry', 'skip'),
     'items': ('WO-1/3', 'WO-2/1'),
+    'first_piece': True,
+    'another': True,
     'answer': 'retry',
     'who': 'Ann',
     'state': 'Execute',

@@ -47,6 +47,7 @@ def test_who_may_ask_what() -> None:
     cell |= {'cell.local', 'cell.remote'}
     after = {f'cell.stop_after_{word}' for word in ('item', 'job', 'never')}
     places = {'job.move', 'job.next', 'queue.arrange'}
+    places |= {'job.another'}
     service = {'component.out_of_service', 'component.in_service'}
     of_operators = queue | answers | remarks | cell | after | places | service
     assert words(Role.OPERATE) == of_operators | {'stop.classify'}

@@ -161,6 +161,32 @@ def test_7_7_runs_of_rejects_go_as_the_second_opinion_says() -> None:
         assert seen['twice'], seen
 
 
+def test_6_12_first_pieces_go_as_the_second_opinion_says() -> None:
+    """They are approved and refused at any moment, or their jobs end."""
+    seen: Counter[str] = Counter()
+
+    @examples(60, 600)
+    @given(lines(Traits(pieces=True)))
+    def holds(plan: Plan) -> None:
+        show(plan)
+        product = ProductBench(plan)
+        ended = operate(product, plan.moments)
+        naive = NaiveBench(plan, product.refused)
+        assert operate(naive, plan.moments) == ended
+        assert comparable(product.run.records) == naive.cell.records
+        resumed = [one for one in product.run.all('job.resumed') if 'item' in one]
+        seen['all'] += 1
+        seen['approved'] += any('another' not in one for one in resumed)
+        seen['another'] += any('another' in one for one in resumed)
+        seen['stopped'] += any('item' in one for one in product.run.all('job.stopping'))
+
+    holds()
+    if PROFILE != 'shard':
+        assert seen['approved'] >= 0.2 * seen['all'], seen
+        assert seen['another'] >= 0.05 * seen['all'], seen
+        assert seen['stopped'], seen
+
+
 @examples(60, 600)
 @given(lines(Traits(setups=True)))
 def test_5_3_setups_go_as_the_second_opinion_says(plan: Plan) -> None:

@@ -87,6 +87,8 @@ def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
         job.held,
         job.by_recipe,
         left=min(job.to_begin, 1),  # whether any is left: the number changes too often
+        piece=job.awaited_piece,
+        piece_left=job.first_piece_state,
     )
     return _job_offers(
         job.id,

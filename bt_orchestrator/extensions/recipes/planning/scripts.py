@@ -55,6 +55,7 @@ class PlanWriter:
             lots=self._recipe.lots,
             likely=self._recipe.likely,
             hold_after=self._recipe.hold_after,
+            first_piece=self._recipe.first_piece,
         )
         return with_changes(script, self._cell)
 

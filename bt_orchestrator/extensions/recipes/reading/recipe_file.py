@@ -75,6 +75,7 @@ def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> R
         lots=read_lots(draft, report),
         likely=read_likely(draft.operations, conditions, report),
         hold_after=read_hold_after(fields),
+        first_piece=fields.switch('first_piece'),
     )
 
 

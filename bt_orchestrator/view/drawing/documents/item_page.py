@@ -169,6 +169,7 @@ def _facts(sheet: Html, item: ItemHistory) -> None:
     for name, text in (
         ('Item', item.item if item.serial else ''),
         ('Order', f'{item.job}{quantity}'),
+        ('First piece', item.first_piece),
         ('Recipe', f'{item.recipe}{version}' if item.recipe else ''),
         ('Script', f'{item.script}{digest}' if item.script else ''),
         *((f'Parameter {name}', shown(value)) for name, value in item.params.items()),

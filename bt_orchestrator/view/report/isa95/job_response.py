@@ -115,6 +115,8 @@ def response_of_record(record: JobRecord) -> JobResponse | None:
         queued_at=record.queued,
         started_at=record.started,
         ended_at=record.ended,
+        first_piece=record.first_piece,
+        first_piece_state=record.first_piece_state,
         good=counts.good,
         **vars(counts),
     )
@@ -147,6 +149,9 @@ def _data(status: JobStatus, reason: str) -> Iterator[Parameter]:
         yield Parameter(REST_OF, status.rest_of)
     if status.expected_end_s is not None:
         yield Parameter('EstimatedRemainingTime', _rounded_ms(status.expected_end_s))
+    if status.first_piece:
+        yield Parameter('FirstPiece', status.first_piece)
+        yield Parameter('FirstPieceState', status.first_piece_state)
     if reason:
         yield Parameter(REASON, Text(reason))
     if status.ending:

@@ -7,6 +7,7 @@ from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import held_words
+from bt_orchestrator.model.jobs.counting import APPROVED, PIECE_REFUSED, PIECE_WAITS
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.task_spans import TaskSpans
@@ -50,6 +51,7 @@ class ItemFold:
         self._slots: dict[str, int] = {}
         """Sections of what stands on the belt."""
         self._time = 0.0
+        self._decided_last: e.OperatorDecided | None = None
         if state is not None:
             tasks = ((key, state.task(key) or index_task(state.cell)) for key in state.running)
             self._running = {
@@ -143,6 +145,18 @@ class ItemFold:
         if self._is_mine(event):
             self.history.rejected = event.reason
 
+    def _piece_waits(self, event: e.JobPaused) -> None:
+        if event.item == self.history.item:
+            self.history.first_piece = PIECE_WAITS
+
+    def _piece_decided(self, event: e.JobResumed | e.JobStopping) -> None:
+        if event.item != self.history.item:
+            return
+        is_refused = isinstance(event, e.JobStopping) or event.another
+        self.history.first_piece = PIECE_REFUSED if is_refused else APPROVED
+        if self._decided_last is not None:  # the record of the decision precedes it
+            self.history.decisions.append(_decision(self._decided_last, of_cell=False))
+
     def _nonconforming(self, event: e.ItemNonconforming) -> None:
         if self._is_mine(event):
             self.history.nonconforming.append(event.task)
@@ -170,6 +184,7 @@ class ItemFold:
                 held.ended = event.time
 
     def _decided(self, event: e.OperatorDecided) -> None:
+        self._decided_last = event
         is_mine = event.item == self.history.item
         of_hold = event.hold is not None and any(h.id == event.hold for h in self.history.holds)
         of_cell = not is_mine and (event.job, event.item, event.component) == (None,) * 3
@@ -297,6 +312,9 @@ _FOLDS: Mapping[type[e.Event], Callable[[ItemFold, Any], None]] = {
     e.PositionEnded: ItemFold._left,  # noqa: SLF001
     e.ItemIdentified: ItemFold._identified,  # noqa: SLF001
     e.ItemRejected: ItemFold._rejected,  # noqa: SLF001
+    e.JobPaused: ItemFold._piece_waits,  # noqa: SLF001
+    e.JobResumed: ItemFold._piece_decided,  # noqa: SLF001
+    e.JobStopping: ItemFold._piece_decided,  # noqa: SLF001
     e.ItemNonconforming: ItemFold._nonconforming,  # noqa: SLF001
     e.HoldRaised: ItemFold._hold,  # noqa: SLF001
     e.HoldReleased: ItemFold._released,  # noqa: SLF001

@@ -174,6 +174,8 @@ class ItemHistory:
     """packed, rejected, by_hand or missing; empty while it is on the line."""
     rejected: str = ''
     """Why it was rejected; empty: it was not."""
+    first_piece: str = ''
+    """As a first piece: approved, refused, or waits (semantics 6.12); empty: it was none."""
     nonconforming: list[str] = field(default_factory=list)
     """Tasks that failed for it and were passed all the same, or that an operator let it pass."""
     serial: str = ''

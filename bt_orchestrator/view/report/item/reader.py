@@ -18,7 +18,10 @@ from bt_orchestrator.view.report.reading import Reading
 AFTER = 50
 """So many after its last one tell what ended with it."""
 
-_OF_ITEM = ('task.', 'item.', 'cycle.', 'hold.raised')
+_OF_ITEM = (
+    *('task.', 'item.', 'cycle.', 'hold.raised'),
+    *('job.paused', 'job.resumed', 'job.stopping'),  # of a first piece
+)
 _OF_ORDER = (e.JobQueued.event, e.JobUpdated.event)
 
 

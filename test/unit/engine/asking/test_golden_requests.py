@@ -83,6 +83,15 @@ def of_a_setup() -> Iterator[Step]:
     yield 'hold.change', {'hold': '2'}
 
 
+def of_a_first_piece() -> Iterator[Step]:
+    terms = Terms(first_piece=True)
+    yield 'queue.add', {'orders': [WorkOrder('boxes', 'A', 3, {'speed': 2}, terms)]}
+    yield 2.0
+    yield 'job.resume', {'job': 'A'}
+    yield 'job.another', {'job': 'A'}
+    yield 'job.stop', {'job': 'A'}
+
+
 def of_the_cell() -> Iterator[Step]:
     yield 'queue.add', {'orders': orders('A')}
     yield 2.0
@@ -144,6 +153,7 @@ STORIES: Mapping[str, Sequence[Step]] = {
     },
     'change': tuple(of_a_setup()),
     'reasons': tuple(of_reasons()),
+    'first_piece': tuple(of_a_first_piece()),
     'mark_done': tuple(of_holds('mark_done', results={'measurement': 1.5})),
 }
 

@@ -17,6 +17,7 @@ export function jobRow() {
   const ends = h('span', { class: 'job-ends' });
   const bar = jobBar();
   const making = h('p', { class: 'job-making' });
+  const piece = h('a', { class: 'job-making' });
   const preparing = h('p', { class: 'job-preparing' });
   const element = h(
     'li',
@@ -24,6 +25,7 @@ export function jobRow() {
     h('div', { class: 'job-head' }, link, script, state, count, ends),
     bar.element,
     making,
+    piece,
     preparing,
   );
   return {
@@ -46,6 +48,10 @@ export function jobRow() {
       const made = makingWords(job);
       show(making, made);
       text(making, made);
+      const asked = pieceWords(job);
+      show(piece, asked);
+      text(piece, asked);
+      if (asked) attribute(piece, 'href', pieceAddress(job.first_piece));
       const prepared = preparingWords(job);
       show(preparing, prepared);
       text(preparing, prepared);
@@ -90,6 +96,17 @@ export function passedWords({ unavailable, awaits_release: isUnreleased }) {
   const names = unavailable.join(', ');
   if (!isUnreleased) return t('job_state.unavailable', { names });
   return t(names ? 'job_state.unreleased_unavailable' : 'job_state.unreleased', { names });
+}
+
+/** Say for the approval of which first piece it waits; empty: for none. */
+export function pieceWords({ first_piece: item, first_piece_state: state, is_over: isOver }) {
+  if (!item || isOver || state === 'approved') return '';
+  return t('overview.piece', { item, how: t(`overview.piece_${state || 'on_line'}`) });
+}
+
+/** Its record has the measured values. */
+function pieceAddress(item) {
+  return `#/item/${item.split('/').map(encodeURIComponent).join('/')}`;
 }
 
 /** Say how far the initialization is; empty: there is none, or it is over. */
