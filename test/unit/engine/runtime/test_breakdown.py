@@ -135,6 +135,22 @@ def test_9_1_without_a_journal_abort_cancels_every_goal() -> None:
     assert list(plant.disk.read()) == kept
 
 
+@pytest.mark.parametrize('is_known', [True, False])
+def test_7_9_a_loss_without_a_journal_cancels_every_goal_once(is_known: bool) -> None:
+    plant = Plant()
+    running = plant.gateway.open
+    if is_known:
+        plant.fill_disk()
+    plant.disk.is_full = True  # or else the record of the loss is the first that fails
+    for unsafe in ('it is False', 'no message for 0.5 s'):
+        plant.gateway.say_of_safety(unsafe)
+        plant.orchestrator.settle()
+    assert plant.orchestrator.broken
+    assert {uuid: plant.gateway.cancels[uuid] for uuid in running} == dict.fromkeys(running, 1)
+    plant.advance()
+    assert plant.gateway.ended(running) == {GoalStatus.CANCELED}
+
+
 def test_7_1_an_abort_of_somebody_who_may_not_cancels_nothing() -> None:
     plant = Plant()
     plant.fill_disk()

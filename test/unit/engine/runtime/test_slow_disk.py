@@ -287,6 +287,21 @@ def test_9_1_what_cancels_every_goal_does_not_wait_for_the_disk(command: Command
     assert 'cancelled by somebody else' not in str(told)
 
 
+def test_7_9_a_loss_cancels_every_goal_before_the_disk_answers() -> None:
+    plant = Plant(fault='#1=hang')
+    goal = plant.until_working()
+    slow(plant).put(Pause(ann()))
+    plant.gateway.say_of_safety('it is False')
+    plant.orchestrator.settle()
+    plant.advance()
+    assert goal.end is not None
+    assert goal.end.status is GoalStatus.CANCELED
+    assert not any(isinstance(event, e.SafetyChanged) for event in plant.told)
+    plant.disk_answers()
+    assert any(isinstance(event, e.SafetyChanged) for event in plant.told)
+    assert plant.orchestrator.state.packml.value in ('Aborting', 'Aborted')
+
+
 def test_7_1_an_abort_of_somebody_who_may_not_cancels_nothing() -> None:
     plant = Plant(fault='#1=hang')
     goal = plant.until_working()
