@@ -108,6 +108,20 @@ def test_books_of_another_version_are_told_and_made_anew(
     assert found.books.span
 
 
+def test_books_without_causes_are_read_and_the_report_says_what_they_lack(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as older:
+        older.setattr(booked, 'BOOKS_VERSION', booked.WITHOUT_CAUSES)
+        write(path, EVENTS, before=LAST)
+    found, said = told(path)
+    shown = found.figures
+    assert (said, shown.produced, shown.good) == ([], 539, 521)
+    assert (shown.first_pass, shown.first_pass_yield) == (None, None)
+    assert shown.mtbf_us(shown.times.repairs[0]) is None
+    assert any('books of an older program: first-pass yield' in note for note in found.notes())
+
+
 @pytest.mark.parametrize(
     ('begin', 'end', 'rounded'),
     [
