@@ -98,8 +98,9 @@ def test_7_7_good_items_that_leave_in_between_do_not_part_a_run() -> None:
 
 
 def test_7_7_rejects_of_two_sections_are_one_run_in_the_order_of_the_line() -> None:
-    run = limited(2, 3, a2=bad(3), b3=bad(1)).run(CHECKED, 4)
-    assert items(run) == [['J/1', 'J/3']]
+    run = limited(2, 2, seconds={'b3': 3.0}, a2=bad(2), b3=bad(1)).run(CHECKED, 4)
+    assert run.times('item.rejected', item='J/2') < run.times('item.rejected', item='J/1')
+    assert items(run) == [['J/1', 'J/2']]
     assert 'by the tasks check, inspect' in raised(run)[0]['message']
 
 
@@ -172,10 +173,13 @@ def test_7_7_a_reject_counts_once() -> None:
 
 
 def test_7_7_items_rejected_by_the_abort_of_their_job_are_no_rejects() -> None:
-    run = limited(1, 3).begin(SORTED, 5).go(until=8.0)
+    again = '{id: again, @b3, runs_for: rejected, on_failure: reject}'
+    text = SORTED.replace('[{id: pack', f'[{again}, {{id: pack')
+    run = limited(1, 3, b3=bad(1)).begin(text, 5).go(until=8.0)
     run.control('abort', 'J')
     run.go()
     assert run.ended
+    assert run.all('task.continued', task='again', policy='reject')
     assert len(run.all('item.rejected')) >= 2
     assert not raised(run)
 
