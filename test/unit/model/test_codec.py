@@ -122,6 +122,7 @@ SAMPLES: dict[str, Any] = {
     'ready': True,
     'value': 'READY',
     'hold': '3',
+    'control': 'local',
     'answers': ('retry', 'skip'),
     'items': ('WO-1/3', 'WO-2/1'),
     'first_piece': True,
