@@ -173,7 +173,7 @@ def done_again(past: Records, one: Record) -> Row | None:
 
 
 def same_task(one: Record, other: Record) -> bool:
-    return all(one.get(name) == other.get(name) for name in ('job', 'section', 'item', 'task'))
+    return all(one.get(name) == other.get(name) for name in ('job', 'item', 'task'))
 
 
 def last_failure(past: Records, about: Record) -> Record | None:
