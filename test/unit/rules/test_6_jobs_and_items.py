@@ -210,7 +210,7 @@ def test_6_3_a_task_marked_done_has_the_results_that_the_operator_gave() -> None
 
 @pytest.mark.parametrize('answer', ['retry', 'skip'])
 def test_6_3_results_go_with_mark_done_only(answer: str) -> None:
-    with pytest.raises(BadArguments, match=f'hold.{answer} takes hold; found results'):
+    with pytest.raises(BadArguments, match=f'hold.{answer} takes hold, code; found results'):
         ask(f'hold.{answer}', ann(), hold='1', results={'measurement': 3.5})
 
 

@@ -57,7 +57,17 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
     'job.requeue': lambda by: RequeueJob('J', Job('J-rest', SCRIPT, 1, {}), by),
     **{
         f'job.{verb}': lambda by, verb=verb: ControlJob(verb, 'J', by)  # type: ignore[misc]
-        for verb in ('hold', 'release', 'pause', 'resume', 'stop', 'abort', 'cancel', 'clear')
+        for verb in (
+            'hold',
+            'release',
+            'pause',
+            'resume',
+            'another',
+            'stop',
+            'abort',
+            'cancel',
+            'clear',
+        )
     },
     'item.remove_item': lambda by: RemoveItem('J/1', by),
     'component.out_of_service': lambda by: SetService('a3', False, by),

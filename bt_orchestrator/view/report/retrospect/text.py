@@ -7,7 +7,7 @@ from typing import Any
 
 from bt_orchestrator.model.hold_words import again_words
 from bt_orchestrator.view.report.account.period import Period
-from bt_orchestrator.view.report.account.plain import held_plain, seconds_of, summed
+from bt_orchestrator.view.report.account.plain import held_plain, seconds_of, stop_plain, summed
 from bt_orchestrator.view.report.account.text import failing_lines, hold_lines, stop_lines, titled
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, is_seen
 from bt_orchestrator.view.report.retrospect.retrospect import (
@@ -185,7 +185,7 @@ def retrospect_plain(found: Retrospect) -> dict[str, Any]:
         ],
         'first_deviation': _deviation(found, found.first_deviation()),
         'worst_deviation': _deviation(found, found.worst_deviation()),
-        'stops': [{**summed(stop), 'loss': stop.loss.value} for stop in times.stops],
+        'stops': [stop_plain(stop) for stop in times.stops],
         'holds': [held_plain(held, period_of(found)) for held in times.holds],
         'failed_attempts': [summed(one) for one in times.failing],
     }
