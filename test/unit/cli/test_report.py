@@ -53,7 +53,8 @@ def test_a_shift_as_text(journal: Path, capsys: pytest.CaptureFixture[str]) -> N
     )
     assert lines[1].startswith('  made from events 2 to ')
     assert lines[2] == '  the pace is by a cell file that is not the one that the node ran with'
-    assert '  - own fault             0:22:00       4.9 %' in lines
+    assert '  - own fault                0:22:00       4.9 %' in lines
+    assert '      waiting for an answer  0:02:00       0.4 %' in lines
     assert '  07:00:00 to 07:20:00, 0:20:00 lost  section 2, work (TASK_A) of J/1 at a2' in text
     assert '    retry by ann: cleared the jam' in lines
 
@@ -137,7 +138,10 @@ def test_side_by_side_as_a_table_and_as_a_page(
     [
         ('product', 'test       518   500              6        10        2            96.5 %'),
         ('job', 'J       518   500              6        10        2            96.5 %'),
-        ('component', 'a2  0:20:00      1         1  7:00:00  0:20:00                2'),
+        (
+            'component',
+            'a2    0:20:00      1            0           1         6:09:58         1  6:09:58',
+        ),
     ],
 )
 def test_by_what_was_made_and_what_failed(
