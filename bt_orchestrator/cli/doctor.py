@@ -207,7 +207,7 @@ def _with_ros(args: argparse.Namespace, cell: Cell | None) -> Iterator[Check]:
 
 
 def _on_graph(args: argparse.Namespace, cell: Cell | None) -> Iterator[Check]:
-    from bt_orchestrator.ros.diagnosis.cell import cell_on_graph, tree_node
+    from bt_orchestrator.ros.diagnosis.cell_check import cell_on_graph, tree_node
     from bt_orchestrator.ros.diagnosis.graph import Graph
     from bt_orchestrator.ros.diagnosis.participant import discovery
 

@@ -55,7 +55,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     'decide': {
         'answer': ('answer', 'answer a hold: a task that failed, or whatever waits for a person'),
         'cell': (
-            'asked.cell',
+            'asked.cell_verb',
             'command the cell: reset, start, pause, resume, stop, abort, clear, local, remote',
         ),
         'component': ('asked.component', 'take a component out of service, or bring it back'),

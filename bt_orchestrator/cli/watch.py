@@ -14,8 +14,8 @@ from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.view.screen.advice import Shell
-from bt_orchestrator.view.screen.tree_view import printable
-from bt_orchestrator.view.screen.viewer import Viewer
+from bt_orchestrator.view.screen.machine import Viewer
+from bt_orchestrator.view.screen.plain import printable
 
 if TYPE_CHECKING:  # it needs rich, which takes its time
     from bt_orchestrator.view.screen.live import LiveView
@@ -93,8 +93,8 @@ class Watching(Ignoring):
 @contextmanager
 def live_or(other: Callable[[], Lines], shell: Shell) -> Iterator[LiveView | Lines]:
     """Open the live view if the standard output is a terminal, otherwise another one."""
+    from bt_orchestrator.view.screen.keys import second_screen
     from bt_orchestrator.view.screen.live import LiveView
-    from bt_orchestrator.view.screen.second_screen import second_screen
 
     # A name that the terminal cannot encode must not end the view.
     sys.stdout.reconfigure(errors='replace')  # type: ignore[union-attr]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.folds import cell, line, tasks
+from bt_orchestrator.model.folds import cell_folds as cell
+from bt_orchestrator.model.folds import line, tasks
 from bt_orchestrator.model.jobs import job_folds as jobs
 from bt_orchestrator.model.state import CellState
 

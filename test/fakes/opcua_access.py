@@ -15,7 +15,7 @@ from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption,
 from cryptography.x509.oid import NameOID
 from fakes.quick_users import PASSWORD, write_users
 
-from bt_orchestrator.extensions.opcua.server.access import Access
+from bt_orchestrator.extensions.opcua.server.nodesets import Access
 from bt_orchestrator.extensions.opcua.server.overrides.security import Security
 from bt_orchestrator.extensions.opcua.server.pki import Pki, own
 from bt_orchestrator.model.by import Role

@@ -19,7 +19,7 @@ from thread_servers import ThreadServers
 
 from bt_orchestrator.base.diagnosis.check import Check, Verdict
 from bt_orchestrator.cli import doctor
-from bt_orchestrator.ros.diagnosis.cell import cell_on_graph, tree_node
+from bt_orchestrator.ros.diagnosis.cell_check import cell_on_graph, tree_node
 from bt_orchestrator.ros.diagnosis.graph import Graph
 from bt_orchestrator.ros.diagnosis.participant import exchange
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes

@@ -19,7 +19,7 @@ from bt_orchestrator.extensions.page.web.server import PageServer
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.model.plant.shifts import DAY_MIN, Hours, Shift, Shifts
-from bt_orchestrator.ports.plant import PlantCell
+from bt_orchestrator.ports.records import PlantCell
 from bt_orchestrator.store.memory import MemoryStore
 
 USERS = {'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES, 'vic': Role.VIEW}

@@ -27,10 +27,10 @@ from bt_orchestrator.model.keeping.journal_place import JournalPlace
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.writing.script_text import Comments, write_script
 from bt_orchestrator.view.drawing.documents.item_page import Source, item_page
+from bt_orchestrator.view.report.ended_jobs import job_text
 from bt_orchestrator.view.report.isa95.job_response import b2mml, response_of_record
 from bt_orchestrator.view.report.item.history import ItemHistory, plain_item
 from bt_orchestrator.view.report.item.reader import item_history
-from bt_orchestrator.view.report.jobs import job_text
 from bt_orchestrator.view.report.reading import Reading
 
 __all__ = ['add_arguments', 'run']

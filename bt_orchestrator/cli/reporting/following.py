@@ -167,7 +167,7 @@ Show = Callable[[Live | None, str], None]
 
 def _picture(stack: ExitStack) -> Show | None:
     """Take the terminal, if the standard output is one."""
-    from bt_orchestrator.view.screen.second_screen import second_screen
+    from bt_orchestrator.view.screen.keys import second_screen
     from bt_orchestrator.view.screen.shift import ShiftScreen
 
     screen = stack.enter_context(second_screen())

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import takewhile
 
-from bt_orchestrator.engine.runtime.engine import Engine, Goals
 from bt_orchestrator.engine.runtime.goal_ends import feedback_text
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
-from bt_orchestrator.engine.runtime.stands import obstacles
+from bt_orchestrator.engine.runtime.stands import Engine, Goals, obstacles
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.jobs.counting import APPROVED

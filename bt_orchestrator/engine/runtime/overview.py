@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from bt_orchestrator.engine.runtime.engine import Engine
 from bt_orchestrator.engine.runtime.job_overview import (
     TasksInFlight,
     Unknown,
@@ -12,7 +11,7 @@ from bt_orchestrator.engine.runtime.job_overview import (
     job_status,
 )
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
-from bt_orchestrator.engine.runtime.stands import Standstill
+from bt_orchestrator.engine.runtime.stands import Engine, Standstill
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.goal import Contest

@@ -6,8 +6,9 @@ It is read outside the tick: the latched status is renewed every second, so no t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
 
-from bt_orchestrator.engine.runtime.engine import Engine
+from bt_orchestrator.engine.tree.compile import CellTree
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.limits import QUEUE_SHOWN
@@ -16,6 +17,43 @@ from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import CellState, Hold, JobState
 from bt_orchestrator.model.stop_reason import StopReason, way_to_work
 from bt_orchestrator.model.wait import GRAVE, PartWait, StandCause, Stands, WaitKind
+from bt_orchestrator.ports import Goal, Servers
+
+
+class Goals(Protocol):
+    """The goals in flight."""
+
+    def goal(self, goal_id: str) -> Goal | None:
+        """Return a goal; None: it is not known."""
+
+
+class Engine(Protocol):
+    """One cell, its tree and its robots, as `Orchestrator` has them."""
+
+    @property
+    def state(self) -> CellState:
+        """The state."""
+
+    @property
+    def tree(self) -> CellTree:
+        """Its behaviours, ticked."""
+
+    @property
+    def gateway(self) -> Servers:
+        """Its action servers as seen."""
+
+    @property
+    def flights(self) -> Goals:
+        """Its goals in flight."""
+
+    @property
+    def broken(self) -> str | None:
+        """Why the engine has stopped; None: it works."""
+
+    @property
+    def disk_wait(self) -> str:
+        """The write that the disk has not finished; empty: none."""
+
 
 TOLD_AFTER_S = 1.0
 """How long nothing moves before a standstill is reported: between two goals nothing moves for a

@@ -22,8 +22,8 @@ from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.serving import add_server_options, server_log, users_of
-from bt_orchestrator.extensions.opcua.server.access import Access, AccessRefused
 from bt_orchestrator.extensions.opcua.server.library import check_version, stack_log
+from bt_orchestrator.extensions.opcua.server.nodesets import Access, AccessRefused
 from bt_orchestrator.model.keeping.journal_place import journal_place
 
 if TYPE_CHECKING:

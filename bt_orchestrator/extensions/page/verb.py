@@ -28,7 +28,7 @@ from bt_orchestrator.extensions.page.web.access import IDLE_S, Access, AccessRef
 from bt_orchestrator.extensions.page.web.seams import Plant
 from bt_orchestrator.model.keeping.journal_place import journal_place
 from bt_orchestrator.model.plant.shifts import PlantReason
-from bt_orchestrator.ports.plant import PlantCells
+from bt_orchestrator.ports.records import PlantCells
 from bt_orchestrator.script.shifts.shifts_file import read_reasons, read_shifts
 
 DESCRIPTION = """\

@@ -6,7 +6,7 @@ from contextlib import closing
 
 from bt_orchestrator.extensions.postgres.connecting import connected, place_of, speaking_of
 from bt_orchestrator.extensions.postgres.schema import cells
-from bt_orchestrator.ports.plant import PlantCell
+from bt_orchestrator.ports.records import PlantCell
 
 _SETTINGS = ('SET statement_timeout = 10000', 'SET default_transaction_read_only = on')
 

@@ -10,7 +10,7 @@ from bt_orchestrator.model.events.base import (
     Event,
     TaskKey,
 )
-from bt_orchestrator.model.events.cell import (
+from bt_orchestrator.model.events.cell_events import (
     CellStateChanged,
     ClockStepped,
     ComponentContested,
@@ -31,7 +31,7 @@ from bt_orchestrator.model.events.cell import (
     SafetyChanged,
     StopReasonChanged,
 )
-from bt_orchestrator.model.events.jobs import (
+from bt_orchestrator.model.events.job_events import (
     JobAborted,
     JobAborting,
     JobCleared,

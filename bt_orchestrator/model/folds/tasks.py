@@ -5,7 +5,7 @@ from __future__ import annotations
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.failures import will_hold
-from bt_orchestrator.model.folds.cell import note_uptime
+from bt_orchestrator.model.folds.cell_folds import note_uptime
 from bt_orchestrator.model.folds.line import mark_nonconforming
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason

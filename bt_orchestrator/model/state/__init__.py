@@ -1,7 +1,7 @@
 """The state of the cell: plain data, changed by `model.fold` alone and read by everyone."""
 
-from bt_orchestrator.model.state.cell import DERIVED, CellState, Hold
-from bt_orchestrator.model.state.jobs import ItemState, JobState, Progress
+from bt_orchestrator.model.state.cell_state import DERIVED, CellState, Hold
+from bt_orchestrator.model.state.job_state import ItemState, JobState, Progress
 from bt_orchestrator.model.state.line import (
     Cycle,
     End,

@@ -22,7 +22,7 @@ from contextlib import contextmanager
 from itertools import chain
 
 from bt_orchestrator.model.frozen import changed
-from bt_orchestrator.model.state.jobs import JobState
+from bt_orchestrator.model.state.job_state import JobState
 
 
 class LiveJobs(dict[str, 'JobState']):

@@ -7,7 +7,7 @@ from typing import Any
 
 from bt_orchestrator.model.codec import digest_of, to_plain
 from bt_orchestrator.model.limits import QUEUE_SHOWN, listed
-from bt_orchestrator.model.state.jobs import JobState
+from bt_orchestrator.model.state.job_state import JobState
 from bt_orchestrator.model.state.live_jobs import LiveJobs
 
 

@@ -41,7 +41,7 @@ from bt_orchestrator.ros.services.services import Senders, written_order
 from bt_orchestrator.ros.types.order_messages import asked_order
 from bt_orchestrator.ros.types.status_messages import failure_message, item_message, job_message
 from bt_orchestrator.script.orders.desk import Orders, Reading
-from bt_orchestrator.view.report.jobs import JobFold
+from bt_orchestrator.view.report.ended_jobs import JobFold
 
 
 @dataclass

@@ -12,6 +12,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.counting import PACKED
 from bt_orchestrator.model.jobs.job_record import ABORTED, REMOVED, JobRecord
 from bt_orchestrator.model.task_spans import TaskSpans
+from bt_orchestrator.view.report.ended_jobs import JobFold
 from bt_orchestrator.view.report.forecast import (
     Bottleneck,
     ComponentLoad,
@@ -27,7 +28,6 @@ from bt_orchestrator.view.report.forecast import (
     steady_interval_s,
 )
 from bt_orchestrator.view.report.intervals import Span, common, covered_s
-from bt_orchestrator.view.report.jobs import JobFold
 from bt_orchestrator.view.report.wait_log import (
     NO_WAITS,
     Cause,

@@ -15,7 +15,7 @@ from bt_orchestrator.model.records import Damage, Record, RecordPage, Wanted
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import Records
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
-from bt_orchestrator.view.report.jobs import FOLLOWED, JobFold
+from bt_orchestrator.view.report.ended_jobs import FOLLOWED, JobFold
 from bt_orchestrator.view.report.line_stops import GivenReasons
 
 log = logging.getLogger(__name__)

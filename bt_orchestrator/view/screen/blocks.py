@@ -12,7 +12,7 @@ from rich.text import Text
 from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.view.screen import words
 from bt_orchestrator.view.screen.fit import Glyphs, LinePart, end_of, line, stay, widest
-from bt_orchestrator.view.screen.tree_view import Twig, twigs
+from bt_orchestrator.view.screen.plain import Twig, twigs
 from bt_orchestrator.view.screen.view import CellView, HoldRow, JobRow, Row, Slot, Weight
 
 NARROW = 60

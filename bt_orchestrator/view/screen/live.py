@@ -17,9 +17,9 @@ from bt_orchestrator.view.screen import blocks, words
 from bt_orchestrator.view.screen.advice import Shell
 from bt_orchestrator.view.screen.blocks import Block
 from bt_orchestrator.view.screen.fit import ASCII, UNICODE, Glyphs, heights
-from bt_orchestrator.view.screen.second_screen import SecondScreen
+from bt_orchestrator.view.screen.keys import SecondScreen
+from bt_orchestrator.view.screen.machine import Hearing
 from bt_orchestrator.view.screen.view import CellView, cell_view
-from bt_orchestrator.view.screen.viewer import Hearing
 
 PACE_S = 0.5
 """Longest time between two drawings: times of running tasks go on without news."""

@@ -15,7 +15,7 @@ from bt_orchestrator.view.report.account.losses import WORDS, Step
 from bt_orchestrator.view.report.account.words import duration, percent, rate
 from bt_orchestrator.view.screen.blocks import BAD, CARE, NARROW, QUIET
 from bt_orchestrator.view.screen.fit import ASCII, UNICODE, Glyphs, LinePart, line
-from bt_orchestrator.view.screen.second_screen import SecondScreen
+from bt_orchestrator.view.screen.keys import SecondScreen
 
 _TITLE, _TIME, _PART = 18, 9, 8
 """Widths of the columns of a loss."""

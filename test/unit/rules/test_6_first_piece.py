@@ -20,9 +20,9 @@ from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.view.report.ended_jobs import JobFold
 from bt_orchestrator.view.report.isa95.job_response import response_of_record
 from bt_orchestrator.view.report.item.fold import ItemFold
-from bt_orchestrator.view.report.jobs import JobFold
 from bt_orchestrator.view.screen.words import job_terms
 
 ASKED = f'first_piece: true\n{THREE}'

@@ -12,11 +12,11 @@ from importlib.metadata import version
 from asyncua import Server, ua
 
 from bt_orchestrator.extensions.opcua.server import nodesets
-from bt_orchestrator.extensions.opcua.server.access import Access
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge, Part
 from bt_orchestrator.extensions.opcua.server.holds import Holds
 from bt_orchestrator.extensions.opcua.server.job_control.part import JobControl
 from bt_orchestrator.extensions.opcua.server.library import building, give_back
+from bt_orchestrator.extensions.opcua.server.nodesets import Access
 from bt_orchestrator.extensions.opcua.server.overrides.security import Security
 from bt_orchestrator.extensions.opcua.server.overrides.server import GuardedServer
 from bt_orchestrator.extensions.opcua.server.packml import PackML

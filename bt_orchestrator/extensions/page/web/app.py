@@ -37,7 +37,7 @@ from bt_orchestrator.extensions.page.web.guards import GuardMiddleware
 from bt_orchestrator.extensions.page.web.planning import endpoints as planning
 from bt_orchestrator.extensions.page.web.planning.endpoints import PageQueue
 from bt_orchestrator.model.codec import to_plain
-from bt_orchestrator.ports.plant import PlantCell, PlantCells
+from bt_orchestrator.ports.records import PlantCell, PlantCells
 
 
 def cells_endpoints(cells: PlantCells | None) -> tuple[Endpoint, ...]:

@@ -12,7 +12,7 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.plant.shifts import PlantReason, Shifts
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import Planning, Records
-from bt_orchestrator.ports.plant import PlantCells
+from bt_orchestrator.ports.records import PlantCells
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from bt_orchestrator.model.jobs.job_record import (
     record_of,
 )
 from bt_orchestrator.model.jobs.order import Job, Terms
-from bt_orchestrator.view.report.jobs import FOLLOWED, JobFold
+from bt_orchestrator.view.report.ended_jobs import FOLLOWED, JobFold
 
 
 def jobs_of(records: Iterable[Mapping[str, Any]], *known: JobRecord) -> Mapping[str, JobRecord]:

@@ -21,8 +21,8 @@ from bt_orchestrator.model.script import MadeFrom, Script
 from bt_orchestrator.model.status_words import script_words
 from bt_orchestrator.script.script_file import parse_script
 from bt_orchestrator.store.sqlite.store import SqliteStore
+from bt_orchestrator.view.report.ended_jobs import JobFold, job_text
 from bt_orchestrator.view.report.item.fold import ItemFold
-from bt_orchestrator.view.report.jobs import JobFold, job_text
 from bt_orchestrator.view.report.xes_export import XesExport
 
 

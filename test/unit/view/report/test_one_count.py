@@ -42,12 +42,12 @@ from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.plain import write_csv
 from bt_orchestrator.view.report.account.planned import Planned, us_of
 from bt_orchestrator.view.report.csv_export import write_items
+from bt_orchestrator.view.report.ended_jobs import JobFold
 from bt_orchestrator.view.report.isa95.job_response import (
     JobResponse,
     response_of,
     response_of_record,
 )
-from bt_orchestrator.view.report.jobs import JobFold
 
 pytestmark = pytest.mark.timeout(24 * 3600)
 

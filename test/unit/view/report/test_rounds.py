@@ -10,8 +10,8 @@ from fakes.line import Line, with_section
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.view.report.ended_jobs import JobFold, job_text
 from bt_orchestrator.view.report.item.fold import ItemFold
-from bt_orchestrator.view.report.jobs import JobFold, job_text
 from bt_orchestrator.view.report.xes_export import XesExport
 
 REPEAT = with_section(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.branch import Branch, Outcome
-from bt_orchestrator.view.screen.tree_view import paths, printable, twigs
+from bt_orchestrator.view.screen.plain import paths, printable, twigs
 
 
 def branch(name: str, status: Outcome, *children: Branch, is_decorator: bool = False) -> Branch:

@@ -10,10 +10,14 @@ from asyncua import ua
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.opcua.mes.followed_jobs import News
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
-from bt_orchestrator.extensions.opcua.server.job_control.answers import Shown, answer, one
-from bt_orchestrator.extensions.opcua.server.job_control.jobs import Jobs
+from bt_orchestrator.extensions.opcua.server.job_control.job_orders import Jobs
 from bt_orchestrator.extensions.opcua.server.job_control.lists import MOST, JobLists, chosen
-from bt_orchestrator.extensions.opcua.server.job_control.receiver import Receiver
+from bt_orchestrator.extensions.opcua.server.job_control.receiver import (
+    Receiver,
+    Shown,
+    answer,
+    one,
+)
 from bt_orchestrator.extensions.opcua.server.job_control.records import Records
 from bt_orchestrator.extensions.opcua.server.job_control.status_events import StatusEvents
 from bt_orchestrator.extensions.opcua.server.job_control.structures import (

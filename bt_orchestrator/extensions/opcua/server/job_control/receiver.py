@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,11 +12,11 @@ from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.opcua.mes.methods import REQUESTS, STORING, refused
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
 from bt_orchestrator.extensions.opcua.server.calls import reason_of
-from bt_orchestrator.extensions.opcua.server.job_control.answers import Shown, answer
-from bt_orchestrator.extensions.opcua.server.job_control.jobs import Jobs
+from bt_orchestrator.extensions.opcua.server.job_control.job_orders import Jobs
 from bt_orchestrator.extensions.opcua.server.job_control.status_events import StatusEvents
 from bt_orchestrator.extensions.opcua.server.job_control.structures import comment_from, order_from
 from bt_orchestrator.extensions.opcua.server.space import Call
+from bt_orchestrator.extensions.opcua.server.values import Values
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.job_control import METHODS, Method
 from bt_orchestrator.model.jobs.order import order_id_fault
@@ -23,6 +24,59 @@ from bt_orchestrator.model.status import ListedJob
 from bt_orchestrator.ports.doors.tickets import Outcome
 from bt_orchestrator.view.report.isa95.codes import ReturnStatus, Unfit
 from bt_orchestrator.view.report.isa95.job_order import JobOrder, changes, reason_in, work_order
+
+
+def answer(status: ReturnStatus, *outputs: ua.Variant) -> ua.CallMethodResult:
+    """Return the result of a call; only Good and Uncertain let the outputs arrive.
+
+    :param outputs: those before ReturnStatus
+    """
+    is_done = status is ReturnStatus.DONE
+    code = ua.StatusCodes.Good if is_done else ua.StatusCodes.Uncertain
+    result = ua.CallMethodResult()
+    result.StatusCode = ua.StatusCode(code)
+    number = ua.Variant(int(status), ua.VariantType.UInt64)
+    result.OutputArguments = [*outputs, number]
+    return result
+
+
+def one(structure: Any) -> ua.Variant:
+    """Return a structure as an output."""
+    return ua.Variant(structure, ua.VariantType.ExtensionObject)
+
+
+# A method answers when clients can read what it did: the standard has them look at once.
+
+PATIENCE_S = 1.0
+"""Longest wait for the status after a command; what is done stays done without it."""
+
+
+class Shown:
+    """All calls come from the server's loop."""
+
+    def __init__(self, values: Values) -> None:
+        self._values = values
+        self._seq = 0
+        self._waiting: list[tuple[int, asyncio.Future[None]]] = []
+
+    def reached(self, seq: int) -> None:
+        """Take note of the last event that the values contain."""
+        self._seq = seq
+        for wanted, future in self._waiting:
+            if wanted < seq and not future.done():
+                future.set_result(None)
+        self._waiting = [one for one in self._waiting if not one[1].done()]
+
+    async def wait(self, outcome: Outcome) -> None:
+        """Wait until the values contain what a command did, but not for long."""
+        # What follows from the record of a command is recorded behind it, in the same settle.
+        wanted = max((event.seq for event in outcome.recorded), default=0)
+        if wanted >= self._seq:
+            future = asyncio.get_running_loop().create_future()
+            self._waiting.append((wanted, future))
+            await asyncio.wait([future], timeout=PATIENCE_S)
+        await self._values.write()
+
 
 _WITH_ORDER = (*STORING, job_control.UPDATE)
 

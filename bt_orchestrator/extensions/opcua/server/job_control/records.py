@@ -17,7 +17,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import json_of, to_plain, to_text
 from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
 from bt_orchestrator.model.limits import EVENTS_BYTES, fitting
-from bt_orchestrator.view.report.jobs import JobFold
+from bt_orchestrator.view.report.ended_jobs import JobFold
 from bt_orchestrator.view.report.reading import Reading
 
 TEXT, NUMBER, LONG = ua.VariantType.String, ua.VariantType.UInt32, ua.VariantType.UInt64

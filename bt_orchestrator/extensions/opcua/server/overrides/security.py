@@ -14,7 +14,7 @@ from asyncua import ua
 from asyncua.crypto import uacrypto
 from cryptography.hazmat.primitives.asymmetric.rsa import RSAPrivateKey
 
-from bt_orchestrator.extensions.opcua.server.access import Access
+from bt_orchestrator.extensions.opcua.server.nodesets import Access
 from bt_orchestrator.extensions.opcua.server.pki import Own, Pki, own
 from bt_orchestrator.extensions.opcua.server.trust import Trust
 from bt_orchestrator.model.by import Role

@@ -13,8 +13,8 @@ from starlette.responses import Response
 
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
+from bt_orchestrator.extensions.page.web.archive.ended_jobs import job_record
 from bt_orchestrator.extensions.page.web.archive.histories import reading
-from bt_orchestrator.extensions.page.web.archive.jobs import job_record
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Problem, attached
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain

@@ -13,14 +13,14 @@ from starlette.responses import Response
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look, each, event_of
 from bt_orchestrator.extensions.page.web.archive.downloads import endpoints as of_downloads
+from bt_orchestrator.extensions.page.web.archive.ended_jobs import MOST as MOST_JOBS
+from bt_orchestrator.extensions.page.web.archive.ended_jobs import job_with_items, jobs_page
 from bt_orchestrator.extensions.page.web.archive.histories import (
     Subject,
     history_of,
     item_record,
     items_of,
 )
-from bt_orchestrator.extensions.page.web.archive.jobs import MOST as MOST_JOBS
-from bt_orchestrator.extensions.page.web.archive.jobs import job_with_items, jobs_page
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem
 from bt_orchestrator.extensions.page.web.seams import SeenCell
 from bt_orchestrator.extensions.page.web.wording import said_in_each

@@ -17,10 +17,10 @@ from fakes.virtual_run import VirtualRun
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.engine.runtime.overview import description_of
 from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look
+from bt_orchestrator.extensions.page.web.archive.ended_jobs import job_with_items, jobs_page
 from bt_orchestrator.extensions.page.web.archive.endpoints import Choice, alarms_page, events_page
 from bt_orchestrator.extensions.page.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.extensions.page.web.archive.histories import Subject, history_of, item_record
-from bt_orchestrator.extensions.page.web.archive.jobs import job_with_items, jobs_page
 from bt_orchestrator.model.events import Event, HoldRaised
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports.doors.following_door import Happened

@@ -16,7 +16,7 @@ from bt_orchestrator.base.extending import ExtensionMissing
 from bt_orchestrator.extensions.page.verb import cells_of
 from bt_orchestrator.extensions.page.web.app import cells_endpoints
 from bt_orchestrator.extensions.page.web.endpoint import Problem
-from bt_orchestrator.ports.plant import PlantCell, PlantCells
+from bt_orchestrator.ports.records import PlantCell, PlantCells
 
 LINE = PlantCell('line_1', 'Held', 12.5, 'own_fault', 99, 13.5, 0.5, 2, 'http://line-1:8080/')
 

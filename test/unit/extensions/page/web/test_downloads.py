@@ -18,8 +18,8 @@ from hypothesis import given
 
 from bt_orchestrator.extensions.page.web.archive import Archive, downloads
 from bt_orchestrator.extensions.page.web.archive.archive import Look
+from bt_orchestrator.extensions.page.web.archive.ended_jobs import job_record
 from bt_orchestrator.extensions.page.web.archive.heard import HeardRecords
-from bt_orchestrator.extensions.page.web.archive.jobs import job_record
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import Event

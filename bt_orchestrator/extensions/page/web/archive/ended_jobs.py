@@ -22,7 +22,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import plain_but, to_plain
 from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord, all_counts
 from bt_orchestrator.model.records import JobPlace, Wanted
-from bt_orchestrator.view.report.jobs import FOLLOWED, JobFold
+from bt_orchestrator.view.report.ended_jobs import FOLLOWED, JobFold
 
 MOST = 50
 """Most jobs of one answer."""

@@ -14,7 +14,7 @@ from bt_orchestrator.model.judging.used_ids import UsedIds
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
-from bt_orchestrator.model.state.jobs import ItemState, JobState
+from bt_orchestrator.model.state.job_state import ItemState, JobState
 from bt_orchestrator.model.state.line import (
     FlagState,
     KnownSetup,
