@@ -60,8 +60,10 @@ def title(sheet: Sheet) -> Label:
         rows.append(Text(say('quantity: default {count}', count=script.quantity), 11, FAINT))
     limit = script.hold_after or sheet.cell.hold_after
     if limit is not None:
-        after = 'holds after {rejects} rejects within {of} items'
-        rows.append(Text(say(after, rejects=limit.rejects, of=limit.of), 11, FAINT))
+        held = say(
+            'holds after {rejects} rejects within {of} items', rejects=limit.rejects, of=limit.of
+        )
+        rows.append(Text(held, 11, FAINT))
     if sheet.state is not None:
         rows += headlines(sheet.state, sheet.wording)
     height = 16 + LINE * len(rows)

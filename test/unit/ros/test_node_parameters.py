@@ -36,6 +36,15 @@ def test_every_parameter_is_an_option() -> None:
         ),
         *('--unauthenticated-role', 'mes', '--trust-local-doors'),
         *('--inspection', 'py_trees_ros', '--trees', 'folder', '--script-paths'),
+        *(
+            '--control',
+            'remote',
+            '--users',
+            'users.yaml',
+            '--reasons',
+            'reasons.yaml',
+            '--standby',
+        ),
     )
     told = NodeParameters(**{name: getattr(args, name) for name, _ in described()})
     for one in fields(NodeParameters):
