@@ -79,7 +79,7 @@ def accounts(
     mine = figures(fold.until(last), Paces(cell), MICRO_STOP_US)
 
     def pace_us(job: str) -> Fraction:
-        found = pace(scripts[job], cell)
+        found = pace(scripts[job.partition('-rest')[0]], cell)
         return Fraction(0) if found is None else found.limit.per_item_us
 
     naive = naive_account(records, planned.pieces, pace_us)
@@ -332,9 +332,9 @@ def restarted(
         if number in due and events:
             if due[number]:
                 events.append(e.OrchestratorStopping().stamped(0, events[-1].time))
-            between = round((events[-1].time + event.time) / 2, 3)
+            between = (events[-1].time + event.time) / 2
             began = e.OrchestratorStarted(cell='test_line', digest='d')
-            events.append(began.stamped(0, min(between, event.time)))
+            events.append(began.stamped(0, between))
         events.append(event)
     return [to_record(one.stamped(seq, one.time)) for seq, one in enumerate(events, start=1)]
 
