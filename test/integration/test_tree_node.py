@@ -25,6 +25,7 @@ from bt_orchestrator.cli.bootstrap import (
     build_bookkeeping,
     build_foresight,
     build_generating,
+    build_stop_search,
     memory_store,
 )
 from bt_orchestrator.cli.journal_file import open_journal, open_standby
@@ -89,8 +90,8 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
         executor=request.param,
         server_timeout=1.0,
     )
-    builders = (memory_store, build_foresight, build_bookkeeping, build_generating)
-    parts = Parts(open_journal, open_standby, *builders)
+    making = (build_foresight, build_bookkeeping, build_generating, build_stop_search)
+    parts = Parts(open_journal, open_standby, memory_store, *making)
     node = TreeNode(Node(NODE_NAME), parameters, parts, StopSignals(), print)
     yield node
     node.close()
