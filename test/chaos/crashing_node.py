@@ -148,7 +148,11 @@ def set_machine(folder: Path) -> None:
     """Be on another machine, if there is the file that names its boot."""
     if (folder / BOOT).exists():
         boot = (folder / BOOT).read_text()
-        clock._boot_id = lambda _: boot
+
+        def boot_id(proc: Path) -> str | None:
+            return boot
+
+        clock._boot_id = boot_id
 
 
 def set_clock(ahead_s: float, folder: Path) -> None:

@@ -21,7 +21,7 @@ from bt_orchestrator.model.goal import (
     SERVER_LEASE_S,
     GoalEnd,
     GoalStatus,
-    SeenContest,
+    SafetyReading,
     SetupReading,
     StateReading,
 )
@@ -388,7 +388,7 @@ class GatewayContract(ABC):
 
 def _goals(bench: Bench) -> tuple[Goal, ...]:
     """Return what is new of goals; components of other tests tell of their states as well."""
-    others = (StateReading, SetupReading, SeenContest)
+    others = (StateReading, SetupReading, SafetyReading, SeenContest)
     return tuple(new for new in bench.gateway.drain() if not isinstance(new, others))
 
 

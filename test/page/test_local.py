@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,7 @@ def test_7_8_a_line_in_local_is_moved_at_its_panel_alone(tmp_path: Path, sit: Si
         for tab, name in ((ann, 'ann'), (eve, 'eve')):
             tab.until_news()
             tab.log_in(name)
-            tab.until(lambda tab=tab: tab.count(RETRY), 'a hold')
+            tab.until(partial(tab.count, RETRY), 'a hold')
         assert not locked(ann, RETRY)
         for name in ('.in-local', '.unsafe'):
             assert not ann.page.locator(name).is_visible()

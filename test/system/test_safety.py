@@ -81,12 +81,17 @@ def at_work(start_cell: StartCell, *options: str) -> CellProcesses:
     return cell
 
 
+def until_safety(cell: CellProcesses, wanted: str) -> None:
+    """Wait until the status says this of the safety input."""
+    cell.watch.until_status(lambda status: status.safety == wanted, wanted)
+
+
 def flap(safety: Safety, cell: CellProcesses) -> None:
     """Let the input come and go several times, each time for long enough to be seen."""
     for value in ('false', 'true', 'false', 'true', 'false'):
         safety.says(value)
         wanted = 'ready' if value == 'true' else 'it is False'
-        cell.watch.until_status(lambda one, wanted=wanted: one.safety == wanted, wanted)
+        until_safety(cell, wanted)
 
 
 LOSSES: dict[str, tuple[Callable[[Safety, CellProcesses], object], str]] = {

@@ -14,7 +14,6 @@ export const SCREENS = {
   jobs: () => import('./screens/jobs.js'),
   job: () => import('./screens/job.js'),
   item: () => import('./screens/item.js'),
-  shift: () => import('./screens/shift.js'),
   login: () => import('./screens/login.js'),
 };
 

@@ -75,28 +75,12 @@ function stateBlock() {
 
   function update() {
     const cell = part('cell');
-    attribute(element, 'data-kind', cell?.state_kind ?? 'unknown');
-    attribute(element, 'data-state', cell?.state ?? '');
-    attribute(element, 'data-news', news().kind);
-    reshape(drawn, news().kind === 'fresh' ? (SHAPES[cell?.state_kind] ?? 'ring') : 'broken');
+    showKind(element, drawn, cell);
     text(name, cell?.name ?? '');
-    const isLocal = cell?.control === 'local';
-    show(local, isLocal);
-    const isUnsafe = Boolean(cell?.safety) && cell.safety !== 'ready';
-    show(unsafe, isUnsafe);
-    text(unsafe, isUnsafe ? t('topbar.unsafe', { why: cell.safety }) : '');
-    text(local, isLocal ? t('topbar.in_local') : '');
-    attribute(local, 'title', isLocal ? t('ask.in_local') : null);
+    showLocal(local, cell?.control === 'local');
+    showUnsafe(unsafe, cell?.safety ?? '');
     text(word, cell ? stateWords(cell) : t('news.waiting'));
-    text(
-      since,
-      cell
-        ? t('topbar.since', {
-            time: at(sinceWhen(cell)),
-            duration: duration(shownMoment() - sinceWhen(cell)),
-          })
-        : '',
-    );
+    text(since, cell ? sinceWords(sinceWhen(cell)) : '');
     why.say(newsTrouble() || (cell ? whyItStands(cell) : ''));
     document.title = cell
       ? `${tOr(`state.${cell.state}`, cell.state)} · ${cell.name}`
@@ -108,9 +92,35 @@ function stateBlock() {
   return { element, end: () => ends.forEach((end) => end()) };
 }
 
+/** Show the kind of the state as a colour and a shape; it is broken without news. */
+function showKind(element, drawn, cell) {
+  const kind = cell?.state_kind ?? 'unknown';
+  attribute(element, 'data-kind', kind);
+  attribute(element, 'data-state', cell?.state ?? '');
+  attribute(element, 'data-news', news().kind);
+  reshape(drawn, news().kind === 'fresh' ? (SHAPES[kind] ?? 'ring') : 'broken');
+}
+
+function showLocal(element, isLocal) {
+  show(element, isLocal);
+  text(element, isLocal ? t('topbar.in_local') : '');
+  attribute(element, 'title', isLocal ? t('ask.in_local') : null);
+}
+
+/** Show why the safety input is not ready; without one, or with `ready`, there is nothing to show. */
+function showUnsafe(element, why) {
+  const isUnsafe = why !== '' && why !== 'ready';
+  show(element, isUnsafe);
+  text(element, isUnsafe ? t('topbar.unsafe', { why }) : '');
+}
+
 /** Since when the word of the state is true. */
 function sinceWhen(cell) {
   return standsSilently(cell) ? cell.stands.since : cell.since;
+}
+
+function sinceWords(when) {
+  return t('topbar.since', { time: at(when), duration: duration(shownMoment() - when) });
 }
 
 function stateWords(cell) {
