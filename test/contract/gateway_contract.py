@@ -22,6 +22,7 @@ from bt_orchestrator.model.goal import (
     GoalEnd,
     GoalStatus,
     SafetyReading,
+    SeenContest,
     SetupReading,
     StateReading,
 )
