@@ -44,8 +44,13 @@ class Plant:
         return self._server.place(self.name, cell)
 
     def events(self, cell: str) -> list[tuple[object, ...]]:
+        import psycopg
+
         where = f"WHERE cell = '{cell}' ORDER BY seq"
-        return self.rows(f'SELECT seq, record FROM plant.events {where}')
+        try:
+            return self.rows(f'SELECT seq, record FROM plant.events {where}')
+        except psycopg.errors.UndefinedTable:
+            return []  # no feed has come so far yet
 
 
 def journal(cell: CellProcesses) -> Path:
