@@ -47,8 +47,7 @@ function stopTable() {
     { head: t('shift.stop_to'), cell: (one) => endOf(one) },
     { head: t('shift.stop_lost'), cell: (one) => lostOf(one), isNumber: true },
     { head: t('shift.stop_why'), cell: whyOf },
-    { head: t('shift.stop_reason'), cell: reasonOf },
-    { head: '', cell: buttonOf },
+    { head: t('shift.stop_reason'), cell: (one) => [...reasonOf(one), buttonOf(one)] },
   ];
   const caption = t('shift.stops_of');
   return table({ caption, columns, key: (one) => one.stop, empty: t('shift.no_stops') });
@@ -68,7 +67,7 @@ function whyOf({ loss, detail, component }) {
 }
 
 function reasonOf({ code, by, why }) {
-  if (!code) return h('span', { class: 'not-classified' }, t('shift.not_classified'));
+  if (!code) return [h('div', { class: 'not-classified' }, t('shift.not_classified'))];
   const said = [by, why].filter(Boolean).join(': ');
   return [h('div', { 'data-code': code }, reasonWords(code)), said ? small(said) : ''];
 }
