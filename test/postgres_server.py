@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pwd
 import shutil
@@ -10,10 +11,14 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from itertools import count
 from pathlib import Path
 from typing import Any
+
+from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.records import Wanted
 
 PATIENCE_S = 60.0
 USER = 'plant'
@@ -190,3 +195,14 @@ def postgres_server(**settings: str) -> Iterator[PostgresServer]:
         yield server
     finally:
         server.close()
+
+
+def kept_events(address: str) -> list[Event]:
+    """Return the events of a journal, which has no damage."""
+    from bt_orchestrator.extensions.postgres.records import PostgresRecords
+
+    with closing(PostgresRecords(address)) as records:
+        page = records.page(Wanted())
+    assert page.is_last
+    assert not page.damage
+    return [from_record(json.loads(record.text)) for record in page.records]

@@ -2,52 +2,24 @@
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import closing
 
 import pytest
 from bt_orchestrator_interfaces.srv import GetEvents, QueueList
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering
 from postgres_proxy import through
-from postgres_server import PostgresServer, postgres_server
+from postgres_server import PostgresServer, kept_events
 from program_process import ProgramProcess
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.model.records import Wanted
-
-
-@pytest.fixture(scope='module')
-def server() -> Iterator[PostgresServer]:
-    pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
-    with postgres_server() as found:
-        yield found
-
-
-@pytest.fixture
-def address(server: PostgresServer) -> str:
-    return server.place(server.database(), 'small_cell')
 
 
 def start(start_cell: StartCell, address: str, *options: str) -> CellProcesses:
     cell = start_cell(remembering(SMALL_CELL), run_options=['--journal', address, *options])
     cell.connect()
     return cell
-
-
-def journal(address: str) -> list[e.Event]:
-    """Return what the journal says."""
-    from bt_orchestrator.extensions.postgres.records import PostgresRecords
-
-    with closing(PostgresRecords(address)) as records:
-        page = records.page(Wanted())
-    assert page.is_last
-    assert not page.damage
-    return [from_record(json.loads(record.text)) for record in page.records]
 
 
 def until_some_goal_ran(cell: CellProcesses, goals: int) -> None:
@@ -76,7 +48,7 @@ def test_9_1_without_its_database_a_node_ends_and_the_next_goes_on(
     cell.stop()
     ran = Counter(record['goal'] for record in cell.goals(event='started'))
     assert set(ran.values()) == {1}
-    assert not [x for x in journal(address) if isinstance(x, e.TaskFailed)]
+    assert not [x for x in kept_events(address) if isinstance(x, e.TaskFailed)]
 
 
 SLOW_S = 0.4

@@ -2,39 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import os
 import random
 import signal
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import closing
 from socket import gethostname
 
 import pytest
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering
 from diagnostic_msgs.msg import DiagnosticArray
-from postgres_server import PostgresServer, postgres_server
+from postgres_server import PostgresServer, kept_events
 from program_process import ProgramProcess
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.model.records import Wanted
 
 ITEMS = 6
-
-
-@pytest.fixture(scope='module')
-def server() -> Iterator[PostgresServer]:
-    pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
-    with postgres_server() as found:
-        yield found
-
-
-@pytest.fixture
-def address(server: PostgresServer) -> str:
-    return server.place(server.database(), 'small_cell')
 
 
 class Pair:
@@ -90,20 +74,9 @@ def pair(start_cell: StartCell, address: str) -> Iterator[Pair]:
     pair.close()
 
 
-def journal(address: str) -> list[e.Event]:
-    """Return what the journal says."""
-    from bt_orchestrator.extensions.postgres.records import PostgresRecords
-
-    with closing(PostgresRecords(address)) as records:
-        page = records.page(Wanted())
-    assert page.is_last
-    assert not page.damage
-    return [from_record(json.loads(record.text)) for record in page.records]
-
-
 def assert_all_done_once(pair: Pair, address: str, leaders: int) -> None:
     """Compare the journal with what the controllers did."""
-    events = journal(address)
+    events = kept_events(address)
     done = Counter((x.item, x.task) for x in events if isinstance(x, e.TaskSucceeded))
     ran = Counter(record['goal'] for record in pair.cell.goals(event='started'))
     assert [x.seq for x in events] == list(range(1, len(events) + 1))
@@ -138,7 +111,7 @@ def test_9_4_goals_that_a_leader_has_ended_are_no_strangers(pair: Pair, address:
     pair.lead(standby)
     pair.cell.run_small(order='WO-2')
     pair.cell.watch.until_ended('WO-2', within_s=60.0)
-    assert not [x for x in journal(address) if isinstance(x, e.HoldRaised)]
+    assert not [x for x in kept_events(address) if isinstance(x, e.HoldRaised)]
     pair.cell.stop()
 
 
