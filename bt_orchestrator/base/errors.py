@@ -83,6 +83,10 @@ class JournalUnusable(OrchestratorError):
     """The journal cannot be opened, or cannot be read as a whole; nothing in it was changed."""
 
 
+class DatabaseAway(JournalUnusable):
+    """The database with the journal cannot be reached, or ended the connection: it may return."""
+
+
 class JournalAway(OrchestratorError):
     """A journal that several machines can reach cannot be written: the node has to end.
 

@@ -232,7 +232,8 @@ def _records(reading: Reading, args: argparse.Namespace, stop: StopSignals) -> I
         if not args.follow:
             return
         wanted, is_continued = wanted.past(end), True
-    for page in reading.pages(wanted, is_continued=is_continued):
+    ends_within = stopped.wait if args.follow else None
+    for page in reading.pages(wanted, is_continued=is_continued, ends_within=ends_within):
         yield from (record.text for record in page.records)
         if page.is_last and (not args.follow or stopped.wait(POLL_S)):
             return

@@ -11,7 +11,7 @@ from urllib.parse import quote, unquote
 import psycopg
 from psycopg.conninfo import conninfo_to_dict, make_conninfo
 
-from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.base.errors import DatabaseAway, JournalUnusable
 
 EXAMPLE = 'postgresql://USER@HOST/DATABASE/CELL'
 
@@ -55,10 +55,6 @@ class Place(NamedTuple):
 
 
 _FORM = re.compile(r'(postgres(?:ql)?://[^/?#]*/[^/?#]+)(?:/([^/?#]*))?(\?[^#]*)?')
-
-
-class DatabaseAway(JournalUnusable):
-    """The plant's database cannot be reached, or ended the connection: it may come back."""
 
 
 def place_of(address: str) -> Place:

@@ -18,11 +18,10 @@ from uuid import uuid4
 import psycopg
 from psycopg.conninfo import conninfo_to_dict
 
-from bt_orchestrator.base.errors import JournalFailed, JournalUnusable
+from bt_orchestrator.base.errors import DatabaseAway, JournalFailed, JournalUnusable
 from bt_orchestrator.extensions.postgres.connecting import (
     EXAMPLE,
     Connection,
-    DatabaseAway,
     Place,
     connected,
     place_of,

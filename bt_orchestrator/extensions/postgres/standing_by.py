@@ -8,11 +8,10 @@ from pathlib import Path
 
 import psycopg
 
-from bt_orchestrator.base.errors import JournalAway, JournalUnusable
+from bt_orchestrator.base.errors import DatabaseAway, JournalAway, JournalUnusable
 from bt_orchestrator.extensions.postgres.connecting import (
     EXAMPLE,
     Connection,
-    DatabaseAway,
     connected,
     place_of,
 )

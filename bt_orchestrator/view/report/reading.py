@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
+from bt_orchestrator.base.errors import DatabaseAway
 from bt_orchestrator.model.codec import known_event
 from bt_orchestrator.model.events import Event, ScriptLoaded
 from bt_orchestrator.model.jobs.job_record import JobRecord
@@ -19,6 +20,9 @@ from bt_orchestrator.view.report.ended_jobs import FOLLOWED, JobFold
 from bt_orchestrator.view.report.line_stops import GivenReasons
 
 log = logging.getLogger(__name__)
+
+AGAIN_S = 1.0
+"""Time between two attempts to reach a database that is away."""
 
 MOST = 1000
 """Records that are asked for at a time."""
@@ -53,17 +57,27 @@ class Reading:
         self.tell_new(page.damage)
         return page
 
-    def pages(self, wanted: Wanted, *, is_continued: bool = False) -> Iterator[RecordPage]:
+    def pages(
+        self,
+        wanted: Wanted,
+        *,
+        is_continued: bool = False,
+        ends_within: Callable[[float], bool] | None = None,
+    ) -> Iterator[RecordPage]:
         """Yield page after page, oldest first, without end: the last one again as it grows.
 
         It reports events that were removed before they were read, and a change to another history,
         which is then read from its beginning.
 
         :param is_continued: earlier events were read before
+        :param ends_within: waits so many seconds for an end that a person wants, and tells whether
+            it came: a database that is away is waited for; None: it is not
         """
         begin, history = replace(wanted, after_seq=0), None
         while True:
-            page = self.page(wanted)
+            page = self.page(wanted) if ends_within is None else self._patient(wanted, ends_within)
+            if page is None:
+                return
             if history is not None and page.history != history:
                 self._tell(f'the journal goes on as history {page.history}; from its beginning:')
                 wanted, is_continued = begin, False
@@ -73,6 +87,19 @@ class Reading:
                 yield page
                 wanted, is_continued = page.rest, True
             history = page.history
+
+    def _patient(self, wanted: Wanted, ends_within: Callable[[float], bool]) -> RecordPage | None:
+        """Return the next page, once there is a database; None: a person wants an end."""
+        is_known = False
+        while True:
+            try:
+                return self.page(wanted)
+            except DatabaseAway as error:
+                if not is_known:
+                    self._tell(f'{error}; goes on when the database is back, Ctrl-C ends')
+                is_known = True
+            if ends_within(AGAIN_S):
+                return None
 
     def known(self, page: RecordPage) -> Iterator[Event]:
         """Yield the events of a page that this program knows."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import re
+import signal
 import sys
+import time
 from pathlib import Path
 
 import pytest
 from fakes.long_journal import LongRun
-from postgres_server import PostgresServer
+from postgres_server import PostgresServer, postgres_server
+from program_process import ProgramProcess
 
 from bt_orchestrator.cli.main import main
 
@@ -96,3 +100,29 @@ def test_a_journal_that_is_not_there(
 ) -> None:
     assert feed(server, database, '--journal', str(tmp_path / 'none')) == 1
     assert 'there is no journal' in capsys.readouterr().err
+
+
+def test_events_are_followed_over_an_outage_of_the_database(journal: Path, tmp_path: Path) -> None:
+    with postgres_server() as server:
+        database = server.database()
+        assert feed(server, database, '--journal', str(journal), cell='line_1') == 0
+        words = ['events', '--journal', server.place(database, 'line_1'), '--follow']
+        follower = ProgramProcess(words, tmp_path, 'follower')
+        follower.wait_ready('job.completed')
+        server.stop(signal.SIGQUIT)
+        while 'goes on when the database is back' not in follower.errors:
+            assert follower.is_running, follower.errors
+            time.sleep(0.02)
+        server.start()
+        run = LongRun(journal)
+        run.job('J2', 1)
+        run.close()
+        assert feed(server, database, '--journal', str(journal), cell='line_1') == 0
+        while not re.search('"job.completed".*"J2"', follower.output):
+            assert follower.is_running, follower.errors
+            time.sleep(0.02)
+        follower.send(signal.SIGINT)
+        assert follower.wait() == 0
+    numbers = [json.loads(line)['seq'] for line in follower.output.splitlines()]
+    assert numbers == list(range(1, len(numbers) + 1))
+    assert follower.errors.count('goes on when') == 1

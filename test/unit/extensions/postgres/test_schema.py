@@ -7,11 +7,10 @@ from contextlib import closing
 import pytest
 from psycopg import errors
 
-from bt_orchestrator.base.errors import JournalUnusable
+from bt_orchestrator.base.errors import DatabaseAway, JournalUnusable
 from bt_orchestrator.extensions.postgres import schema
 from bt_orchestrator.extensions.postgres.connecting import (
     Connection,
-    DatabaseAway,
     Place,
     connected,
     place_of,
