@@ -36,13 +36,15 @@ _MOST_PASSES = 12
 _NODE = Path(__file__).with_name('crashing_node.py')
 
 _WRITERS = """
-CREATE TABLE IF NOT EXISTS public.writers (seq bigint, backend integer);
+CREATE TABLE IF NOT EXISTS public.writers (seq bigint, session text);
 CREATE OR REPLACE FUNCTION public.note_writer() RETURNS trigger LANGUAGE plpgsql AS $$
-BEGIN INSERT INTO public.writers VALUES (NEW.seq, pg_backend_pid()); RETURN NEW; END $$;
+BEGIN INSERT INTO public.writers VALUES (NEW.seq, (
+  SELECT concat(pid, backend_start) FROM pg_stat_get_activity(pg_backend_pid())));
+RETURN NEW; END $$;
 CREATE TRIGGER note_writer BEFORE INSERT ON cell_1.events
     FOR EACH ROW EXECUTE FUNCTION public.note_writer()
 """
-"""Notes which session has written each event."""
+"""Notes which session has written each event; the number of a process may come again."""
 
 
 @dataclass
@@ -215,10 +217,10 @@ class Succession:
 
     def _late_writers(self) -> Iterator[str]:
         """Yield each event that a session wrote after a later session had begun to write."""
-        seen: list[int] = []
-        rows = self._database.ask_all('SELECT seq, backend FROM public.writers ORDER BY seq')
-        for seq, backend in rows:
-            if backend in seen[:-1]:
+        seen: list[str] = []
+        rows = self._database.ask_all('SELECT seq, session FROM public.writers ORDER BY seq')
+        for seq, session in rows:
+            if session in seen[:-1]:
                 yield f'event {seq} was written by a leader after the next one had begun'
-            elif backend not in seen:
-                seen.append(backend)
+            elif session not in seen:
+                seen.append(session)
