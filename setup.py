@@ -39,7 +39,7 @@ def develop_options() -> dict[str, dict[str, str]]:
 
 setuptools.setup(
     name=NAME,
-    version='0.1.0',
+    version='1.0.0',  # as in package.xml; setup.cfg adds what a candidate is called
     description='Behaviour trees of ROS 2 action clients for robotic cells along a conveyor',
     author='bt_orchestrator maintainers',
     author_email='maintainers@example.org',

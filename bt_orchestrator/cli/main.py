@@ -10,7 +10,11 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from bt_orchestrator.base.diagnosis.ros_environment import keep_to_this_computer, ros_says
+from bt_orchestrator.base.diagnosis.ros_environment import (
+    keep_to_this_computer,
+    name_ros_wheels,
+    ros_says,
+)
 from bt_orchestrator.base.errors import JournalAway, OrchestratorError, Refused
 from bt_orchestrator.base.extending import ExtensionMissing
 from bt_orchestrator.cli.command_parser import CommandParser
@@ -55,6 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     _print_anything()
     if (no_text := next(filter(_is_no_text, words), None)) is not None:
         return _complain(None, _NO_TEXT.format(no_text), 2)
+    name_ros_wheels(os.environ, sys.prefix)
     keep_off_shared_memory(os.environ)
     keep_to_this_computer(os.environ)
     try:

@@ -32,6 +32,7 @@ def setup_interfaces(root: Path) -> None:
         name=package.name,
         version=package.version,
         description=package.description,
+        license=package.licence,
         packages=[package.name],
         package_dir={package.name: '.'},  # has to exist, though nothing is copied from it
         cmdclass={'build_py': BuildInterfaces},

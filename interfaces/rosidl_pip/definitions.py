@@ -17,6 +17,7 @@ class InterfacePackage:
     name: str
     version: str
     description: str
+    licence: str
     files: tuple[Path, ...]
 
 
@@ -33,6 +34,7 @@ def read_package(root: Path) -> InterfacePackage:
         name=_text(xml, 'name'),
         version=_text(xml, 'version'),
         description=_text(xml, 'description'),
+        licence=_text(xml, 'license'),
         files=files,
     )
 

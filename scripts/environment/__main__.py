@@ -55,6 +55,8 @@ def main() -> None:
             environment.add_postgres()
         if options.node:
             environment.add_node_packages()
+        if options.wheels:
+            environment.pack(Path(options.wheels))
 
 
 def parse_arguments() -> argparse.Namespace:
@@ -97,6 +99,12 @@ def parse_arguments() -> argparse.Namespace:
         action='store_true',
         help='Node too, with an OPC UA client, a linter and a compiler that checks types, in the '
         'folder .venv/<distro>: for the gates opcua and javascript',
+    )
+    parser.add_argument(
+        '--wheels',
+        metavar='FOLDER',
+        help='put there what another computer needs, of the same Python, distribution and kind of '
+        'processor: sdist and wheels of this project, and requirements.txt with the rest by hash',
     )
     return parser.parse_args()
 

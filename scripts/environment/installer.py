@@ -21,6 +21,9 @@ PIP_ONLY = ('.index-url', '.no-index', '.proxy')
 EXACTLY = ('--no-deps', '--no-build-isolation')
 """What is named, built by what is installed."""
 
+BY_HASH = '--require-hashes'
+"""Nothing without a hash, even if a list has lost one."""
+
 UV_OPTIONS = ('--link-mode', 'copy', '--compile-bytecode')
 """Copies: an edit in the environment must not reach others through uv's cache. Compiled:
 where Python may not write files, each process compiles what it imports, 1 s of CPU for a node."""
@@ -38,13 +41,12 @@ class Installer:
         self._pip: Command = [python, '-m', 'pip']
 
     def prepare(self, pins: Path) -> None:
-        """Bring uv and pip into a new environment, in the versions of `pins`.
+        """Bring uv and pip into a new environment, as `pins` name them.
 
         A pip beside the interpreter saves the time to install one, but not every one has it.
         """
         outside: Command = [sys.executable, '-m', 'pip', '--python', self._python]
         if find_spec('pip') and self._fetch_uv(outside, pins):
-            self.install_lists('pip', pins)
             return
         self._run('ensurepip', self._python, '-m', 'ensurepip', exactly=())
         if not self._fetch_uv(self._pip, pins):
@@ -53,17 +55,16 @@ class Installer:
     def _fetch_uv(self, pip: Command, pins: Path) -> bool:
         if _has_settings(pip):
             return False
-        pin = next(line for line in pins.read_text().splitlines() if line.startswith('uv=='))
         try:
             # As a wheel only: building it takes a compiler for Rust, and many minutes.
-            self._run('uv', *pip, 'install', '--only-binary', ':all:', pin)
+            self._run('uv', *pip, 'install', '--only-binary', ':all:', BY_HASH, '-r', pins)
         except Failure:
             return False
         return self._uv.exists()
 
     def install_lists(self, log: str, *lists: Path) -> None:
-        """Install exactly what the lists name."""
-        self._install(log, *(part for path in lists for part in ('-r', path)))
+        """Install exactly what the lists name; a file of another hash is refused."""
+        self._install(log, BY_HASH, *(part for path in lists for part in ('-r', path)))
 
     def install_wheels(self, log: str, *wheels: Path) -> None:
         """Install these wheels in place of others of their name and version."""

@@ -24,7 +24,7 @@ PACKAGE = 'bt_orchestrator'
 # All that setup.py packs, and itself.
 PACKED = (
     *(PACKAGE, 'config', 'launch', 'recipes', 'resource', 'schemas', 'trees'),
-    *('package.xml', 'pyproject.toml', 'setup.cfg', 'setup.py'),
+    *('LICENSE', 'NOTICE', 'package.xml', 'pyproject.toml', 'setup.cfg', 'setup.py'),
 )
 KEPT_WHEELS = 12
 
@@ -109,6 +109,15 @@ def package_project(root: Path, python: Path, foundation: str) -> Project:
         run_logged(scratch.parent / f'{PACKAGE}.log', *command, cwd=scratch / PACKAGE)
 
     return Project(PACKAGE, digest(sources, root, foundation), build)
+
+
+def build_sdist(root: Path, python: Path, target: Path, state: Path) -> None:
+    """Pack the sources of bt_orchestrator itself as pip takes them, into `target`."""
+    copy = state / 'sdist'
+    copy_tree(find_sources(*(root / name for name in PACKED)), root, copy)
+    code = 'import sys; from setuptools.build_meta import build_sdist; build_sdist(sys.argv[1])'
+    run_logged(state / 'sdist.log', str(python), '-c', code, str(target.absolute()), cwd=copy)
+    shutil.rmtree(copy)
 
 
 def _compiler() -> str:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import configparser
 import os
+import re
 import shutil
 import sys
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from commands import base_interpreter, run_logged
 from installer import UV_OPTIONS, Installer
 from node_packages import FILES, install_node_packages
-from projects import PACKAGE, Project, interface_project, package_project, read_list
+from projects import PACKAGE, Project, build_sdist, interface_project, package_project, read_list
 from report import Failure, say, step
 from sources import digest
 
@@ -123,6 +125,17 @@ class Environment:
             install_node_packages(self.folder, NODE_PACKAGES, self._state / 'npm.log')
         self._done('node', stamp)
 
+    def pack(self, folder: Path) -> None:
+        """Fill `folder` with the wheels, the sdist, and the list of all that they need."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for wheel in (self._state / 'wheels').glob('*/*.whl'):
+            shutil.copy(wheel, folder)
+        with step(f'the sdist, for {folder}', self._logs):
+            build_sdist(self._root, self._python, folder, self._state)
+        names = (self._distro, 'runtime', 'page', 'opcua', 'recipes', 'parquet', 'postgres')
+        lists = [(REQUIREMENTS / f'{name}.txt').read_text() for name in names]
+        (folder / 'requirements.txt').write_text(''.join(merged(lists)))
+
     def _projects(self, foundation: str) -> list[Project]:
         interfaces = self._root / 'interfaces'
         own = sorted(path.parent for path in interfaces.glob('*/package.xml'))
@@ -193,6 +206,12 @@ class Environment:
 
     def _done(self, name: str, stamp: str) -> None:
         self._stamp(name).write_text(stamp)
+
+
+def merged(lists: Sequence[str]) -> list[str]:
+    """Return the entries of lists of pins, each once: some packages stand in several."""
+    entries = (entry for text in lists for entry in re.split(r'(?m)^(?=\w)', text)[1:])
+    return sorted(dict.fromkeys(entries))
 
 
 def link_programs(environment: Path) -> None:

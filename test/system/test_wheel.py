@@ -1,9 +1,8 @@
-"""The wheel, in an environment of its own: everything that it reads has been packed."""
+"""The sdist, in an environment of its own: everything that is read has been packed, twice."""
 
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 import sysconfig
@@ -11,13 +10,13 @@ from pathlib import Path
 
 import pytest
 from cell_processes import ROOT
+from projects import build_sdist
 
 CELL = 'config/reference_cell.yaml'
 ORDER = 'config/orders/wo_1001.yaml'
 SCRIPT = 'trees/inspect_and_assemble.yaml'
 OF_ROS = ('AMENT_', 'LD_', 'PYTHON', 'ROS_', '_ROS_')
 SHARED = ('config', 'launch', 'recipes', 'schemas', 'trees')
-LEFT_OUT = ('.*', 'test', 'docs', 'bench', 'build', '*.egg-info', '__pycache__')
 
 
 def run(command: list[str], cwd: Path) -> str:
@@ -32,18 +31,17 @@ def run(command: list[str], cwd: Path) -> str:
 
 @pytest.fixture(scope='module')
 def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Give an environment with the wheel; what it requires is seen from the one of the tests."""
+    """Give an environment with the sdist; what it requires is seen from the one of the tests."""
     folder = tmp_path_factory.mktemp('wheel')
-    shutil.copytree(ROOT, folder / 'sources', ignore=shutil.ignore_patterns(*LEFT_OUT))
-    build = 'import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])'
-    run([sys.executable, '-c', build, str(folder)], folder / 'sources')
-    (wheel,) = folder.glob('*.whl')
+    build_sdist(ROOT, Path(sys.executable), folder, folder)
+    (sdist,) = folder.glob('*.tar.gz')
     empty = folder / 'empty'
     run([sys.executable, '-m', 'venv', '--without-pip', str(empty)], folder)
-    pip = [sys.executable, '-m', 'pip', '--python', str(empty / 'bin' / 'python'), 'install']
-    run([*pip, '--quiet', '--no-deps', '--no-index', str(wheel)], folder)
     (site_packages,) = empty.glob('lib/python*/site-packages')
     (site_packages / 'required.pth').write_text(sysconfig.get_path('purelib'))
+    pip = [sys.executable, '-m', 'pip', '--python', str(empty / 'bin' / 'python'), 'install']
+    alone = ('--no-deps', '--no-index', '--no-build-isolation')
+    run([*pip, '--quiet', *alone, str(sdist)], folder)
     return empty
 
 

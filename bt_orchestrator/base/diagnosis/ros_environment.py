@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Mapping, MutableMapping
 from pathlib import Path
@@ -23,6 +24,9 @@ RANGES: Mapping[str, str] = {
 _RANGE, _PEERS = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'ROS_STATIC_PEERS'
 _ONLY_LOCAL, _SERVER = 'ROS_LOCALHOST_ONLY', 'ROS_DISCOVERY_SERVER'
 _HEARS_ALL = 'ROS_SUPER_CLIENT'
+
+_PREFIXES = 'AMENT_PREFIX_PATH'
+_INDEX_OF_RCLPY = 'share/ament_index/resource_index/packages/rclpy'
 
 _FIRST_PORT = 7400
 _PORTS = 250
@@ -71,6 +75,21 @@ def reach(environment: Mapping[str, str]) -> Check:
         remedy = 'no action server can be found; set ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
         return fail(name, found, remedy)
     return ok(name, f'{found}, and {", ".join(peers)}' if peers else found)
+
+
+def name_ros_wheels(environment: MutableMapping[str, str], prefix: str) -> None:
+    """Set what a distribution's setup.bash sets, where ROS 2 was installed by pip.
+
+    :param prefix: folder of the Python environment, `sys.prefix`
+    """
+    if not Path(prefix, _INDEX_OF_RCLPY).exists():
+        return
+    known = environment.get(_PREFIXES, '').split(os.pathsep)
+    if prefix not in known:  # an overlay, such as a workspace of interfaces, stays before it
+        environment[_PREFIXES] = os.pathsep.join(filter(None, (*known, prefix)))
+    if not environment.get('ROS_DISTRO'):
+        for path in Path(prefix).glob('lib/python*/site-packages/ros_*_rclpy-*.dist-info'):
+            environment['ROS_DISTRO'] = path.name.split('_')[1]
 
 
 def keep_to_this_computer(environment: MutableMapping[str, str]) -> None:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
+import re
 import shutil
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -15,9 +19,11 @@ from fakes.programs import program
 from installer import Installer
 from projects import Project, interface_project
 from sources import digest, find_sources
+from steps import merged
 
 import bt_orchestrator.cli.main
 
+ROOT = Path(__file__).parents[3]
 PACKAGE_XML = '<package><name>drill_interfaces</name></package>'
 
 
@@ -105,9 +111,63 @@ def test_uv_comes_as_a_wheel_or_not_at_all(
 ) -> None:
     monkeypatch.setattr('installer.find_spec', lambda name: None)
     pins = environment / 'installers.txt'
-    pins.write_text('pip==26.3\nuv==0.13.9\n')
     make_installer(environment).prepare(pins)
-    assert '-m pip install --only-binary :all: uv==0.13.9' in asked(environment)[-1]
+    wanted = f'-m pip install --only-binary :all: --require-hashes -r {pins}'
+    assert wanted in asked(environment)[-1]
+
+
+LISTS = sorted((ROOT / 'scripts' / 'requirements').glob('*.txt'))
+
+
+@pytest.mark.parametrize('path', LISTS, ids=lambda path: path.stem)
+def test_every_list_pins_each_package_by_its_hash(path: Path) -> None:
+    packages = re.split(r'(?m)^(?=\w)', path.read_text())[1:]
+    assert packages
+    bare = [text for text in packages if '==' not in text or '--hash=sha256:' not in text]
+    assert bare == []
+
+
+def test_lists_for_another_computer_name_a_package_once() -> None:
+    shared = 'numpy==2.5.5 \\\n    --hash=sha256:11\n'
+    lists = [f'# made by uv\n{shared}rich==15.0.0 \\\n    --hash=sha256:22\n', f'#\n{shared}']
+    assert merged(lists) == [shared, 'rich==15.0.0 \\\n    --hash=sha256:22\n']
+
+
+WHEEL = """from zipfile import ZipFile
+with ZipFile('lost-1.0-py3-none-any.whl', 'w') as wheel:
+    wheel.writestr('lost.py', '')
+    for name, text in (
+        ('METADATA', 'Metadata-Version: 2.1\\nName: lost\\nVersion: 1.0\\n'),
+        ('WHEEL', 'Wheel-Version: 1.0\\nTag: py3-none-any\\n'),
+        ('RECORD', ''),
+    ):
+        wheel.writestr(f'lost-1.0.dist-info/{name}', text)
+"""
+
+
+@pytest.mark.parametrize('has_uv', [True, False])
+def test_a_file_of_another_hash_is_not_installed(tmp_path: Path, has_uv: bool) -> None:
+    subprocess.run([sys.executable, '-c', WHEEL], cwd=tmp_path, check=True)
+    (wheel,) = tmp_path.glob('*.whl')
+    hashes = {'other': '0' * 64, 'own': hashlib.sha256(wheel.read_bytes()).hexdigest()}
+    for name, digits in hashes.items():
+        (tmp_path / f'{name}.txt').write_text(f'lost @ {wheel.as_uri()} --hash=sha256:{digits}\n')
+    folder = tmp_path / 'environment'
+    subprocess.run([sys.executable, '-m', 'venv', '--without-pip', str(folder)], check=True)
+    python = folder / 'bin' / 'python'
+    if has_uv:
+        shutil.copy(Path(sys.prefix, 'bin', 'uv'), python.with_name('uv'))
+    (installer := Installer(python, tmp_path))._pip = [
+        sys.executable,
+        '-m',
+        'pip',
+        '--python',
+        python,
+    ]
+    with pytest.raises(report.Failure, match=r'(?i)hash'):
+        installer.install_lists('packages', tmp_path / 'other.txt')
+    installer.install_lists('packages', tmp_path / 'own.txt')
+    assert list(folder.glob('lib/python*/site-packages/lost.py'))
 
 
 def interfaces(folder: Path, environment: Path) -> Project:

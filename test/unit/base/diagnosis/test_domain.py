@@ -13,6 +13,7 @@ from bt_orchestrator.base.diagnosis.ros_environment import (
     domains_in_use,
     is_local,
     keep_to_this_computer,
+    name_ros_wheels,
     other_domains,
     reach,
 )
@@ -130,3 +131,35 @@ def test_alone_in_the_only_domain(tmp_path: Path) -> None:
     sockets = tmp_path / 'udp'
     sockets.write_text('\n'.join(SOCKETS.splitlines()[:2]))
     assert other_domains(0, sockets) == ''
+
+
+@pytest.fixture
+def wheels(tmp_path: Path) -> Path:
+    """Give the folder of an environment with ROS 2 from wheels."""
+    index = tmp_path / 'share' / 'ament_index' / 'resource_index' / 'packages'
+    index.mkdir(parents=True)
+    (index / 'rclpy').touch()
+    packages = tmp_path / 'lib' / 'python3.12' / 'site-packages'
+    (packages / 'ros_jazzy_rclpy-7.1.6.dist-info').mkdir(parents=True)
+    (packages / 'ros_rclpy-7.1.6.dist-info').mkdir()
+    return tmp_path
+
+
+def test_ros_wheels_are_found_without_a_setup_script(wheels: Path) -> None:
+    environment: dict[str, str] = {}
+    name_ros_wheels(environment, str(wheels))
+    assert environment == {'AMENT_PREFIX_PATH': str(wheels), 'ROS_DISTRO': 'jazzy'}
+
+
+def test_an_overlay_stays_before_the_wheels(wheels: Path) -> None:
+    environment = {'AMENT_PREFIX_PATH': '/opt/line', 'ROS_DISTRO': 'kilted'}
+    for _ in range(2):
+        name_ros_wheels(environment, str(wheels))
+        found = {'AMENT_PREFIX_PATH': f'/opt/line:{wheels}', 'ROS_DISTRO': 'kilted'}
+        assert environment == found
+
+
+def test_without_ros_wheels_nothing_is_set(tmp_path: Path) -> None:
+    environment: dict[str, str] = {}
+    name_ros_wheels(environment, str(tmp_path))
+    assert environment == {}
