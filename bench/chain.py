@@ -14,6 +14,7 @@ from rclpy.task import Future
 
 from bench.line_files import SECTIONS
 from bt_orchestrator.ros.executor.executors import make_executor, spin_once
+from bt_orchestrator.ros.executor.ways import lean_way
 
 PLAIN = 'plain'
 
@@ -69,8 +70,9 @@ def main() -> None:
     """Run: chain EXECUTOR CYCLES; EXECUTOR is PLAIN, rclpy's own, or one of the tree node's."""
     rclpy.init()
     kind = sys.argv[1]
-    executor = SingleThreadedExecutor() if kind == PLAIN else make_executor(kind)
     chain = Chain(int(sys.argv[2]))
+    is_plain = kind == PLAIN
+    executor = SingleThreadedExecutor() if is_plain else make_executor(kind, lean_way(chain))
     executor.add_node(chain)
     while not chain.ready():
         spin_once(executor, 0.05)

@@ -19,6 +19,7 @@ from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
+from bt_orchestrator.ros.executor.ways import lean_way
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
 from bt_orchestrator.store.memory import MemoryStore
@@ -34,7 +35,7 @@ def main() -> None:
     node = Node('setup')
     gc.collect()
     before_mb, began = memory_mb(os.getpid()), time.process_time()
-    gateway = RosGateway(node, cell, types)
+    gateway = RosGateway(node, cell, types, lean_way(node))
     orchestrator = Orchestrator(cell, gateway, RosClock(node), MemoryStore())
     answer = orchestrator.ask(AddJobs((Job('WO-1', script, 1),)))
     took_s = time.process_time() - began

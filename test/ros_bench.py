@@ -13,14 +13,15 @@ from typing import Any
 import rclpy
 from contract.gateway_bench import SERVER_TIMEOUT_S, cell_of
 from rclpy.context import Context
-from rclpy.executors import Executor
 from rclpy.node import Node
 from sim_cell_process import SimCellProcess
 
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.fault import EVERY, Fault, FaultKind
 from bt_orchestrator.ros.actions.gateway import RosGateway
-from bt_orchestrator.ros.executor.executors import LeanExecutor
+from bt_orchestrator.ros.executor.executors import make_executor
+from bt_orchestrator.ros.executor.ways import choose_way
+from bt_orchestrator.ros.node_parameters import AUTO, SINGLE
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 
 DISCOVERY_S = 60.0
@@ -32,8 +33,9 @@ class RosBench:
     def __init__(
         self,
         components: Sequence[Component],
-        make_executor: Callable[[Context], Executor] = lambda c: LeanExecutor(context=c),
+        kind: str = SINGLE,
         *,
+        client: str = AUTO,
         serve: bool = True,
     ) -> None:
         self._directory = tempfile.TemporaryDirectory(prefix='bt_orchestrator_bench_')
@@ -41,7 +43,8 @@ class RosBench:
         self._context = Context()
         rclpy.init(context=self._context)
         self.node = Node('bench', context=self._context)
-        self._executor = make_executor(self._context)
+        self._way = choose_way(client, self.node)
+        self._executor = make_executor(kind, self._way, self._context)
         self._executor.add_node(self.node)
         self._server: SimCellProcess | None = None
         if serve:
@@ -55,7 +58,11 @@ class RosBench:
     def make_gateway(self) -> RosGateway:
         """Return a gateway on the bench's node."""
         return RosGateway(
-            self.node, self.cell, InstalledActionTypes(), server_timeout_s=SERVER_TIMEOUT_S
+            self.node,
+            self.cell,
+            InstalledActionTypes(),
+            self._way,
+            server_timeout_s=SERVER_TIMEOUT_S,
         )
 
     @property

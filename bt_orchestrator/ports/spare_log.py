@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+import traceback
+from collections.abc import Callable
 from typing import Protocol
 
 from bt_orchestrator.model.limits import LOG_LINES, MESSAGE, Allowance, cut
@@ -48,3 +50,24 @@ class SpareLog:
         left_out, self._left_out = self._left_out, 0
         more = f' ({left_out} lines before this one were left out)' if left_out else ''
         return cut(message, MESSAGE) + more
+
+
+# What callbacks raise: rclpy would end the executor's loop.
+
+
+def guarded(callback: Callable[[], object], logger: Logger) -> Callable[[], None]:
+    """Return a callback that reports what it raises, and raises nothing."""
+
+    def call() -> None:
+        try:
+            callback()
+        except Exception:  # noqa: BLE001 - whatever it is, the others go on
+            report(logger)
+
+    return call
+
+
+def report(logger: Logger) -> None:
+    """Report the exception that is being handled."""
+    text = f'error in a callback, ignored:\n{traceback.format_exc()}'
+    logger.error(text)

@@ -12,9 +12,9 @@ import time
 import uuid
 from collections.abc import Callable, Sequence
 from datetime import datetime
-from typing import Any
 
 from bt_orchestrator_interfaces.msg import Identity
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
@@ -22,7 +22,6 @@ from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.limits import PLACE, cut
 from bt_orchestrator.model.words import sentence
-from bt_orchestrator.ros.executor.handles import subscription
 from bt_orchestrator.ros.qos import LATCHED, publisher, subscribe
 from bt_orchestrator.ros.stamps import to_time
 
@@ -100,37 +99,46 @@ class Presence:
 
 
 class Listener:
-    """Hears who runs a cell under a name; no executor is needed."""
+    """Hears who runs a cell under a name, on a node and an executor of its own."""
 
     def __init__(self, node: Node, topic: str) -> None:
-        self._handle = subscription(node, Identity, topic, _FROM_ALL)
+        """Begin to listen in the context of a node, and under the names that it knows."""
+        self._node = Node(
+            f'_{node.get_name()}_identities',
+            context=node.context,
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
+        self._executor = SingleThreadedExecutor(context=node.context)
+        self._executor.add_node(self._node)
+        self._heard: dict[str, Identity] = {}
+        full_name = node.resolve_topic_name(topic)
+        self._topic = subscribe(self._node, Identity, full_name, self._hear, _FROM_ALL)
 
     def listen(
         self, is_enough: Callable[[Sequence[Identity]], bool], within_s: float
     ) -> Sequence[Identity]:
         """Return those heard when they are enough or the time is over."""
-        heard: dict[str, Identity] = {}
         until = time.monotonic() + within_s
         while True:
-            heard |= {one.instance: one for one in self._take()}
-            if is_enough(tuple(heard.values())) or time.monotonic() >= until:
-                return tuple(heard.values())
-            time.sleep(_STEP_S)
+            self._executor.spin_once(timeout_sec=_STEP_S)
+            heard = tuple(self._heard.values())
+            if is_enough(heard) or time.monotonic() >= until:
+                return heard
 
     @property
     def publishers(self) -> int:
         """How many are connected, those that were killed a moment ago too."""
-        with self._handle:
-            return int(self._handle.get_publisher_count())
+        return int(self._topic.get_publisher_count())
 
     def close(self) -> None:
         """Stop listening."""
-        self._handle.destroy_when_not_in_use()
+        self._executor.shutdown()
+        self._node.destroy_node()
 
-    def _take(self) -> Sequence[Any]:
-        with self._handle:
-            taken = iter(lambda: self._handle.take_message(Identity, False), None)
-            return [message for message, _ in taken]
+    def _hear(self, one: Identity) -> None:
+        self._heard[one.instance] = one
 
 
 def twins_in_words(node: Node, name: str) -> str:

@@ -48,6 +48,7 @@ from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock, clock_reading
 from bt_orchestrator.ros.executor.executors import make_executor, soon, spin_once
 from bt_orchestrator.ros.executor.heart import Heart, Pulse
+from bt_orchestrator.ros.executor.ways import choose_way
 from bt_orchestrator.ros.identity import Presence
 from bt_orchestrator.ros.inspection.snapshot_source import TickStatistics
 from bt_orchestrator.ros.inspection.start import start_inspection
@@ -150,10 +151,11 @@ class TreeNode:
         cell = read_cell(self._cell_file, types)
         reasons_file = self.parameters.reasons
         self._reasons = None if reasons_file is None else read_reasons(reasons_file)
-        self.executor: Executor = make_executor(self.parameters.executor)
+        way = choose_way(self.parameters.client, node)
+        self.executor: Executor = make_executor(self.parameters.executor, way)
         self.heart = Heart(node, self.executor)
         self._gateway = RosGateway(
-            node, cell, types, server_timeout_s=self.parameters.server_timeout
+            node, cell, types, way, server_timeout_s=self.parameters.server_timeout
         )
         pulse = Pulse(node)
         if is_told():  # the thread that ticks says so: a node that stands says nothing

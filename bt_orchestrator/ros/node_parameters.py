@@ -17,7 +17,7 @@ from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_pl
 
 SINGLE, EVENTS = 'single', 'events'
 BUILTIN, PY_TREES_ROS = 'builtin', 'py_trees_ros'
-AUTO = 'auto'
+AUTO, PLAIN = 'auto', 'plain'
 KEEP = 'keep'
 
 
@@ -105,6 +105,14 @@ class NodeParameters:
     executor: Annotated[
         str, Words('rclpy executor; events: where rclpy has it', choices=(SINGLE, EVENTS))
     ] = SINGLE
+    client: Annotated[
+        str,
+        Words(
+            'what action clients and the executor use of rclpy; auto: its inside, where it is the '
+            'one that is known; plain: only what rclpy promises to keep, at more CPU time',
+            choices=(AUTO, PLAIN),
+        ),
+    ] = AUTO
     auto_start: Annotated[
         bool,
         Words(

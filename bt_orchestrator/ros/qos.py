@@ -47,7 +47,7 @@ def publisher(node: Node, kind: Any, name: str, qos: QoSProfile | int) -> Any:
 
 def subscribe(
     node: Node, kind: Any, name: str, callback: Callable[[Any], None], qos: QoSProfile
-) -> None:
-    """Subscribe for good, likewise without rclpy's handlers of events."""
+) -> Any:
+    """Return a subscription, likewise without rclpy's handlers of events."""
     quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
-    node.create_subscription(kind, name, callback, qos, event_callbacks=quiet)
+    return node.create_subscription(kind, name, callback, qos, event_callbacks=quiet)

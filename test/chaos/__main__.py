@@ -1,6 +1,7 @@
 """Kill a cell's orchestrator and controllers many times, and say what that did.
 
-python -m chaos [--database | --standby] [--kills N] [--items N] [--seed N] [--keep FOLDER]
+python -m chaos [--database | --standby | --client plain] [--kills N] [--items N] [--seed N]
+    [--keep FOLDER]
 
 With --database the journal is in PostgreSQL: a server with a synchronous replica, which this
 program makes, cuts off, restarts, ends as a crash does and replaces. Then each trap of such a
@@ -8,6 +9,8 @@ database is sprung, with the check that is against it and without.
 
 With --standby there are two nodes of the cell. The leader is killed, or stopped and let go on
 later; each time the other one has to go on.
+
+With --client plain the nodes use nothing of rclpy's inside.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ import random
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import interrupts
@@ -46,7 +50,8 @@ def main() -> int:
             return 1 if counts.verdict.faults else 0
         if not args.database:
             shots = list(plan.draw(drawn, args.kills))
-            return _report(_campaigns(folder, drawn, args.items, shots, Campaign))
+            make = partial(Campaign, run_options=['--client', args.client])
+            return _report(_campaigns(folder, drawn, args.items, shots, make))
         strikes = {name: args.kills // share for name, share in _ONE_IN.items()}
         shots = list(plan.draw_with_database(drawn, args.kills, args.kills // 2, strikes))
         total = _campaigns(folder, drawn, args.items, shots, _on_a_database)
@@ -122,6 +127,9 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument(
         '--standby', action='store_true', help='a standby goes on; half as many are stopped'
+    )
+    parser.add_argument(
+        '--client', choices=('auto', 'plain'), default='auto', help='of each node (default auto)'
     )
     parser.add_argument('--items', type=int, default=ITEMS, help='of each order (default 20)')
     parser.add_argument('--seed', type=int, default=1, help='of every draw (default 1)')

@@ -56,12 +56,14 @@ class Campaign:
         items: int,
         shots: Sequence[Shot],
         database: Database | None = None,
+        run_options: Sequence[str] = (),
     ) -> None:
         """Plan it.
 
         :param items: of each order; another one is given whenever one has ended before the last
             shot
         :param database: keeps the journal, and is closed at the end; None: a file does
+        :param run_options: further options of each node
         """
         self._drawn = random.Random(seed)
         self._shots = list(shots)
@@ -85,7 +87,7 @@ class Campaign:
             cell(self._drawn, items, REMEMBERED_S if database is None else LONG_REMEMBERED_S),
             shares=SHARES,
             speed=SPEED,
-            run_options=options,
+            run_options=[*options, *run_options],
         )
         self._readers = Readers(folder / 'readers', file if database is None else None)
         script = self._cell.script(SCRIPT).stem

@@ -19,9 +19,10 @@ from rclpy.timer import Timer
 from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Empty
 
-from bt_orchestrator.ros.actions.questions import Questions
-from bt_orchestrator.ros.executor.executors import LeanExecutor, spin_once
-from bt_orchestrator.ros.executor.handles import PartedWaitable
+from bt_orchestrator.ros.executor.executors import spin_once
+from bt_orchestrator.ros.executor.lean_executor import LeanExecutor
+from bt_orchestrator.ros.executor.lean_parts import LeanQuestions, PartedWaitable
+from bt_orchestrator.ros.executor.ways import Service
 
 pytestmark = pytest.mark.every_distro
 
@@ -372,7 +373,7 @@ def test_a_service_client_is_waited_for_while_it_awaits_an_answer(
         return response
 
     node.create_service(CancelGoal, 'cancel', answer)
-    client = Questions(node, CancelGoal, 'cancel')
+    client = LeanQuestions(node, Service(CancelGoal, 'cancel'))
     waitable = CountedRuns(node, node.get_logger(), [client])
     executor = LeanExecutor(context=context)
     executor.add_node(node)
@@ -392,7 +393,7 @@ def test_a_soon_call_of_an_answer_runs_in_its_turn_its_own_later(
     context: Context, node: Node
 ) -> None:
     node.create_service(CancelGoal, 'cancel', lambda _, response: response)
-    client = Questions(node, CancelGoal, 'cancel')
+    client = LeanQuestions(node, Service(CancelGoal, 'cancel'))
     PartedWaitable(node, node.get_logger(), [client])
     counter = WaitCounter(node)
     executor = LeanExecutor(context=context)

@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
-from bt_orchestrator.ros.actions import questions
-from bt_orchestrator.ros.actions.questions import Questions
+from bt_orchestrator.ros.executor import lean_parts
+from bt_orchestrator.ros.executor.lean_parts import LeanQuestions
+from bt_orchestrator.ros.executor.ways import Service
 
 
 class Handle:
@@ -42,15 +43,16 @@ class Handle:
 @pytest.fixture
 def handle(monkeypatch: pytest.MonkeyPatch) -> Handle:
     one = Handle()
-    monkeypatch.setattr(questions, 'service_client', lambda *_: one)
+    monkeypatch.setattr(lean_parts, '_client', lambda *_: one)
     return one
 
 
-def make() -> Questions:
-    return Questions(None, SimpleNamespace(Response=object), 'name')  # type: ignore[arg-type]
+def make() -> LeanQuestions:
+    service = Service(SimpleNamespace(Response=object), 'name')
+    return LeanQuestions(None, service)  # type: ignore[arg-type]
 
 
-def told(service: Questions) -> list[str]:
+def told(service: LeanQuestions) -> list[str]:
     heard: list[str] = []
     for call, message in service.take():
         call(message)
@@ -76,6 +78,6 @@ def test_all_that_is_awaited_and_there_is_taken_at_once(handle: Handle) -> None:
 
 def test_what_nobody_awaits_goes_one_by_one_and_is_told_to_nobody(handle: Handle) -> None:
     service = make()
-    handle.answers.extend([service.tell('cancel'), service.tell('cancel again')])
+    handle.answers.extend([service._send('cancel'), service._send('cancel again')])
     assert (told(service), len(handle.answers)) == ([], 1)
     assert (told(service), len(handle.answers)) == ([], 0)

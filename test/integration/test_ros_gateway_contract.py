@@ -8,11 +8,10 @@ from collections.abc import Sequence
 import pytest
 from contract.gateway_bench import Bench
 from contract.gateway_contract import GatewayContract
-from rclpy.context import Context
-from rclpy.executors import Executor
 from ros_bench import running_bench
 
 from bt_orchestrator.model.cell import Component
+from bt_orchestrator.ros.node_parameters import EVENTS, PLAIN
 
 pytestmark = pytest.mark.every_distro
 
@@ -25,15 +24,21 @@ class TestRosGateway(GatewayContract):
         return running_bench(components)
 
 
+class TestPlainRosGateway(GatewayContract):
+    @staticmethod
+    def make_bench(components: Sequence[Component]) -> Bench:
+        return running_bench(components, client=PLAIN)
+
+
 @pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason='this rclpy has no events executor')
 class TestRosGatewayOnEventsExecutor(GatewayContract):
     @staticmethod
     def make_bench(components: Sequence[Component]) -> Bench:
-        return running_bench(components, make_executor=_events_executor)
+        return running_bench(components, kind=EVENTS)
 
 
-def _events_executor(context: Context) -> Executor:
-    from rclpy.experimental.events_executor import EventsExecutor
-
-    executor: Executor = EventsExecutor(context=context)
-    return executor
+@pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason='this rclpy has no events executor')
+class TestPlainRosGatewayOnEventsExecutor(GatewayContract):
+    @staticmethod
+    def make_bench(components: Sequence[Component]) -> Bench:
+        return running_bench(components, kind=EVENTS, client=PLAIN)

@@ -232,3 +232,26 @@ def test_without_the_events_executor_asking_for_it_is_refused(small_cell_file: P
     assert status == 1
     assert 'no events executor' in errors
     assert 'use single' in errors
+
+
+# --- without the inside of rclpy ----------------------------------------------------------------
+
+BLOCKED = (str(Path(__file__).parents[1] / 'blocked_inside.py'),)
+
+
+@pytest.mark.parametrize(('client', 'warnings'), [('auto', 1), ('plain', 0)])
+def test_a_node_without_the_inside_of_rclpy_runs_a_cell_to_its_end(
+    start_cell: StartCell, client: str, warnings: int
+) -> None:
+    options = ['--client', client]
+    cell = start_cell(run_options=options, fail=['worker.TASK_A#1=abort'], node_program=BLOCKED)
+    cell.connect()
+    cell.run_small(', retries: 1', quantity=4)
+
+    assert cell.watch.until_ended('WO-1').packed == 4
+    assert cell.watch.reasons('work') == ['aborted']
+    cell.run_small('', 'TASK_B', order='WO-2')
+    cell.watch.until('task.started', task='work', job='WO-2')
+    assert cell.node.stop() == 0  # cancels what runs
+    assert cell.node.errors.count('has another inside than the one that is known') == warnings
+    assert cell.node.errors.count('rclpy.impl is blocked') == warnings

@@ -23,13 +23,14 @@ from bt_orchestrator.model.goal import (
 )
 from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports.news import News
+from bt_orchestrator.ports.spare_log import report
 from bt_orchestrator.ros.actions.fresh_participant import KEPT_FRESH_S, RenewableClient
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.goal_follower import GoalFollower
 from bt_orchestrator.ros.actions.open_goals import Leave, OpenGoals, RosGoal
 from bt_orchestrator.ros.actions.rivals import RIVALS_FRESH_S, Rivals, Strangers
 from bt_orchestrator.ros.actions.server_watch import ServerWatch
-from bt_orchestrator.ros.executor.handles import report
+from bt_orchestrator.ros.executor.ways import Way
 from bt_orchestrator.ros.types.messages import fill, to_plain
 
 _SEEK_S = 3.0
@@ -52,6 +53,7 @@ class ActionLink:
         server_timeout_s: float,
         fresh_node: Callable[[float], Node],
         leave: Leave,
+        way: Way,
     ) -> None:
         """Make the client.
 
@@ -67,7 +69,9 @@ class ActionLink:
         self._server_timeout_s = server_timeout_s
         self._logger = node.get_logger().get_child(component.name)
         self._clients = RenewableClient(
-            node, action_class, self._action, partial(fresh_node, KEPT_FRESH_S)
+            node,
+            lambda on: GoalClient(on, action_class, component.action, way),
+            partial(fresh_node, KEPT_FRESH_S),
         )
         self._server = SeenServer(self._clients)
         self._goals = OpenGoals(self._clients, news)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterator
-from typing import Any
 
 import rclpy
 from rclpy.context import Context
@@ -105,18 +104,18 @@ class RenewableClient:
     """
 
     def __init__(
-        self, node: Node, action_class: Any, name: str, fresh_node: Callable[[], Node]
+        self, node: Node, make: Callable[[Node], GoalClient], fresh_node: Callable[[], Node]
     ) -> None:
         """Make the first client.
 
+        :param make: makes a client of the action on a node
         :param fresh_node: returns a node with a fresh participant
         """
-        self._class = action_class
-        self._name = name
+        self._make = make
         self._fresh_node = fresh_node
         self._former: GoalClient | None = None
         self._renewed_s: float | None = None
-        self.current = GoalClient(node, action_class, name)
+        self.current = make(node)
 
     @property
     def may_be_renewed(self) -> bool:
@@ -141,7 +140,7 @@ class RenewableClient:
         if self._former is not None:
             self._former.destroy()
         self._former = self.current
-        self.current = GoalClient(node or self._fresh_node(), self._class, self._name)
+        self.current = self._make(node or self._fresh_node())
         self._renewed_s = time.monotonic()
 
     def forget(self, goal_id: UUID) -> None:

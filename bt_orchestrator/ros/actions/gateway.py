@@ -11,12 +11,13 @@ from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.goal import NOT_HEARD, SERVER_TIMEOUT_S, GoalRequest
 from bt_orchestrator.ports import ActionTypes, Told
 from bt_orchestrator.ports.news import News
+from bt_orchestrator.ports.spare_log import guarded
 from bt_orchestrator.ros.actions.action_link import ActionLink
 from bt_orchestrator.ros.actions.fresh_participant import FreshParticipants
 from bt_orchestrator.ros.actions.open_goals import Leave, RosGoal
 from bt_orchestrator.ros.actions.state_watch import SafetyWatch, StateWatch
 from bt_orchestrator.ros.executor.alarms import steady_timer
-from bt_orchestrator.ros.executor.handles import guarded
+from bt_orchestrator.ros.executor.ways import Way
 from bt_orchestrator.ros.types.interface_classes import action_class
 
 _POLL_PERIOD_S = 0.1
@@ -42,16 +43,20 @@ class RosGateway:
         node: Node,
         cell: Cell,
         types: ActionTypes,
+        way: Way,
         *,
         server_timeout_s: float = SERVER_TIMEOUT_S,
     ) -> None:
         """Create clients and subscriptions.
+
+        :param way: how the clients use rclpy
 
         :raises UnknownActionType: an action or message type of the cell is not installed
         """
         self._node = node
         self._news = News()
         self._types = types
+        self._way = way
         self._server_timeout_s = server_timeout_s
         components = cell.components.values()
         self._fresh = FreshParticipants(node)
@@ -170,6 +175,7 @@ class RosGateway:
             self._server_timeout_s,
             self._fresh_node,
             self._leave,
+            self._way,
         )
 
     def _fresh_node(self, kept_s: float) -> Node:

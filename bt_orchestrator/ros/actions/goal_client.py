@@ -16,15 +16,14 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rclpy.type_support import check_for_type_support
 from unique_identifier_msgs.msg import UUID
 
-from bt_orchestrator.ros.actions.questions import Answered, Question, Questions
-from bt_orchestrator.ros.executor.handles import (
-    PartedWaitable,
-    count_services,
-    publisher_ids,
-    subscription,
-)
+from bt_orchestrator.ros.executor.ways import Answered, Question, Service, Way
 
 _ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
+
+
+def endpoint_id(endpoint: TopicEndpointInfo) -> str:
+    """Return an id that no other endpoint has."""
+    return bytes(endpoint.endpoint_gid).hex()
 
 
 class ServerStatus:
@@ -34,11 +33,10 @@ class ServerStatus:
     when somebody asks.
     """
 
-    def __init__(self, node: Node, action: str) -> None:
+    def __init__(self, node: Node, action: str, way: Way) -> None:
         self._node = node
         self._name = f'{action}/_action/status'
-        self._full_name = node.resolve_topic_name(self._name)
-        self._topic = LastMessage(
+        self._topic = way.last_message(
             node, GoalStatusArray, self._name, qos_profile_action_status_default
         )
         self._read: Any = None
@@ -64,8 +62,8 @@ class ServerStatus:
 
         None: there is no server, or more than one. Goes through the whole ROS graph.
         """
-        ids = publisher_ids(self._node, self._full_name)
-        return ids[0] if len(ids) == 1 else None
+        found = self.publishers_info()
+        return endpoint_id(found[0]) if len(found) == 1 else None
 
     def of(self, goal_id: UUID) -> int | None:
         """Return a goal's status (action_msgs/GoalStatus); None: it is not listed.
@@ -111,74 +109,43 @@ class ServerStatus:
         return self._listed
 
 
-# A topic whose last message only is read, and only on demand.
+class GoalClient:
+    """Does what rclpy's action client does, without its losses, and in the lean way its costs.
 
-
-class LastMessage:
-    """A subscription outside the wait set: its last message stays until it is read."""
-
-    def __init__(self, node: Node, message_class: Any, topic: str, qos: QoSProfile) -> None:
-        """Subscribe; the topic's name is remapped as any other.
-
-        :param qos: of depth 1
-        """
-        self._class = message_class
-        self._handle = subscription(node, message_class, topic, qos)
-        self._last: Any = None
-
-    @property
-    def publishers(self) -> int:
-        """How many are connected; costs next to nothing."""
-        with self._handle:
-            return int(self._handle.get_publisher_count())
-
-    def read(self) -> Any:
-        """Return the last message, the same one again until another came; None: none came."""
-        with self._handle:
-            while (taken := self._handle.take_message(self._class, False)) is not None:
-                self._last = taken[0]
-        return self._last
-
-    def destroy(self) -> None:
-        """End the subscription."""
-        self._handle.destroy_when_not_in_use()
-
-
-class GoalClient(PartedWaitable):
-    """Does what rclpy's action client does, without its costs and losses.
-
-    - Answers are called back at once, in the executor's thread; rclpy's futures make a turn of
-      each, and one a goal leaks in rclpy 7.1.6 and 9.1.2.
-    - Status and feedback wake nobody; they are read when somebody asks.
     - A result may be asked for any number of times, whoever sent the goal.
+    - Nothing is kept of a goal; one future a goal leaks in rclpy 7.1.6 and 9.1.2.
+    - In the lean way answers are called back at once, where rclpy's futures make a turn of each;
+      and status and feedback wake nobody, they are read when somebody asks.
 
     :ivar node: the node that it belongs to
     :ivar status: what the server says of its goals
     """
 
-    def __init__(self, node: Node, action_class: Any, name: str) -> None:
+    def __init__(self, node: Node, action_class: Any, name: str, way: Way) -> None:
         """Make the parts; their names are remapped as any other."""
         check_for_type_support(action_class)
         wire = action_class.Impl
         self.node = node
-        self.status = ServerStatus(node, name)
+        self.status = ServerStatus(node, name, way)
         self._goal_request = wire.SendGoalService.Request()
         self._result_request = wire.GetResultService.Request()
         """Filled anew for each goal: they are written out when they are sent."""
-        self._goals = Questions(node, wire.SendGoalService, f'{name}/_action/send_goal')
-        results = f'{name}/_action/get_result'
-        self._results = Questions(node, wire.GetResultService, results, _knows_the_goal)
-        self._cancels = Questions(node, CancelGoal, f'{name}/_action/cancel_goal')
-        self._feedback = LastMessage(
-            node, wire.FeedbackMessage, f'{name}/_action/feedback', QoSProfile(depth=1)
+        within = f'{name}/_action'
+        services = (
+            Service(wire.SendGoalService, f'{within}/send_goal'),
+            Service(wire.GetResultService, f'{within}/get_result', _knows_the_goal),
+            Service(CancelGoal, f'{within}/cancel_goal'),
         )
-        self._services = (self._goals, self._results, self._cancels)
+        logger = node.get_logger().get_child('action_client')
+        self._services, self._end = way.clients(node, logger, services)
+        self._goals, self._results, self._cancels = self._services
+        self._feedback = way.last_message(
+            node, wire.FeedbackMessage, f'{within}/feedback', QoSProfile(depth=1)
+        )
         self._asked: dict[bytes, list[Question]] = {}
         self._is_whole = False
         self._taking = node.resolve_service_name(f'{name}/_action/send_goal')
         self._telling = node.resolve_topic_name(f'{name}/_action/status')
-        logger = node.get_logger().get_child('action_client')
-        super().__init__(node, logger, self._services)
 
     # --- the server -----------------------------------------------------------------------------
 
@@ -197,9 +164,9 @@ class GoalClient(PartedWaitable):
 
         :param node: another one that looks, in place of the client's own
         """
-        takers = count_services(node or self.node, self._taking)
+        takers = (node or self.node).count_services(self._taking)
         told = self.status.publishers if node is None else node.count_publishers(self._telling)
-        return max(takers, int(told))
+        return max(int(takers), int(told))
 
     def takers(self) -> Sequence[str]:
         """Return the full names of the nodes that take goals; asks for every node there is."""
@@ -234,7 +201,8 @@ class GoalClient(PartedWaitable):
         """Ask for the result of a goal of any client; an unknown goal is answered at once.
 
         :param answered: called with each answer, which has `status` and `result`: that a goal is
-            unknown leaves the question open, for another server of the name may know it
+            unknown leaves the question open, for another server of the name may know it (but in
+            the plain way)
         """
         self._result_request.goal_id = goal_id
         question = self._results.ask(self._result_request, answered)
@@ -251,9 +219,7 @@ class GoalClient(PartedWaitable):
 
     def destroy(self) -> None:
         """Leave the ROS graph."""
-        self.node.remove_waitable(self)
-        for service in self._services:
-            service.handle.destroy_when_not_in_use()
+        self._end()
         self._feedback.destroy()
         self.status.destroy()
 

@@ -8,15 +8,14 @@ from functools import partial
 from typing import Any
 
 from action_msgs.msg import GoalStatus as WireStatus
-from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from bt_orchestrator.model.goal import REQUEST_CHECKS, RESULT_CHECK_S, GoalStatus
 from bt_orchestrator.model.words import sentence
+from bt_orchestrator.ports.spare_log import Logger, report
 from bt_orchestrator.ros.actions.fresh_participant import RenewableClient
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.open_goals import GIVEN_UP, Leave, OpenGoals, RosGoal
 from bt_orchestrator.ros.actions.rivals import Rivals
-from bt_orchestrator.ros.executor.handles import report
 from bt_orchestrator.ros.types.messages import to_plain
 
 _ENDS = {
@@ -44,7 +43,7 @@ class GoalFollower:
         clients: RenewableClient,
         goals: OpenGoals,
         rivals: Rivals,
-        logger: RcutilsLogger,
+        logger: Logger,
         leave: Leave,
     ) -> None:
         self._clients = clients

@@ -12,7 +12,7 @@ from unique_identifier_msgs.msg import UUID
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus
 from bt_orchestrator.ports.news import News
 from bt_orchestrator.ros.actions.fresh_participant import RenewableClient
-from bt_orchestrator.ros.actions.questions import Question
+from bt_orchestrator.ros.executor.ways import Question
 
 GIVEN_UP = (GoalStatus.LOST, GoalStatus.SILENT)
 """Ends after which the server may still say yes to the request."""

@@ -14,9 +14,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from bt_orchestrator.model.goal import Contest, SeenContest
 from bt_orchestrator.ros.actions.fresh_participant import RenewableClient
-from bt_orchestrator.ros.actions.goal_client import GoalClient
+from bt_orchestrator.ros.actions.goal_client import GoalClient, endpoint_id
 from bt_orchestrator.ros.actions.open_goals import OpenGoals
-from bt_orchestrator.ros.executor.handles import id_of
 
 UNNAMED = '_NODE_NAME_UNKNOWN_'
 """As rmw writes it."""
@@ -25,11 +24,6 @@ UNNAMED = '_NODE_NAME_UNKNOWN_'
 def is_named(endpoint: TopicEndpointInfo) -> bool:
     """Tell whether it is known whose it is: that comes a moment after the endpoint itself."""
     return endpoint.node_name != UNNAMED
-
-
-def endpoint_id(endpoint: TopicEndpointInfo) -> str:
-    """Return an id that no other endpoint has."""
-    return id_of(endpoint.endpoint_gid)
 
 
 def owners(endpoints: Sequence[TopicEndpointInfo]) -> tuple[str, ...]:

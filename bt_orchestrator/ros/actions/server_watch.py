@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time
 
-from rclpy.impl.rcutils_logger import RcutilsLogger
-
 from bt_orchestrator.model.goal import RESULT_CHECK_S, SILENCE_S, GoalStatus
 from bt_orchestrator.model.words import sentence
+from bt_orchestrator.ports.spare_log import Logger
 from bt_orchestrator.ros.actions.fresh_participant import RenewableClient
 from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.goal_follower import GoalFollower
@@ -25,7 +24,7 @@ class ServerWatch:
         goals: OpenGoals,
         follower: GoalFollower,
         rivals: Rivals,
-        logger: RcutilsLogger,
+        logger: Logger,
     ) -> None:
         """Watch the server of an action.
 

@@ -22,9 +22,8 @@ from bt_orchestrator.model.limits import (
     shortened,
 )
 from bt_orchestrator.ports.news import News
-from bt_orchestrator.ports.spare_log import SpareLog
+from bt_orchestrator.ports.spare_log import SpareLog, guarded, report
 from bt_orchestrator.ros.executor.alarms import steady_timer
-from bt_orchestrator.ros.executor.handles import guarded, report
 from bt_orchestrator.ros.types.interface_classes import message_class
 from bt_orchestrator.ros.types.messages import field_value
 
@@ -329,7 +328,7 @@ class StateFlow:
         if not self.is_waiting:
             return
         left = self._allowance.left(now)
-        for kept in self._forms():
+        for kept in self.forms():
             size = _RECORD_BYTES + len(json_of(kept))
             if size <= left or self._must_be_told(kept):
                 self._allowance.use(size, now)
@@ -337,7 +336,7 @@ class StateFlow:
                 yield kept
                 return
 
-    def _forms(self) -> Iterator[Any]:
+    def forms(self) -> Iterator[Any]:
         """Yield the value as it may be kept, and shorter."""
         if self._newest in self._ready:
             yield self._newest
@@ -357,8 +356,9 @@ class SetupFlow(StateFlow):
     Where the next value has to wait, the setup is unclear until then.
     """
 
-    def _forms(self) -> Iterator[Any]:
-        yield from super()._forms()
+    def forms(self) -> Iterator[Any]:
+        """Yield also that it is unclear, once a value has ended."""
+        yield from super().forms()
         if self.told in self._ready:
             yield UNCLEAR
 

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.timer import Timer
 
 from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, Deadlines
-from bt_orchestrator.ros.executor.handles import guarded
+from bt_orchestrator.ports.spare_log import guarded
 
 _FAR_S = 3600.0
 """First period of the timer, which is never waited for."""

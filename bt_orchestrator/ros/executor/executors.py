@@ -1,40 +1,15 @@
-"""The executor that the node spins on, one thread in either case."""
+"""The executor that the node spins on, one thread in any case."""
 
 from __future__ import annotations
 
-import math
-import threading
-import time
-from collections import deque
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable
 
 from rclpy.context import Context
-from rclpy.executors import (
-    ConditionReachedException,
-    Executor,
-    ExternalShutdownException,
-    ShutdownException,
-    SingleThreadedExecutor,
-    TimeoutException,
-    TimeoutObject,
-)
-from rclpy.guard_condition import GuardCondition
-from rclpy.node import Node
+from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.task import Future
 
 from bt_orchestrator.base.errors import OrchestratorError
-from bt_orchestrator.ros.executor.wait_list import (
-    CLIENT,
-    GUARD,
-    PARTED,
-    SERVICE,
-    SUBSCRIPTION,
-    TIMER,
-    WAITABLE,
-    Member,
-    WaitList,
-)
+from bt_orchestrator.ros.executor.ways import Way
 from bt_orchestrator.ros.node_parameters import SINGLE
 
 MOMENT_S = 0.1
@@ -45,31 +20,28 @@ class NoEventsExecutor(OrchestratorError):
     """The rclpy of this ROS 2 distribution has none."""
 
 
-def make_executor(kind: str) -> Executor:
+def make_executor(kind: str, way: Way, context: Context | None = None) -> Executor:
     """Return a new executor.
 
     :raises NoEventsExecutor: it was asked for, and cannot be had
     """
     if kind == SINGLE:
-        return LeanExecutor()
+        return way.executor(context=context)
     try:
         from rclpy.experimental.events_executor import EventsExecutor
     except ImportError:
         raise NoEventsExecutor(
             'parameter executor: the rclpy installed here has no events executor; use single'
         ) from None
-    return EventsExecutor()
+    return EventsExecutor(context=context)
 
 
 def soon(executor: Executor, call: Callable[[], None]) -> None:
     """Let an executor call something before it waits again.
 
-    EventsExecutor refuses guard conditions, so that it is a task there.
+    EventsExecutor refuses guard conditions, so that it is a task there, and in the plain way.
     """
-    if isinstance(executor, LeanExecutor):
-        executor.soon(call)
-    else:
-        executor.create_task(call)
+    getattr(executor, 'soon', executor.create_task)(call)
 
 
 def spin_once(executor: Executor, timeout_s: float | None = None) -> None:
@@ -85,185 +57,3 @@ def spin_once(executor: Executor, timeout_s: float | None = None) -> None:
     moment_s = MOMENT_S if timeout_s is None else min(timeout_s, MOMENT_S)
     never: Future[None] = Future(executor=executor)
     executor.spin_until_future_complete(never, timeout_sec=moment_s)
-
-
-# rclpy's executor for one thread, at less cost. It knows its inside.
-
-_NS_PER_S = 1_000_000_000
-_FOR_EVER_NS = -1
-
-
-class LeanExecutor(SingleThreadedExecutor):
-    """Runs the same callbacks, and does less between them.
-
-    - rclpy wakes its executor twice in each callback, for threads that might wait meanwhile. Here
-      none does: the thread that would be woken is the one that runs the callback. But its next
-      wait then returns at once with nothing, and each wait asks every entity of the node.
-    - Each wait of rclpy's begins with nothing known; here what is waited for is kept.
-    - A `PartedWaitable` runs without a task of rclpy's around it.
-    """
-
-    def __init__(self, *, context: Context | None = None) -> None:
-        super().__init__(context=context)
-        assert self._guard is not None
-        self._guard.destroy()
-        self._guard = self._others = _GuardForOthers(context)
-        self._soon: deque[Callable[[], None]] = deque()
-        self._wait_list = WaitList((), self._own_guards(), self._context)
-        self._take: dict[str, Callable[[Any], Any]] = {
-            WAITABLE: self._take_waitable,
-            TIMER: self._take_timer,
-            SUBSCRIPTION: self._take_subscription,
-            GUARD: self._take_guard_condition,
-            CLIENT: self._take_client,
-            SERVICE: self._take_service,
-        }
-
-    def soon(self, call: Callable[[], None]) -> None:
-        """Call something before the next wait; may be asked for by any thread.
-
-        What such a call asks for comes after a look at the others, which waits for nothing: a call
-        that goes on in pieces keeps nobody from being served.
-
-        :param call: raises nothing
-        """
-        self._soon.append(call)
-        self._others.trigger()
-
-    def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> Any:
-        """Return the next callback to run; what was asked for meanwhile comes before a wait."""
-        self._others.spinner = threading.get_ident()
-        return super().wait_for_ready_callbacks(*args, **kwargs)
-
-    def shutdown(self, timeout_sec: float | None = None) -> bool:
-        """End, and let go of what was waited for."""
-        ended = super().shutdown(timeout_sec)
-        self._wait_list.close()
-        return ended
-
-    def _wait_for_ready_callbacks(
-        self,
-        timeout_sec: float | TimeoutObject | None = None,
-        nodes: list[Node] | None = None,
-        condition: Callable[[], bool] = lambda: False,
-    ) -> Any:
-        """Yield what to run: what was asked for and, once no task gets on, what a wait finds.
-
-        Whoever runs it begins again at its end.
-
-        :raises TimeoutException: nothing came
-        """
-        assert nodes is None, 'it waits for the nodes that were added'
-        if self._soon:
-            yield _PlainTurn(self._call_soon), None, None
-        while True:
-            tasks = self._open_tasks()
-            yield from tasks
-            if any(task.done() for task, _, _ in tasks):
-                return  # it may have made others, or what another one awaits
-            ready = self._wait(_deadline(timeout_sec), condition)
-            if [one.kind for one in ready] != [PARTED] or not ready[0].may_run():
-                break
-            # What an answer asks for comes in its turn: to begin another one takes 0.03 ms.
-            yield _PlainTurn(ready[0].entity.run, self._call_soon), ready[0].entity, ready[0].node
-        while ready:
-            one = ready.pop(0)
-            if one.may_run():
-                yield self._turn(one), one.entity, one.node
-            if ready and self._follow_nodes():
-                # The others have their turn all the same: one that changes the entities each time,
-                # and is ready again, would come first for ever.
-                ready = [other for other in ready if self._wait_list.has(other)]
-
-    def _open_tasks(self) -> Sequence[Any]:
-        with self._tasks_lock:
-            self._tasks = [
-                entry for entry in self._tasks if not (entry[0].done() or entry[0].cancelled())
-            ]
-            return tuple(self._tasks)
-
-    def _turn(self, one: Member) -> Any:
-        if one.kind == PARTED:
-            return _PlainTurn(one.entity.run)
-        return self._make_handler(one.entity, one.node, self._take[one.kind])
-
-    def _call_soon(self) -> None:
-        for _ in range(len(self._soon)):
-            self._soon.popleft()()
-
-    def _wait(self, until: float, condition: Callable[[], bool]) -> list[Member]:
-        """Return what is ready; nothing if something else is to run.
-
-        :param until: when to give up, on the steady clock
-        """
-        while True:
-            if self._is_shutdown:
-                raise ShutdownException
-            if condition():
-                raise ConditionReachedException
-            self._follow_nodes()
-            ready = self._wait_list.wait(0 if self._soon else _left_ns(until))
-            if self._is_shutdown:
-                raise ShutdownException
-            if not self._context.ok():
-                raise ExternalShutdownException
-            if ready or self._tasks or self._soon:
-                return ready
-            if time.monotonic() >= until:
-                raise TimeoutException
-
-    def _follow_nodes(self) -> bool:
-        """Wait for what the nodes have now; tell whether that has changed."""
-        nodes = self.get_nodes()
-        if self._wait_list.is_of(nodes):
-            return False
-        self._wait_list.close()
-        self._wait_list = WaitList(nodes, self._own_guards(), self._context)
-        return True
-
-    def _own_guards(self) -> Sequence[GuardCondition]:
-        return [guard for guard in (self._guard, self._sigint_gc) if guard is not None]
-
-
-class _PlainTurn:
-    """A turn without a task of rclpy's: calls that await nothing and raise nothing."""
-
-    def __init__(self, *calls: Callable[[], None]) -> None:
-        self._calls = calls
-
-    def __call__(self) -> None:
-        for call in self._calls:
-            call()
-
-    def exception(self) -> None:
-        """Return None: it raised nothing (rclpy asks after each turn)."""
-
-    def result(self) -> None:
-        """Return nothing (rclpy asks after each turn)."""
-
-
-class _GuardForOthers(GuardCondition):
-    """Wakes the executor, unless it is the executor's own thread that asks for it."""
-
-    def __init__(self, context: Context | None) -> None:
-        super().__init__(callback=None, callback_group=None, context=context)
-        self.spinner: int | None = None
-        """The thread that waits, and looks for tasks before it does."""
-
-    def trigger(self) -> None:
-        """Wake a wait in another thread."""
-        if threading.get_ident() != self.spinner:
-            super().trigger()
-
-
-def _deadline(timeout_sec: float | TimeoutObject | None) -> float:
-    """Return the time on the steady clock at which a timeout of rclpy's is over."""
-    seconds = timeout_sec.timeout if isinstance(timeout_sec, TimeoutObject) else timeout_sec
-    return math.inf if seconds is None or seconds < 0 else time.monotonic() + seconds
-
-
-def _left_ns(until: float) -> int:
-    """Return how long to wait; a negative number means without limit."""
-    if until == math.inf:
-        return _FOR_EVER_NS
-    return max(0, round((until - time.monotonic()) * _NS_PER_S))

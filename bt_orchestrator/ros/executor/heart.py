@@ -7,9 +7,9 @@ from collections.abc import Callable
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from bt_orchestrator.ports.spare_log import guarded
 from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.executor.executors import soon
-from bt_orchestrator.ros.executor.handles import guarded
 
 
 class Heart:

@@ -12,9 +12,8 @@ from py_trees_ros_interfaces import srv
 from rclpy.node import Node
 
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
-from bt_orchestrator.ports.spare_log import SpareLog
+from bt_orchestrator.ports.spare_log import SpareLog, guarded, report
 from bt_orchestrator.ros.executor.alarms import steady_timer
-from bt_orchestrator.ros.executor.handles import guarded, report
 from bt_orchestrator.ros.inspection import snapshot_source
 from bt_orchestrator.ros.inspection.blackboard_streams import BlackboardStreams, View
 from bt_orchestrator.ros.inspection.snapshot_source import (

@@ -13,7 +13,7 @@ from rclpy.node import Node
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
-from bt_orchestrator.ros.executor.handles import Logger, guarded
+from bt_orchestrator.ports.spare_log import Logger, guarded
 from bt_orchestrator.ros.inspection.snapshot_source import TickStatistics
 from bt_orchestrator.ros.node_parameters import BUILTIN
 

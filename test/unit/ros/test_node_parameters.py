@@ -23,7 +23,17 @@ def test_without_options_a_node_has_the_defaults() -> None:
 
 def test_every_parameter_is_an_option() -> None:
     args = parsed(
-        *('--cell', 'c.yaml', '--tick-rate-hz', '20', '--executor', 'events', '--no-auto-start'),
+        *(
+            '--cell',
+            'c.yaml',
+            '--tick-rate-hz',
+            '20',
+            '--executor',
+            'events',
+            '--client',
+            'plain',
+            '--no-auto-start',
+        ),
         *('--auto-resume', '--journal', 'j.sqlite3', '--journal-synchronous', 'NORMAL'),
         *(
             '--journal-keep-jobs',
