@@ -9,7 +9,12 @@ from typing import NamedTuple, cast
 
 from bt_orchestrator.base.extending import EXTENSIONS, Extension, of_others
 from bt_orchestrator.cli.command_parser import Action, CommandParser, in_one_line
-from bt_orchestrator.model.requests import TABLE, About, Request, words_about
+from bt_orchestrator.model.requests import (
+    TABLE,
+    About,
+    Request,
+    words_about,
+)
 
 PROGRAM = 'bt-orchestrator'
 
@@ -56,9 +61,15 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         'answer': ('answer', 'answer a hold: a task that failed, or whatever waits for a person'),
         'cell': (
             'asked.cell_verb',
-            'command the cell: reset, start, pause, resume, stop, abort, clear, local, remote',
+            (
+                'command the cell: reset, start, pause, resume, stop, abort, clear, local, '
+                'remote, manual, production, at-panel'
+            ),
         ),
-        'component': ('asked.component', 'take a component out of service, or bring it back'),
+        'component': (
+            'asked.component',
+            'take a component out of service, or send it a goal in manual mode',
+        ),
         'remove-item': ('asked.derived', ''),
         'classify': ('asked.derived', ''),
         'request': ('request', 'make any request to the cell by its name, or list all requests'),
@@ -89,10 +100,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
 
 _MOVED: Mapping[tuple[str, ...], tuple[str, str]] = {
     **{(one.word,): ('cell', one.word) for one in TABLE if one.cause},
-    **{
-        (typed,): ('component', typed)
-        for typed in (word.replace('_', '-') for word in words_about(About.COMPONENT))
-    },
+    **{(typed,): ('component', typed) for typed in ('out-of-service', 'in-service')},
     **{('queue', word): ('job', word) for word in words_about(About.JOB)},
     ('queue', 'stop-after'): ('cell', 'stop-after'),
 }

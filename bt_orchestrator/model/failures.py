@@ -94,6 +94,8 @@ def _repeat(state: CellState, key: e.TaskKey) -> Repeat | None:
 
 def will_hold(state: CellState, key: e.TaskKey, task: Task) -> bool:
     """Tell whether an operator will be asked about a failed attempt."""
+    if key == e.MANUAL_KEY:
+        return not _is_settled(state.tasks[key], task)
     if may_retry(state, key, task) or may_repeat(state, key, task):
         return False
     return key == e.INDEX_KEY or _policy(state, key, task) is OnFailure.HOLD
@@ -200,6 +202,9 @@ _NEVER = ''
 
 def _obstacles(state: CellState, key: e.TaskKey, task: Task) -> Iterator[tuple[str, str | None]]:
     """Yield each answer with what speaks against it; None: it is offered."""
+    if key == e.MANUAL_KEY:
+        yield SKIP, None
+        return
     if key.job is None:
         aborts = any(not job.aborting for job in _jobs_on_the_belt(state))
         yield from ((RETRY, None), (MARK_DONE, None))

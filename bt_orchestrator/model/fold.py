@@ -122,6 +122,8 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.StopReasonChanged: cell.stop_reason_changed,
     e.CellStateChanged: cell.cell_state_changed,
     e.ControlChanged: cell.control_changed,
+    e.UnitModeChanged: cell.unit_mode_changed,
+    e.ManualAsked: tasks.manual_asked,
     e.SafetyChanged: cell.safety_changed,
     e.ClockStepped: cell.clock_stepped,
     e.OperatorRefused: _refused,

@@ -86,6 +86,14 @@ MEANINGS: Mapping[PackmlState, str] = {
 """The meaning of each state, for people."""
 
 
+class UnitMode(Enum):
+    """PackML unit mode: how the cell is used (semantics 7.11)."""
+
+    PRODUCTION = 'production'
+    MANUAL = 'manual'
+    """The cell stands, and runs single goals for an engineer at a panel."""
+
+
 class Cause(Enum):
     """The cause of a transition: a PackML command, or completion of a state."""
 
@@ -160,6 +168,13 @@ VERBS: Mapping[Cause, str] = {
 
 HOLD_ANYWHERE = (Cause.HOLD, Cause.UNHOLD)
 """Commands for pauses, possible in every state; they take effect as the table says (7.3)."""
+
+
+MANUAL_FROM = (PackmlState.STOPPED, PackmlState.IDLE)
+"""States in which the cell stands in manual mode (semantics 7.11)."""
+
+NOT_IN_MANUAL = (Cause.RESET, Cause.START)
+"""Commands that would let it work."""
 
 
 def refusal(state: PackmlState, cause: Cause) -> str | None:

@@ -17,6 +17,9 @@ from bt_orchestrator.model.reference import Reference, Template, references
 INDEX = 'index'
 """Reserved task id of the belt's own move (formats: events)."""
 
+MANUAL = 'manual'
+"""Task id of a goal of manual mode, which is of no job either (semantics 7.11)."""
+
 
 GOES_ON = (OnFailure.CONTINUE, OnFailure.REJECT)
 """Policies with which the line goes on by itself after the last failed attempt."""
@@ -141,6 +144,20 @@ def index_task(cell: Cell) -> Task:
         retries=conveyor.retries,
         on_failure=conveyor.on_failure,
         timeout_s=conveyor.component.timeout_s,
+    )
+
+
+def manual_task(cell: Cell, component: str, name: str, args: Mapping[str, Any]) -> Task:
+    """Return a goal of manual mode as a task; it stands in no script, and fails by itself."""
+    made = cell.components[component]
+    return Task(
+        id=MANUAL,
+        name=name,
+        action=made.action,
+        component=component,
+        args=args,
+        on_failure=OnFailure.CONTINUE,
+        timeout_s=made.timeout_s,
     )
 
 

@@ -14,7 +14,7 @@ from bt_orchestrator.model.by import Control, Role
 from bt_orchestrator.model.jobs.counting import APPROVED, produced_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
-from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.state import Hold, PassedTask
 from bt_orchestrator.model.stop_reason import StopReason, Wish
 from bt_orchestrator.model.wait import Stands, Wait
@@ -267,6 +267,30 @@ class FlagStatus:
 
 
 @dataclass(frozen=True)
+class ManualGoal:
+    """The goal of manual mode, or the last one (semantics 7.11)."""
+
+    component: str
+    task: str
+    """Task constant."""
+    state: str
+    """running, cancelling, or how it ended: done, skipped, or the reason of the failure."""
+    args: Mapping[str, object] = field(default_factory=dict)
+    hold: str = ''
+    """The hold that keeps the component; empty: none does."""
+    who: str = ''
+    reason: str = ''
+    goal: str = ''
+    """UUID of the goal; empty: it had none."""
+    started: float = 0.0
+    ended: float | None = None
+    """None: it has not ended."""
+    message: str = ''
+    """Why it failed, in words."""
+    results: Mapping[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class StandbyStatus:
     """A node that waits to take over the cell (semantics 9.4)."""
 
@@ -329,6 +353,10 @@ class CellStatus:
     """ready, or why the safety input is not (semantics 7.9); empty: the cell has none."""
     control: Control = Control.REMOTE
     """local: only the panels of the line may move it (semantics 7.8)."""
+    unit_mode: UnitMode = UnitMode.PRODUCTION
+    """manual: the cell stands, and runs single goals (semantics 7.11)."""
+    manual: ManualGoal | None = None
+    """The last goal of manual mode; None: there was none since it was entered."""
     unauthenticated_role: Role | None = None
     """Role of all clients in the ROS domain; None: no access over ROS, or not known."""
     commands: tuple[str, ...] = ()
@@ -369,6 +397,10 @@ class ComponentDescription:
     """Nominal seconds by task constant."""
     default_duration_s: float = 0.0
     """Nominal seconds of a task that is not named there."""
+    tasks: tuple[str, ...] = ()
+    """Task constants of its action type; empty: it takes any label."""
+    goal_fields: Mapping[str, str] = field(default_factory=dict)
+    """ROS types of the fields that arguments may set, by name."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from bt_orchestrator.model.by import named
-from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
+from bt_orchestrator.model.packml import VERBS, Cause, PackmlState, UnitMode
 
 
 class StopReason(Enum):
@@ -64,7 +64,10 @@ AFTER, NEVER = ('item', 'job'), 'never'
 """When the line stops accepting work, and the word that withdraws the request."""
 
 START = VERBS[Cause.START]
-STAND = tuple(VERBS[cause] for cause in (Cause.STOP, Cause.ABORT, Cause.CLEAR))
+STAND = (
+    *(VERBS[cause] for cause in (Cause.STOP, Cause.ABORT, Cause.CLEAR)),
+    *(mode.value for mode in UnitMode),
+)
 """Commands after which only an operator's `start` moves the cell."""
 
 
@@ -73,7 +76,8 @@ class Wish:
     """An operator's request that the cell stops."""
 
     command: str
-    """As it is recorded: stop, abort, clear, stop_after_item or stop_after_job."""
+    """As it is recorded: stop, abort, clear, manual, production, stop_after_item or
+    stop_after_job."""
     who: str = ''
     """Empty: not known."""
     reason: str = ''

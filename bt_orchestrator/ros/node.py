@@ -189,7 +189,7 @@ class TreeNode:
         self._generating = self._generate(parts)
         self._orders = RecipeOrders(self._order_process, self._generating, self.orchestrator.state)
         self._take_requests(types, store)
-        self._status = self._show(pulse)
+        self._status = self._show(pulse, types)
         self._ticks = TickStatistics()
         self._inspected = start_inspection(
             node, self.orchestrator, self._ticks, self.parameters.inspection
@@ -373,8 +373,8 @@ class TreeNode:
         foresight = parts.make_foresight(state.cell) if wanted else None
         return ExpectedEnds(self.node, self.orchestrator, self._durations, foresight, pulse)
 
-    def _show(self, pulse: Pulse) -> StatusTopic:
-        DescriptionTopic(self.node, self.orchestrator.state.cell)
+    def _show(self, pulse: Pulse, types: InstalledActionTypes) -> StatusTopic:
+        DescriptionTopic(self.node, self.orchestrator.state.cell, types)
         status = StatusTopic(self.node, self.orchestrator, self._overview, self._expected, pulse)
         self.orchestrator.add_sink(status)
         Diagnostics(

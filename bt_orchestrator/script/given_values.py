@@ -12,6 +12,7 @@ from bt_orchestrator.model.limits import REQUEST_BYTES, RESULTS_TEXT
 from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import Report
+from bt_orchestrator.script.task_values import settable
 from bt_orchestrator.script.yaml_nodes import MapNode, as_data, found, plain_value
 
 _EXPECTED = 'expected the arguments as a mapping in JSON or YAML, as in {"job": "WO-7"}'
@@ -66,20 +67,33 @@ def given_results(text: str, action: ActionType) -> dict[str, Any]:
 
     :raises CommandRefused: says what was expected, and what was found
     """
+    fields = {name: one for name, one in action.result.fields.items() if name != TASK_RESULT}
+    return _values(text, MessageType(action.result.name, fields), 'results')
+
+
+def given_goal(text: str, action: ActionType) -> dict[str, Any]:
+    """Read `{speed: 0.5}` as fields of a goal of an action (semantics 7.11).
+
+    :raises CommandRefused: says what was expected, and what was found
+    """
+    return _values(text, settable(action), 'args')
+
+
+def _values(text: str, fields: MessageType, what: str) -> dict[str, Any]:
     if len(text) > RESULTS_TEXT:
         raise CommandRefused(
-            f'the results have {len(text)} characters; expected at most {RESULTS_TEXT}'
+            f'the {what} have {len(text)} characters; expected at most {RESULTS_TEXT}'
         )
-    report = Report('results')
+    report = Report(what)
     node = compose(text, report)
     values: dict[str, Any] = {}
     if isinstance(node, MapNode):
-        values = MessageReader(report).read(node, _fields_to_give(action))
+        values = MessageReader(report).read(node, fields)
     elif node is not None:
-        raise CommandRefused(f'results are a mapping, {{field: value, ...}}; found {found(node)}')
+        raise CommandRefused(f'{what} are a mapping, {{field: value, ...}}; found {found(node)}')
     if report.findings:
         told = [f'{finding.what}; {finding.hint}' for finding in report.findings[:_TOLD]]
-        raise CommandRefused('results: ' + '. '.join(told))
+        raise CommandRefused(f'{what}: ' + '. '.join(told))
     return values
 
 
@@ -117,8 +131,3 @@ def _value(text: str) -> Any:
     report = Report('value')
     node = compose(text, report)
     return text if node is None or report.findings else as_data(node)
-
-
-def _fields_to_give(action: ActionType) -> MessageType:
-    fields = {name: one for name, one in action.result.fields.items() if name != TASK_RESULT}
-    return MessageType(action.result.name, fields)

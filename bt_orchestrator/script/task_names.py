@@ -10,12 +10,23 @@ from bt_orchestrator.script.yaml_nodes import quoted
 
 def check_task_name(name: str, type_: ActionType, place: Place, report: Report) -> None:
     """Report a task that an action type does not have; without a task field any label will do."""
+    hint = _why_not(name, type_)
+    if hint:
+        report.add(place, f'{type_.name} has no task {quoted(name)}', hint)
+
+
+def wrong_task(name: str, type_: ActionType) -> str:
+    """Say why an action type does not have a task; empty: it has."""
+    hint = _why_not(name, type_)
+    return f'{type_.name} has no task {quoted(name)}; {hint}' if hint else ''
+
+
+def _why_not(name: str, type_: ActionType) -> str:
     if not type_.has_task_field or name in type_.constants:
-        return
+        return ''
     known = listing(type_.constants)
     otherwise = f'its tasks are {known}' if known else 'add a constant to the goal of that type'
-    hint = did_you_mean(name, type_.constants, otherwise)
-    report.add(place, f'{type_.name} has no task {quoted(name)}', hint)
+    return did_you_mean(name, type_.constants, otherwise)
 
 
 def default_task_name(type_: ActionType) -> str:

@@ -55,7 +55,7 @@ def goal_arguments(
         return {}
     if type_.has_task_field:
         node = _without_task_field(node, report)
-    return MessageReader(report, references).read(node, _settable(type_))
+    return MessageReader(report, references).read(node, settable(type_))
 
 
 def check_references(node: Node, references: ReferenceReader) -> None:
@@ -81,7 +81,7 @@ def _without_task_field(node: MapNode, report: Report) -> MapNode:
     return MapNode(node.place, tuple(one for one in node.entries if one is not entry))
 
 
-def _settable(type_: ActionType) -> MessageType:
+def settable(type_: ActionType) -> MessageType:
     """Return the goal fields that arguments may set."""
     fields = {name: kind for name, kind in type_.goal.fields.items() if name != TASK}
     return MessageType(f'the goal of {type_.name}', fields)

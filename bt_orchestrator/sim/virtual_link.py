@@ -60,7 +60,8 @@ class VirtualLink:
 
     def description(self) -> CellDescription:
         """Return what exists in the cell."""
-        return description_of(self._node.running.engine.state.cell)
+        running = self._node.running
+        return description_of(running.engine.state.cell, running.types)
 
     def follow(self, listener: Listener, after_seq: int | None = None, history: str = '') -> None:
         """Tell a listener what happens, in `turn`."""
@@ -193,6 +194,7 @@ class Running:
         cell, state = engine.state.cell, engine.state
         self.engine = engine
         self.store = store
+        self.types = types
         self.overview = Overview(engine)
         self.handler = RequestHandler(engine, types, DeskHere(cell, types, trees, state))
 

@@ -17,6 +17,7 @@ def simple_values() -> Iterator[str]:
         ('', simple.CELL),
         ('CurrentJob, NextJob, LastJob: ', simple.JOB),
         ('OldestHold: ', simple.HOLD),
+        ('Manual: ', simple.GOAL),
     )
     rows = [
         (f'{where}`{name}`', f'{one.type.name}{"[]" if one.is_list else ""}', one.meaning)

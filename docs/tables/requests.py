@@ -7,8 +7,17 @@ from collections.abc import Iterator
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import JobFacts
-from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.requests import CONTROLS, TABLE, About, Request, Why, of_cell, of_job
+from bt_orchestrator.model.packml import MANUAL_FROM, PackmlState, UnitMode
+from bt_orchestrator.model.requests import (
+    CONTROLS,
+    TABLE,
+    UNIT_MODES,
+    About,
+    Request,
+    Why,
+    of_cell,
+    of_job,
+)
 from tables import docstrings
 from tables.markdown import cell, table
 
@@ -62,6 +71,11 @@ def _possible(request: Request) -> str:
     match request.about:
         case About.CELL if request in CONTROLS.values():
             return ' or '.join(f'in {one.value}' for one in CONTROLS if CONTROLS[one] != request)
+        case About.CELL if request is UNIT_MODES[UnitMode.MANUAL]:
+            states = ' or '.join(one.value for one in MANUAL_FROM)
+            return f'at a panel in local, in {states}'
+        case _ if request.is_manual:
+            return 'in manual mode' + (', at a panel in local' if request.needs_local else '')
         case About.CELL:
             states = [state.value for state in PackmlState if request in of_cell(state)]
             return _short(states, len(PackmlState))

@@ -12,7 +12,7 @@ from fakes.service_invariants import ServiceInvariants
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.packml import TRANSITIONS, Cause, PackmlState
+from bt_orchestrator.model.packml import MANUAL_FROM, TRANSITIONS, Cause, PackmlState
 from bt_orchestrator.model.script import Script
 
 FREEING = (e.TaskSkipped, e.TaskContinued, e.TaskMarkedDone)
@@ -70,6 +70,7 @@ class Invariants:
         """Items with the tasks that ended for them, one way or the other."""
         self._mode = PackmlState.STOPPED
         self._pauses: set[str] = set()
+        self._is_manual = False
 
     def follow(self, event: e.Event) -> None:
         """Take in the next event."""
@@ -128,9 +129,15 @@ class Invariants:
     # --- components and zones ---------------------------------------------------------------
 
     def _started(self, event: e.TaskStarted) -> None:
-        assert self._mode not in AT_REST, (event, self._mode)
         assert not self._pauses, (event, self._pauses)
         self._in_flight.add(event.goal)
+        if event.key == e.MANUAL_KEY:
+            assert self._is_manual, event
+            assert self._mode in MANUAL_FROM, (event, self._mode)
+            assert not self._there, event
+            return
+        assert not self._is_manual, event
+        assert self._mode not in AT_REST, (event, self._mode)
         self._used[event.key] = event.component
         self._take_for(event.key)
 
@@ -227,6 +234,11 @@ class Invariants:
         self._mode = PackmlState(event.state)
         assert self._mode not in EMPTY_HANDED or not self._in_flight, (event, self._in_flight)
 
+    def _mode_changed(self, event: e.UnitModeChanged) -> None:
+        assert not self._in_flight, event
+        assert not self._there, event
+        self._is_manual = event.mode == 'manual'
+
     def _hold_raised(self, event: e.HoldRaised) -> None:
         if event.task is None and event.item is None and event.reason != 'too_many_rejects':
             self._pauses.add(event.hold)
@@ -257,6 +269,7 @@ class Invariants:
         e.PositionEnded: _position_ended,
         e.RoundBegun: _round_begun,
         e.CellStateChanged: _state_changed,
+        e.UnitModeChanged: _mode_changed,
         e.HoldRaised: _hold_raised,
         e.HoldReleased: _hold_released,
         **dict.fromkeys(FREEING, _free),

@@ -93,6 +93,8 @@ def part_of(past: Records, what: str) -> str:
         return 'fault' if standing and failing(past, standing[0]) else 'answer'
     if what != 'operator':
         return ''
+    if is_manual(past):
+        return 'manual'
     if reason == 'operator':
         return 'paused' if standing else 'not_started'
     return 'paused' if last(past, 'cell.state_changed', 'state') in BEGINS else 'not_started'
@@ -112,7 +114,8 @@ def of_components(
         if failing(past, hold):
             parts.down[hold['component']] += took
             failed.add(hold['hold'])
-    is_stop = what == last(past, 'cell.stop_reason_changed', 'stop_reason')
+    reason = last(past, 'cell.stop_reason_changed', 'stop_reason')
+    is_stop = what == reason and not is_manual(past)
     if standing and is_stop and what in ('own_fault', 'operator') and failing(past, standing[0]):
         parts.repair[standing[0]['component']] += took
 
@@ -215,6 +218,8 @@ def why_it_stands(past: Records, next_event: str) -> tuple[Any, ...] | None:
         if one['event'] == 'hold.released':
             holds.pop(one['hold'], None)
     reason = last(past, 'cell.stop_reason_changed', 'stop_reason')
+    if is_manual(past):
+        return loss, 'manual'
     if loss in ('own_fault', 'operator') and reason and holds:
         return loss, next(iter(holds))
     if loss in ('starved', 'blocked', 'waiting'):
@@ -285,6 +290,12 @@ def is_good(out: Mapping[str, Any], records: Records) -> bool:
 # --- where the time goes --------------------------------------------------------------------
 
 
+def is_manual(past: Records) -> bool:
+    """Tell whether the cell stands in manual mode, and was not aborted there."""
+    reason = last(past, 'cell.stop_reason_changed', 'stop_reason')
+    return last(past, 'cell.unit_mode_changed', 'mode') == 'manual' and reason != 'emergency'
+
+
 def what_is_it(past: Records, next_event: str) -> str:
     """Say what the time after some records is booked as."""
     if not any(has_work(past, job) for job in jobs(past)):
@@ -292,6 +303,8 @@ def what_is_it(past: Records, next_event: str) -> str:
     if next_event == 'orchestrator.started' or has_stopped(past):
         return 'no_node'
     reason = last(past, 'cell.stop_reason_changed', 'stop_reason')
+    if is_manual(past):
+        return 'operator'
     if reason:
         return str(reason)
     if last(past, 'cell.state_changed', 'state') not in BEGINS:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, cast
 
+from fakes.line import TYPES
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.engine.runtime.overview import Overview, description_of
@@ -31,7 +32,7 @@ def scripts_of(run: VirtualRun) -> dict[str, Script]:
 
 def page_parts(run: VirtualRun) -> Parts:
     """Return what the page shows now."""
-    status, description = status_of(run), description_of(run.state.cell)
+    status, description = status_of(run), description_of(run.state.cell, TYPES)
     return cast('Parts', parts_of(status, description, scripts_of(run), NODE))
 
 

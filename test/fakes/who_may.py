@@ -15,14 +15,19 @@ FILE = Path(__file__).parents[1] / 'data' / 'who_may.csv'
 
 ANY = 'because'
 
+OUTCOMES = {'yes', 'no', 'local', 'remote', 'manual', 'production', 'safety'}
+"""What a request may be refused for, besides the role; no: the role."""
+
 
 class Where(Enum):
     """A state of the line, and where somebody stands; the name of a column."""
 
+    MANUAL = 'panel in manual'
+    """First: for others the line does not have to stand."""
     REMOTE = 'remote'
     ELSEWHERE = 'elsewhere in local'
     PANEL = 'panel in local'
-    UNSAFE = 'safety lost'
+    UNSAFE = 'panel with safety lost'
 
 
 class Row(NamedTuple):
@@ -32,7 +37,7 @@ class Row(NamedTuple):
     cells: Mapping[str, str]
 
     def expected(self, role: Role, where: Where) -> str:
-        """Return for what the request is refused: role, local, safety; or yes."""
+        """Return for what the request is refused: role, local, safety, ...; or yes."""
         return self.cells[where.value] if self.cells[role.value] == 'yes' else 'role'
 
 
@@ -41,7 +46,7 @@ def rows() -> list[Row]:
     lines = [line for line in FILE.read_text().splitlines() if not line.startswith('#')]
     table = [Row(row.pop('request'), row) for row in csv.DictReader(lines)]
     assert [row.request for row in table] == list(REQUESTS)
-    assert all(set(row.cells.values()) <= {'yes', 'no', 'local', 'safety'} for row in table)
+    assert all(set(row.cells.values()) <= OUTCOMES for row in table)
     return table
 
 
@@ -59,15 +64,19 @@ def arguments(request: str) -> dict[str, Any]:
     return {one.name: _VALUES[one.kind] for one in REQUESTS[request].parameters if one.is_required}
 
 
-UNSAFE = ('the safety input is not ready', 'safety')
+_SAID = {
+    'is for the role': 'role',
+    'which is in local': 'local',
+    ', and the line is in remote': 'remote',
+    'the cell is in manual mode; end it': 'manual',
+    'the cell is not in manual mode': 'production',
+    'the safety input is not ready': 'safety',
+}
 
 
 def outcome(message: str) -> str:
-    """Return what a refusal is for: role, local or safety; yes for any other answer."""
-    for words, what in (('is for the role', 'role'), ('which is in local', 'local'), UNSAFE):
-        if words in message:
-            return what
-    return 'yes'
+    """Return what a refusal is for; yes for any other answer."""
+    return next((what for words, what in _SAID.items() if words in message), 'yes')
 
 
 Ask = Callable[[str, Mapping[str, Any], Role, bool], str]
@@ -83,13 +92,21 @@ def differences(
     :param lose: loses the safety input
     """
     for where in Where:
+        if where is Where.MANUAL:
+            hand_over('local')
+            said = ask('cell.manual', {}, Role.ENGINEER, True)
+            assert 'the cell is in manual mode: it stands' in said, said
         if where is Where.UNSAFE:
-            hand_over('remote')
             lose()
         for row in rows():
             for role in Role:
-                hand_over('local' if 'local' in where.value else 'remote')
-                said = ask(row.request, arguments(row.request), role, where is Where.PANEL)
+                if where is not Where.MANUAL:
+                    hand_over('remote' if where is Where.REMOTE else 'local')
+                is_panel = where.value.startswith('panel')
+                said = ask(row.request, arguments(row.request), role, is_panel)
                 expected, found = row.expected(role, where), outcome(said)
                 if found != expected:
                     yield f'{row.request} {role.value} {where.value}: {expected}, found {said}'
+        if where is Where.MANUAL:
+            said = ask('cell.production', {'as_shown': 1}, Role.ENGINEER, True)
+            assert 'manual mode has ended' in said, said

@@ -67,8 +67,9 @@ def test_who_comes_late_is_told_what_exists(small_cell: CellProcesses) -> None:
     node, name = small_cell.watch.ros.node, small_cell.watch.name
     node.create_subscription(CellDescription, f'{name}/cell', told.append, LATCHED)
     small_cell.watch.ros.spin_until(lambda: told, 'the description of the cell')
-    cell = read_cell(small_cell.cell, InstalledActionTypes())
-    assert cell_description(told[0]) == description_of(cell)
+    types = InstalledActionTypes()
+    cell = read_cell(small_cell.cell, types)
+    assert cell_description(told[0]) == description_of(cell, types)
     small_cell.stop()
 
 

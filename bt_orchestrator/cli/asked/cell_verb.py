@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping
 
-from bt_orchestrator.cli.asked.derived import add_answer_options, of_request
+from bt_orchestrator.cli.asked.derived import add_answer_options, of_request, one_word
 from bt_orchestrator.cli.command_parser import Action, allowed, in_one_line
 from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.model.requests import About, requests_about
@@ -33,7 +33,7 @@ def _stop_after(args: argparse.Namespace) -> int:
 
 
 ACTIONS: Mapping[str, Action] = {
-    **{one.word: of_request(one) for one in _OF_CELL if one not in _STOP_AFTERS},
+    **{one_word(one.word): of_request(one) for one in _OF_CELL if one not in _STOP_AFTERS},
     'stop-after': Action(
         _add_stop_after,
         _stop_after,

@@ -87,14 +87,17 @@ def _several(type_: Any, metavar: str) -> dict[str, Any]:
     return {'action': 'append', 'type': type_, 'metavar': metavar}
 
 
+_BELT = {'type': _slots, 'metavar': 'SLOTS', 'help': 'every slot, as in 1=WO-1/3,2=empty'}
+
 TYPED: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     'cell.resume.hold': ('', {'metavar': 'N'}),
     'cell.resume.everyones': ('--all', {}),
     'cell.clear.as_shown': ('', {'metavar': 'SEQ'}),
-    'cell.clear.belt': (
-        '',
-        {'type': _slots, 'metavar': 'SLOTS', 'help': 'every slot, as in 1=WO-1/3,2=empty'},
-    ),
+    'cell.clear.belt': ('', _BELT),
+    'cell.production.as_shown': ('', {'metavar': 'SEQ'}),
+    'cell.production.belt': ('', _BELT),
+    'component.run_task.args': ('--arg', _several(str, 'FIELD=VALUE')),
+    'component.run_task.hold': ('', {'metavar': 'N'}),
     'queue.arrange.queue_digest': ('', {'metavar': 'DIGEST'}),
     'queue.arrange.jobs': ('', {'nargs': '+', 'metavar': 'JOB'}),
     'job.move.position': ('', {'metavar': 'N'}),
@@ -122,6 +125,9 @@ _MORE: Mapping[str, str] = {
     'prints; it is refused if the belt has changed since. Otherwise name what stands in every '
     'slot. An item that is not there any more is taken out. Any other difference is refused, '
     'with what to do about it.',
+    'cell.manual': 'The line has to be in local, and without items. You send goals with '
+    '`component run-task`, and leave manual mode with `cell production`.',
+    'cell.production': 'State the belt as with `clear`.',
     'cell.resume': 'Without an option it releases your own pauses. The cell goes on when no pause '
     f'and no other hold is left. The holds {", ".join(sorted(NAMED))} ask somebody to look at the '
     'line first: each is released only by --hold.',
@@ -132,7 +138,7 @@ _MORE: Mapping[str, str] = {
 }
 """More that a user should know, besides the declaration."""
 
-_EITHER = {'cell.clear': True, 'cell.resume': False}
+_EITHER = {'cell.clear': True, 'cell.production': True, 'cell.resume': False}
 """Requests with parameters that exclude each other, and whether one is needed."""
 
 

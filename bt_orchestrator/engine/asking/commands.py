@@ -12,15 +12,18 @@ from bt_orchestrator.engine.runtime.operators import offering
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.judging.belt_statement import AsShown, parse_slots
 from bt_orchestrator.model.limits import cut
-from bt_orchestrator.model.packml import Cause
+from bt_orchestrator.model.packml import Cause, UnitMode
 from bt_orchestrator.model.plant.shifts import PlantReason
 from bt_orchestrator.model.requests import (
     ANSWERS,
+    CANCEL_TASK,
     CELL,
     CODE,
     IN_SERVICE,
     OUT_OF_SERVICE,
     RELEASE_SCRIPT,
+    RUN_TASK,
+    UNIT_MODES,
     About,
     Asked,
     Kind,
@@ -32,8 +35,14 @@ from bt_orchestrator.model.requests import (
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.given_values import arguments_of, given_results, results_text
+from bt_orchestrator.script.given_values import (
+    arguments_of,
+    given_goal,
+    given_results,
+    results_text,
+)
 from bt_orchestrator.script.report import did_you_mean, listing
+from bt_orchestrator.script.task_names import wrong_task
 
 Arguments = Mapping[str, Any]
 """By the names of `model.requests`; those that were not said are left out, or None, or empty."""
@@ -126,24 +135,39 @@ def stop_number(name: str, history: str) -> int:
     return int(found['seq'])
 
 
-@prepares(CELL[Cause.CLEAR])
+@prepares(CELL[Cause.CLEAR], UNIT_MODES[UnitMode.PRODUCTION])
 def _statement(asked: Asked, _: CellState, __: ActionTypes) -> dict[str, Any]:
     belt, as_shown = asked.arguments.get('belt'), asked.arguments.get('as_shown', 0)
     if bool(belt) == bool(as_shown):
         raise CommandRefused(
-            'clear needs to know what stands on the belt: either every slot, as in 1=WO-1/3 and '
-            '2=empty, or the seq of the status of the belt as it stands'
+            f'{asked.request.word} needs to know what stands on the belt: either every slot, as '
+            'in 1=WO-1/3 and 2=empty, or the seq of the status of the belt as it stands'
         )
     return {'belt': parse_slots(belt) if belt else AsShown(as_shown)}
 
 
-@prepares(OUT_OF_SERVICE, IN_SERVICE)
+@prepares(OUT_OF_SERVICE, IN_SERVICE, CANCEL_TASK)
 def _component(asked: Asked, state: CellState, _: ActionTypes) -> dict[str, Any]:
     name, components = asked['component'], {**state.cell.components, **state.out_of_service}
     if name not in components:
         hint = did_you_mean(name, components, f'the cell has {listing(components)}')
         raise CommandRefused(f'there is no component {name!r}; {hint}')
     return {}
+
+
+@prepares(RUN_TASK)
+def _goal(asked: Asked, state: CellState, types: ActionTypes) -> dict[str, Any]:
+    """Read the fields of a goal as values of their types; the task has to be one of its type."""
+    _component(asked, state, types)
+    component = state.cell.components.get(asked['component'])
+    if component is None:
+        raise CommandRefused(f'{asked["component"]} is not in the cell file any more')
+    type_, task = types.action(component.type), asked['task']
+    why_not = wrong_task(task, type_)
+    if why_not:
+        raise CommandRefused(why_not)
+    args = asked.arguments.get('args')
+    return {'args': given_goal(results_text(args), type_) if args else {}}
 
 
 _DIGEST = re.compile('[0-9a-f]{12}')

@@ -13,7 +13,7 @@ from bt_orchestrator.base.errors import CommandRefused, NotRead, Refused, counte
 from bt_orchestrator.engine.runtime.deciding import not_from_there
 from bt_orchestrator.engine.runtime.job_queue import AT_PANEL, standing
 from bt_orchestrator.engine.runtime.orders import FITS
-from bt_orchestrator.engine.runtime.safety import refuse_unsafe
+from bt_orchestrator.engine.runtime.permits.surroundings import refuse_unsafe
 from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest

@@ -10,15 +10,23 @@ from bt_orchestrator.engine.runtime.lifecycle import transition
 from bt_orchestrator.engine.runtime.operators import released_with
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.judging.belt_statement import corrections
 from bt_orchestrator.model.limits import PAUSES
-from bt_orchestrator.model.packml import VERBS, Cause, PackmlState, refusal
-from bt_orchestrator.model.requests import CONTROLS, About, Asked, requests_about
+from bt_orchestrator.model.packml import (
+    NOT_IN_MANUAL,
+    VERBS,
+    Cause,
+    PackmlState,
+    UnitMode,
+    refusal,
+)
+from bt_orchestrator.model.requests import About, Asked, requests_about
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.model.stop_reason import PAUSED, StopReason, release_command
+
+IN_MANUAL = 'the cell is in manual mode; end it with production first'
 
 RESUME = VERBS[Cause.UNHOLD]
 """The ways in which a pause ends."""
@@ -29,6 +37,8 @@ def _command(state: CellState, asked: Asked, _: float) -> Decided:
     """Command the cell, if its state allows it."""
     cause = asked.request.cause
     assert cause is not None, asked.request.name
+    if state.unit_mode is UnitMode.MANUAL and cause in NOT_IN_MANUAL:
+        raise CommandRefused(f'{asked.request.name} is refused: {IN_MANUAL}')
     why = refusal(state.packml, cause)
     if why is not None and _is_told_late(state, asked):
         return f'the reason of the {asked.request.word} is on record', ()
@@ -38,21 +48,6 @@ def _command(state: CellState, asked: Asked, _: float) -> Decided:
         return _MOVES[cause], [transition(state.packml, cause, str(asked.by))]
     message, follows = _ACTS[cause](state, asked)
     return message, list(follows)
-
-
-@decides(*CONTROLS.values())
-def _hand_over(state: CellState, asked: Asked, _: float) -> Decided:
-    """Change from where the line may be moved; nothing stops, and nothing starts (7.8)."""
-    control = Control(asked.request.word)
-    if state.control is control:
-        raise CommandRefused(f'the line is in {control.value} already')
-    return _HANDED_OVER[control], [e.ControlChanged(control=control.value, reason=str(asked.by))]
-
-
-_HANDED_OVER = {
-    Control.LOCAL: 'the line is in local: only its panels move it, and what runs goes on',
-    Control.REMOTE: 'the line is in remote: everybody moves it who may',
-}
 
 
 def _is_told_late(state: CellState, asked: Asked) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import chain
 
 from bt_orchestrator.base.errors import CommandRefused
-from bt_orchestrator.engine.runtime import cell_commands, job_queue, operators, service
+from bt_orchestrator.engine.runtime import cell_commands, job_queue, operators
 from bt_orchestrator.engine.runtime.deciding import (
     DECIDERS,
     Decided,
@@ -16,7 +16,8 @@ from bt_orchestrator.engine.runtime.deciding import (
 )
 from bt_orchestrator.engine.runtime.ledger import Ledger
 from bt_orchestrator.engine.runtime.lifecycle import transition
-from bt_orchestrator.engine.runtime.safety import refuse_unsafe
+from bt_orchestrator.engine.runtime.permits import manual, service
+from bt_orchestrator.engine.runtime.permits.surroundings import refuse_unsafe
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
@@ -51,7 +52,7 @@ def _said(script: str, state: CellState) -> list[str]:
     return [f'{script} is released for this cell{free}']
 
 
-DECIDING = (cell_commands, job_queue, operators, service)
+DECIDING = (cell_commands, job_queue, manual, operators, service)
 """The modules with the deciders of all requests."""
 
 

@@ -57,7 +57,14 @@ def is_elsewhere(state: CellState, by: By | None) -> bool:
 def not_from_there(state: CellState, command: Command) -> str | None:
     """Say why a command cannot come from where it comes from now (7.8); None: it can."""
     request, by = getattr(command, 'request', None), getattr(command, 'by', None)
-    if request is None or by is None or not request.moves or not is_elsewhere(state, by):
+    if request is None or by is None:
+        return None
+    if request.needs_local and state.control is not Control.LOCAL:
+        return (
+            f'{request.name} is asked at a panel of a line in local, and the line is in remote; '
+            'nothing was done; give control to the panels with local first'
+        )
+    if not request.moves or not is_elsewhere(state, by):
         return None
     return (
         f'{request.name} moves the line, which is in local: only its panels may do that, and '

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from bt_orchestrator.engine.runtime import contests
 from bt_orchestrator.engine.runtime.goal_ends import TIMEOUT, failed, of_end
 from bt_orchestrator.engine.runtime.ledger import Ledger
-from bt_orchestrator.engine.runtime.safety import SafetyGuard
+from bt_orchestrator.engine.runtime.permits import manual, surroundings
+from bt_orchestrator.engine.runtime.permits.surroundings import SafetyGuard
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.frozen import changed
@@ -33,6 +33,9 @@ GRACE_S = 5.0
 _NEVER_ARRIVED = GoalEnd(
     GoalStatus.CANCELED, message='it never reached its server', never_begun=True
 )
+
+_NEVER_SENT = GoalEnd(GoalStatus.UNAVAILABLE, message=_NEVER_ARRIVED.message, never_begun=True)
+"""The same of a goal that was not cancelled either, and that is not sent again."""
 
 CARRIED_OUT = {e.OrchestratorStarted, e.TaskStarted, e.TaskResent, e.TaskCancelRequested}
 """Events that ask for goals of an earlier orchestrator, send a goal or cancel one."""
@@ -110,7 +113,7 @@ class Flights:
             elif isinstance(news, SetupReading):
                 self._ledger.record([e.ComponentSetupRead(**vars(news))])
             elif isinstance(news, SeenContest):
-                self._ledger.record(contests.seen(self._ledger.state, news))
+                self._ledger.record(surroundings.seen(self._ledger.state, news))
             elif isinstance(news, SafetyReading):
                 self._ledger.record(self._safety.seen(self._ledger.state, news))
             else:
@@ -155,6 +158,8 @@ class Flights:
         self._ledger.record([event])
         if isinstance(event, e.TaskSucceeded):
             self._ledger.record(effects.of_success(state, key))
+        elif key == e.MANUAL_KEY:
+            self._ledger.record(manual.held(state))
 
     def _must_wait(self, key: e.TaskKey, goal: Goal, end: GoalEnd) -> bool:
         """Tell whether a goal is to be sent again, but an operator must allow it first.
@@ -179,6 +184,8 @@ class Flights:
         self._given_up[uuid] = self._goals.pop(uuid)
         message = sentence('no_end', seconds=f'{GRACE_S:g}', cause=task.cancel_cause)
         self._ledger.record([failed(self._ledger.state, key, goal, Reason.IN_DOUBT, message)])
+        if key == e.MANUAL_KEY:
+            self._ledger.record(manual.held(self._ledger.state))
 
     def _of_unknown(self, key: e.TaskKey, goal: Goal, end: GoalEnd) -> e.TaskEvent:
         """Return the event for a goal of an earlier orchestrator that its server denies (9.2)."""
@@ -186,6 +193,9 @@ class Flights:
         assert running.goal is not None
         if running.cancel_cause is not None and self._is_proven(key, end):
             ended = of_end(self._ledger.state, key, goal, _NEVER_ARRIVED)
+            return changed(ended, never_begun=True)
+        if key == e.MANUAL_KEY and self._is_proven(key, end):
+            ended = of_end(self._ledger.state, key, goal, _NEVER_SENT)
             return changed(ended, never_begun=True)
         if self._may_go_again(key, end):
             return e.TaskResent(
@@ -203,8 +213,8 @@ class Flights:
     def _may_go_again(self, key: e.TaskKey, end: GoalEnd) -> bool:
         running, task = self._ledger.state.running[key], self._task(key)
         assert running.goal is not None
-        if running.cancel_cause is not None or running.copied:
-            return False
+        if running.cancel_cause is not None or running.copied or key == e.MANUAL_KEY:
+            return False  # in manual mode nothing starts by itself (7.11)
         return self._is_proven(key, end) or task.repeatable
 
     def _is_proven(self, key: e.TaskKey, end: GoalEnd) -> bool:

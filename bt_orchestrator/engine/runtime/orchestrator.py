@@ -20,13 +20,14 @@ from bt_orchestrator.base.errors import JournalFailed, OrchestratorError
 from bt_orchestrator.base.replies import begin
 from bt_orchestrator.engine.runtime import job_queue, lifecycle
 from bt_orchestrator.engine.runtime.commits import PATIENCE_S, Breakdown, Commits
-from bt_orchestrator.engine.runtime.contests import restarted
 from bt_orchestrator.engine.runtime.deciding import not_allowed
 from bt_orchestrator.engine.runtime.flights import CARRIED_OUT, Flights
 from bt_orchestrator.engine.runtime.inbox import Inbox
 from bt_orchestrator.engine.runtime.ledger import Ledger, Notice
 from bt_orchestrator.engine.runtime.lifecycle import Starvation
 from bt_orchestrator.engine.runtime.orders import Starts
+from bt_orchestrator.engine.runtime.permits.manual import Panel
+from bt_orchestrator.engine.runtime.permits.surroundings import restarted
 from bt_orchestrator.engine.runtime.recovery import Found, restore, take_over
 from bt_orchestrator.engine.runtime.writers import WritesAtOnce
 from bt_orchestrator.engine.tree.blackboard import BlackboardProjection
@@ -36,7 +37,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import text_of
 from bt_orchestrator.model.commands import Answer, Command, cancels_all
 from bt_orchestrator.model.goal import NOT_HEARD
-from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.waits.waiting import unready
 from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore, Writer
@@ -97,6 +98,7 @@ class Orchestrator:
         )
         self._inbox = Inbox(self._ledger)
         self._starts = Starts(self._ledger)
+        self._panel = Panel(self._ledger)
         self._starvation = Starvation(self._ledger)
         self.flights = Flights(self._ledger, gateway, clock, wake, store)
         self.gateway = gateway
@@ -130,6 +132,9 @@ class Orchestrator:
         While a commit is pending a command waits for its turn. A command that cancels every goal
         does so at once, and again in its turn, which records the reason.
         """
+        heard = self._panel.hear(command) if self.breakdown is None else None
+        if heard is not None:
+            return heard
         must_wait = self.awaits_disk or self._commits.is_owed
         if must_wait and cancels_all(command) and self._allows(command):
             self.flights.cancel_all()
@@ -185,7 +190,8 @@ class Orchestrator:
             self.breakdown.look()
             return False
         assert not self._settling, 'settle was called from within a settle'
-        if self.awaits_disk and self.gateway.unsafe not in ('', NOT_HEARD):
+        is_unsafe = self.gateway.unsafe not in ('', NOT_HEARD)
+        if self.awaits_disk and (is_unsafe or self._panel.is_silent):
             self.flights.cancel_all()  # the record of the loss follows
         went_on = self.awaits_disk
         if (went_on or self._commits.is_owed) and not self._go_on():
@@ -198,6 +204,7 @@ class Orchestrator:
                 self._ledger.record(restarted(self.state, self.gateway))
             self._inbox.land()
             self._starts.land()
+            self._panel.land()
             if self.tree.is_due or self._ledger.has_pending:
                 self._tick_until_still()
             return self._commit() or went_on
@@ -347,6 +354,8 @@ class Orchestrator:
         for event in lost:
             if isinstance(event, e.OrchestratorStarted):
                 self.flights.follow(event)  # sends nothing, and lets `abort` cancel its goals
+        if self.state.unit_mode is UnitMode.MANUAL:
+            self.flights.cancel_all()  # its panel cannot be watched any more
         self.flights.close()
         self.breakdown = Breakdown(str(failed), self.flights.without_end, self.gateway)
         log.error('%s', self.broken)

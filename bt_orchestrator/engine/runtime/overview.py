@@ -11,12 +11,15 @@ from bt_orchestrator.engine.runtime.job_overview import (
     job_status,
 )
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
+from bt_orchestrator.engine.runtime.permits.manual import goal_of
 from bt_orchestrator.engine.runtime.stands import Engine, Standstill
+from bt_orchestrator.model.action_type import TASK
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.setups import known
 from bt_orchestrator.model.limits import ENDED_SHOWN, QUEUE_SHOWN
+from bt_orchestrator.model.packml import UnitMode
 from bt_orchestrator.model.requests import Request, of_cell
 from bt_orchestrator.model.state import CellState, Finished, ItemState, JobState, SectionState
 from bt_orchestrator.model.status import (
@@ -37,6 +40,7 @@ from bt_orchestrator.model.task_spans import passed_tasks
 from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait, Wait
 from bt_orchestrator.model.waits.waiting import by_part, together
 from bt_orchestrator.model.words import Words, facts_of
+from bt_orchestrator.ports import ActionTypes
 
 _NO_ENDS: Mapping[str, float] = {}
 
@@ -99,9 +103,11 @@ class Overview:
             stands=stands,
             stop_after=state.stop_after or '',
             wish=state.wish,
-            waits_for=way_to_work(state.packml) if state.stopped_by is not None else '',
+            waits_for=_waits_for(state),
             safety=_safety(state),
             control=state.control,
+            unit_mode=state.unit_mode,
+            manual=goal_of(state),
             unauthenticated_role=self._unauthenticated_role,
             commands=tuple(request.word for request in self._possible()),
             journal_failure=engine.broken or '',
@@ -155,7 +161,8 @@ class Overview:
 
     def _possible(self) -> tuple[Request, ...]:
         """Return the commands that are possible; without a journal only to cancel the goals."""
-        return of_cell(self._engine.state.packml, is_broken=bool(self._engine.broken))
+        state = self._engine.state
+        return of_cell(state.packml, state.unit_mode, is_broken=bool(self._engine.broken))
 
     def _component(self, component: Component) -> ComponentStatus:
         engine, name = self._engine, component.name
@@ -195,7 +202,7 @@ def _stop_words(state: CellState) -> Words | None:
     return next(iter(facts_of(state.stop_message)), None)
 
 
-def description_of(cell: Cell) -> CellDescription:
+def description_of(cell: Cell, types: ActionTypes) -> CellDescription:
     """Return the parts of a cell."""
     return CellDescription(
         cell=cell.name,
@@ -209,8 +216,13 @@ def description_of(cell: Cell) -> CellDescription:
                 sections=component.sections,
                 durations_s=component.durations_s,
                 default_duration_s=component.default_duration_s,
+                tasks=tuple(type_.constants) if type_.has_task_field else (),
+                goal_fields={
+                    name: one.ros_name for name, one in type_.goal.fields.items() if name != TASK
+                },
             )
             for component in cell.components.values()
+            for type_ in (types.action(component.type),)
         ),
     )
 
@@ -247,6 +259,13 @@ def _item(item: ItemState) -> ItemStatus:
 
 def _finished(finished: Finished) -> FinishedCycle:
     return FinishedCycle(finished.job, finished.item, finished.passed, finished.failed)
+
+
+def _waits_for(state: CellState) -> str:
+    """Return the commands that the cell waits for; empty: for none."""
+    if state.unit_mode is UnitMode.MANUAL:
+        return f'{UnitMode.PRODUCTION.value}, {way_to_work(state.packml)}'
+    return way_to_work(state.packml) if state.stopped_by is not None else ''
 
 
 def _safety(state: CellState) -> str:

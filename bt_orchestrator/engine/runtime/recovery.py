@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from bt_orchestrator import model
 from bt_orchestrator.base.errors import DamagedRecord, JournalMismatch, JournalUnusable
-from bt_orchestrator.engine.runtime.contests import in_utc, to_be_named
-from bt_orchestrator.engine.runtime.safety import taken_over
-from bt_orchestrator.engine.runtime.service import without_component
+from bt_orchestrator.engine.runtime.permits.service import without_component
+from bt_orchestrator.engine.runtime.permits.surroundings import in_utc, taken_over, to_be_named
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
@@ -22,7 +21,7 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.keeping.snapshot import state_from_plain
 from bt_orchestrator.model.limits import listed
-from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import MISSING, RESTARTED, RESTORED
 from bt_orchestrator.model.words import sentence
@@ -168,11 +167,18 @@ def _replay(state: CellState, events: Iterable[e.Event]) -> bool:
             f'the journal does not fit cell {state.cell.name}: event {state.seq + 1} cannot have '
             f'happened there ({error!r}); name the cell file that it was written with'
         ) from error
-    if state.jobs and state.cell_digest != digest(state.cell):
+    if state.cell_digest == digest(state.cell):
+        return not damaged
+    if state.jobs:
         unfinished = listed(state.jobs, 'none')
         raise JournalMismatch(
             f'the journal holds unfinished jobs ({unfinished}) and the cell file has changed '
             'since they began; run them to their end with the file as it was'
+        )
+    if state.unit_mode is UnitMode.MANUAL:
+        raise JournalMismatch(
+            'the cell is in manual mode and the cell file has changed since; end manual mode with '
+            'the file as it was'
         )
     return not damaged
 

@@ -13,7 +13,7 @@ from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.line import barred_because
-from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.state import CellState, Hold, JobState
 from bt_orchestrator.model.stop_reason import StopReason, way_to_work
 from bt_orchestrator.model.wait import GRAVE, PartWait, StandCause, Stands, WaitKind
@@ -117,6 +117,8 @@ def _cause(state: CellState, broken: str | None, waits: Waits) -> Stands:
         return _stands(StandCause.JOURNAL, broken)
     if state.packml in _ABORTED or state.barred:
         return _for_a_command(state)
+    if state.unit_mode is UnitMode.MANUAL:
+        return _stands(StandCause.COMMAND, _MANUAL, UnitMode.MANUAL.value)
     if state.holds:
         return _held(next(iter(state.holds.values())))
     if state.packml in _AT_REST:
@@ -132,6 +134,9 @@ _AT_REST = (
     PackmlState.IDLE,
     PackmlState.COMPLETE,
 )
+
+
+_MANUAL = 'the cell is in manual mode; it waits for production'
 
 
 def _for_a_command(state: CellState) -> Stands:

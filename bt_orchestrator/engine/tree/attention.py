@@ -24,6 +24,7 @@ _OF_NO_PART = (
     *(e.JobCleared, e.ScriptLoaded, e.OperatorDecided, e.OperatorRefused),
     *(
         e.ControlChanged,
+        e.UnitModeChanged,
         e.ItemNonconforming,
         e.ItemIdentified,
         e.ClockStepped,
@@ -116,8 +117,10 @@ class Attention:
             self._task(event)
 
     def _concern(self, event: e.TaskEvent) -> Concern:
-        if event.job is None:
-            found: Concern | None = self.sharing.move()
+        if event.key == e.MANUAL_KEY:
+            found: Concern | None = None
+        elif event.job is None:
+            found = self.sharing.move()
         else:
             found = self.sharing.task(self._state.jobs[event.job].digest, event.task)
         concern = Concern(self._all, self._all) if found is None else found

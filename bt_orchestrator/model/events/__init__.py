@@ -7,6 +7,7 @@ absent from the record.
 
 from bt_orchestrator.model.events.base import (
     INDEX_KEY,
+    MANUAL_KEY,
     Event,
     TaskKey,
 )
@@ -22,6 +23,7 @@ from bt_orchestrator.model.events.cell_events import (
     ControlChanged,
     HoldRaised,
     HoldReleased,
+    ManualAsked,
     OperatorDecided,
     OperatorEvent,
     OperatorRefused,
@@ -30,6 +32,7 @@ from bt_orchestrator.model.events.cell_events import (
     RequestRefused,
     SafetyChanged,
     StopReasonChanged,
+    UnitModeChanged,
 )
 from bt_orchestrator.model.events.job_events import (
     JobAborted,
@@ -94,6 +97,7 @@ from bt_orchestrator.model.events.tasks import (
 __all__ = [
     'TaskKey',
     'INDEX_KEY',
+    'MANUAL_KEY',
     'Event',
     'ScriptLoaded',
     'ScriptReleased',
@@ -158,6 +162,7 @@ __all__ = [
     'ControlChanged',
     'HoldRaised',
     'HoldReleased',
+    'ManualAsked',
     'OperatorEvent',
     'OperatorDecided',
     'OperatorRefused',
@@ -166,5 +171,6 @@ __all__ = [
     'OrchestratorStopping',
     'SafetyChanged',
     'StopReasonChanged',
+    'UnitModeChanged',
     'CellStateChanged',
 ]

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple, TypeVar
 
-from bt_orchestrator.model.script import INDEX
+from bt_orchestrator.model.script import INDEX, MANUAL
 
 
 class TaskKey(NamedTuple):
     """The task and its item; unique among the tasks that can exist at one time."""
 
     job: str | None
-    """None for the belt's own move."""
+    """None for the belt's own move, and for a goal of manual mode."""
     section: int | None
     """None for initialization and for the belt's own move."""
     item: str | None
@@ -26,6 +26,9 @@ class TaskKey(NamedTuple):
 
 INDEX_KEY = TaskKey(None, None, None, INDEX)
 """The belt's own move (formats: events)."""
+
+MANUAL_KEY = TaskKey(None, None, None, MANUAL)
+"""The goal of manual mode (semantics 7.11)."""
 
 
 _E = TypeVar('_E', bound='Event')

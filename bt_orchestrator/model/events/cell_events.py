@@ -253,6 +253,36 @@ class ControlChanged(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class UnitModeChanged(Event):
+    """The cell is in manual mode, or in production again; nothing stops (semantics 7.11)."""
+
+    event: ClassVar[str] = 'cell.unit_mode_changed'
+    mode: str
+    """production or manual."""
+    reason: str = ''
+
+
+@dataclass(frozen=True, kw_only=True)
+class ManualAsked(Event):
+    """Somebody at a panel wants a goal in manual mode; `task.started` sends it (semantics 7.11).
+
+    From here on the setups of the component are not known, and its initialization is not done.
+    """
+
+    event: ClassVar[str] = 'manual.asked'
+    component: str
+    name: str
+    """Task constant."""
+    args: Mapping[str, Any] = field(default_factory=dict)
+    who: str
+    known: str
+    """How it is known who that is; only the same one at a panel keeps the goal running."""
+    reason: str
+    hold: str = ''
+    """The hold that keeps the component, and stays; empty: none does."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class CellStateChanged(Event):
     """The cell entered another PackML state (semantics 7.2)."""
 

@@ -81,7 +81,7 @@ class TaskCancelRequested(TaskEvent):
     event: ClassVar[str] = 'task.cancel_requested'
     goal: str
     cause: str
-    """timeout, abort_job, abort or shutdown."""
+    """timeout, abort_job, abort or shutdown; in manual mode panel_lost or cancel_task."""
 
 
 @made_at_once

@@ -13,7 +13,7 @@ from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.job_folds import forget_skips, note_work
 from bt_orchestrator.model.jobs.setups import forget_all, note_told
 from bt_orchestrator.model.judging.rejects import forget_rejects, note_hold
-from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.requests.alike import together
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Hold, OutOfService, Phase, Reading, TaskState
@@ -115,6 +115,12 @@ def safety_changed(event: e.SafetyChanged, state: CellState) -> None:
 def control_changed(event: e.ControlChanged, state: CellState) -> None:
     """Set from where the line may be moved."""
     state.control = Control(event.control)
+
+
+def unit_mode_changed(event: e.UnitModeChanged, state: CellState) -> None:
+    """Enter manual mode, or leave it: then its last goal is forgotten."""
+    state.unit_mode, state.manual = UnitMode(event.mode), None
+    state.tasks.pop(e.MANUAL_KEY, None)
 
 
 def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:

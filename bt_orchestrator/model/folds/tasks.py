@@ -9,10 +9,19 @@ from bt_orchestrator.model.folds.cell_folds import note_uptime
 from bt_orchestrator.model.folds.line import mark_nonconforming
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.jobs.setups import forget, learn
+from bt_orchestrator.model.jobs.job_folds import forget_skips
+from bt_orchestrator.model.jobs.setups import forget, forget_all, learn
 from bt_orchestrator.model.judging.rejects import count_reject
-from bt_orchestrator.model.script import index_task
-from bt_orchestrator.model.state import CellState, End, Phase, TaskState, same_args, same_task
+from bt_orchestrator.model.script import Task, index_task
+from bt_orchestrator.model.state import (
+    CellState,
+    End,
+    ManualRun,
+    Phase,
+    TaskState,
+    same_args,
+    same_task,
+)
 
 
 def task_started(event: e.TaskStarted, state: CellState) -> None:
@@ -30,9 +39,17 @@ def task_started(event: e.TaskStarted, state: CellState) -> None:
     key = event.key
     state.tasks[key] = state.running[key] = started
     _forget_done(state, key)  # until it succeeds its effect is unknown
+    if key == e.MANUAL_KEY:
+        state.reserved.setdefault(event.component, key)  # a held task keeps it
+        return
     state.reserved[event.component] = key
     for zone in _zones(state, key):
         state.zones[zone] = key
+
+
+def task_of(state: CellState, key: e.TaskKey) -> Task:
+    """Return the task that a key names, the belt's own move too."""
+    return state.task(key) or index_task(state.cell)
 
 
 def task_adopted(event: e.TaskAdopted, state: CellState) -> None:
@@ -69,10 +86,12 @@ def task_failed(event: e.TaskFailed, state: CellState) -> None:
         never_begun=event.never_begun,
     )
     # While an operator is asked, the robot stays where it stopped (semantics 4.4).
-    if not will_hold(state, event.key, state.task(event.key) or index_task(state.cell)):
+    if not will_hold(state, event.key, task_of(state, event.key)):
         _release(state, event.key)
     if reason is Reason.SETUP_MISSING:
         _free_component(state, event.key)  # the change needs it (5.3)
+    if event.key == e.MANUAL_KEY:
+        _manual_ended(state, event, reason.value)
 
 
 def round_begun(event: e.RoundBegun, state: CellState) -> None:
@@ -113,8 +132,42 @@ def task_retrying(event: e.TaskRetrying, state: CellState) -> None:
 
 
 def task_succeeded(event: e.TaskSucceeded, state: CellState) -> None:
+    if event.key == e.MANUAL_KEY:
+        _end(state, event.key, End.DONE)
+        _manual_ended(state, event, End.DONE.value)
+        return
     _succeed(state, event.key, End.DONE)
     _keep_results(state, event)
+
+
+def manual_asked(event: e.ManualAsked, state: CellState) -> None:
+    """Forget what the component is set up for, and that its initialization is done."""
+    told = {name: vars(event)[name] for name in _TOLD_OF_MANUAL}
+    state.manual = ManualRun(asked=event.time, **told)
+    state.tasks.pop(e.MANUAL_KEY, None)
+    action = state.cell.components[event.component].action
+    for done in [one for one in state.done_once if one.startswith(f'{action} ')]:
+        del state.done_once[done]
+    forget_all(state, event.component)
+    forget_skips(state, lambda job: not job.progress.started)
+    held = state.holds.get(event.hold)
+    if held is not None:
+        state.holds[held.id] = changed(held, manual=(*held.manual, event.name))
+
+
+_TOLD_OF_MANUAL = ('component', 'name', 'args', 'who', 'known', 'reason', 'hold')
+
+
+def _manual_ended(state: CellState, event: e.TaskSucceeded | e.TaskFailed, end: str) -> None:
+    run = state.manual
+    assert run is not None
+    state.manual = changed(run, ended=event.time, results=event.results)
+    held = state.holds.get(run.hold)
+    if held is not None:
+        *before, last = held.manual
+        state.holds[held.id] = changed(held, manual=(*before, f'{last}: {end}'))
+    if end != End.DONE.value and will_hold(state, event.key, task_of(state, event.key)):
+        state.reserved.setdefault(run.component, event.key)
 
 
 def _keep_results(state: CellState, event: e.TaskSucceeded | e.TaskMarkedDone) -> None:

@@ -6,12 +6,19 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from bt_orchestrator.model.by import Role
+from bt_orchestrator.model.by import Control, Role
 from bt_orchestrator.model.events import INDEX_KEY
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import OVER, QUEUED
 from bt_orchestrator.model.jobs.job_control import JobFacts, refusal
-from bt_orchestrator.model.packml import Cause, PackmlState, possible_in
+from bt_orchestrator.model.packml import (
+    MANUAL_FROM,
+    NOT_IN_MANUAL,
+    Cause,
+    PackmlState,
+    UnitMode,
+    possible_in,
+)
 from bt_orchestrator.model.requests.request import About, Request
 from bt_orchestrator.model.requests.table import (
     CELL,
@@ -21,6 +28,7 @@ from bt_orchestrator.model.requests.table import (
     NEXT,
     OUT_OF_SERVICE,
     STOP_AFTERS,
+    UNIT_MODES,
     of_word,
     requests_about,
 )
@@ -36,11 +44,15 @@ class Addressed(NamedTuple):
     arguments: Mapping[str, str]
 
 
-def of_cell(state: PackmlState, *, is_broken: bool = False) -> tuple[Request, ...]:
+def of_cell(
+    state: PackmlState, mode: UnitMode = UnitMode.PRODUCTION, *, is_broken: bool = False
+) -> tuple[Request, ...]:
     """Return the requests to the cell that a state allows; only `abort` if it is broken."""
     if is_broken:
         return (CELL[Cause.ABORT],)
-    return (*(CELL[cause] for cause in possible_in(state)), *STOP_AFTERS.values())
+    kept = NOT_IN_MANUAL if mode is UnitMode.MANUAL else ()
+    possible = (CELL[cause] for cause in possible_in(state) if cause not in kept)
+    return (*possible, *STOP_AFTERS.values())
 
 
 def of_job(facts: JobFacts) -> tuple[Request, ...]:
@@ -157,8 +169,14 @@ def worthwhile_for_cell(status: CellStatus) -> Iterator[Request]:
         request = of_word(About.CELL, word)
         if request is not None and _changes_cell(request, status):
             yield request
-    if not status.journal_failure:
-        yield from (one for control, one in CONTROLS.items() if control is not status.control)
+    if status.journal_failure:
+        return
+    if status.unit_mode is UnitMode.MANUAL:
+        yield UNIT_MODES[UnitMode.PRODUCTION]
+        return
+    yield from (one for control, one in CONTROLS.items() if control is not status.control)
+    if status.control is Control.LOCAL and status.state in MANUAL_FROM:
+        yield UNIT_MODES[UnitMode.MANUAL]
 
 
 def _changes_cell(request: Request, status: CellStatus) -> bool:

@@ -90,6 +90,12 @@ class Request:
     refused until something undoes it, so it is never delayed."""
     needs_safety: bool = False
     """It is refused while the safety input is not ready (semantics 7.9)."""
+    needs_local: bool = False
+    """It is asked at a panel of a line in local, and refused in remote (semantics 7.11)."""
+    is_manual: bool = False
+    """It is for manual mode alone (semantics 7.11), where the line makes nothing."""
+    is_sign: bool = False
+    """It says that somebody is there, and is not on record."""
     is_of_list: bool = False
     """It changes the list of jobs, and nothing on the line."""
     is_remark: bool = False
@@ -121,7 +127,7 @@ class Request:
     def is_foreseen(self) -> bool:
         """Whether its effect on the ends of jobs can be worked out before it is made."""
         about = (About.QUEUE, About.JOB, About.COMPONENT, About.SCRIPT)
-        return self.about in about and not self.is_of_list
+        return self.about in about and not self.is_of_list and not self.is_manual
 
     @property
     def takes_orders(self) -> bool:

@@ -10,7 +10,7 @@ from bt_orchestrator.model import failures
 from bt_orchestrator.model.by import Control, Role
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.job_control import Method
-from bt_orchestrator.model.packml import VERBS, Cause
+from bt_orchestrator.model.packml import VERBS, Cause, UnitMode
 from bt_orchestrator.model.requests.request import NAMED, About, Kind, Parameter, Request, Why
 from bt_orchestrator.model.stop_reason import AFTER, NEVER, STOP_AFTER
 
@@ -159,6 +159,38 @@ CONTROLS: Mapping[Control, Request] = {
     ),
 }
 """From where the line may be moved (semantics 7.8)."""
+
+UNIT_MODES: Mapping[UnitMode, Request] = {
+    UnitMode.MANUAL: _request(
+        About.CELL,
+        UnitMode.MANUAL.value,
+        'lets the cell stand, and an engineer at a panel run single goals',
+        _ENGINEERS,
+        moves=True,
+        needs_local=True,
+        needs_safety=True,
+        is_limited=True,
+    ),
+    UnitMode.PRODUCTION: _request(
+        About.CELL,
+        UnitMode.PRODUCTION.value,
+        'ends manual mode, and says what stands on the belt; orders wait for a start',
+        _ENGINEERS,
+        _BELT,
+        _AS_SHOWN,
+        moves=True,
+        is_confirmed=True,
+        is_limited=True,
+        is_manual=True,
+    ),
+}
+"""How the cell is used (semantics 7.11)."""
+
+AT_PANEL = _request(
+    About.CELL, 'at_panel', 'says that somebody still is at the panel that a goal of manual mode '
+    'was sent from; not on record', _ENGINEERS,
+    moves=True, needs_local=True, why=Why.NEVER, is_limited=True, is_manual=True, is_sign=True,
+)  # fmt: skip
 
 # --- the queue and its jobs (semantics 6.6) -----------------------------------------------------
 
@@ -310,6 +342,19 @@ IN_SERVICE = _request(
     'start', _OPERATORS, moves=True, needs_safety=True, is_limited=True,
 )  # fmt: skip
 
+RUN_TASK = _request(
+    About.COMPONENT, 'run_task', 'sends it one goal in manual mode, for as long as its panel is '
+    'heard', _ENGINEERS,
+    Parameter('task', Kind.TEXT, 'task constant of its action type', is_required=True),
+    Parameter('args', Kind.VALUES, 'fields of the goal'),
+    Parameter('hold', Kind.TEXT, 'the hold that keeps the component; it stays'),
+    moves=True, needs_local=True, needs_safety=True, is_limited=True, is_manual=True,
+)  # fmt: skip
+CANCEL_TASK = _request(
+    About.COMPONENT, 'cancel_task', 'cancels its goal of manual mode', _OPERATORS,
+    moves=False, why=Why.AFTERWARDS, is_manual=True,
+)  # fmt: skip
+
 # --- scripts (semantics 6.10) -------------------------------------------------------------------
 
 RELEASE_SCRIPT = _request(
@@ -331,6 +376,8 @@ TABLE: tuple[Request, ...] = (
     *CELL.values(),
     *STOP_AFTERS.values(),
     *CONTROLS.values(),
+    *UNIT_MODES.values(),
+    AT_PANEL,
     ADD,
     ARRANGE,
     MOVE,
@@ -342,6 +389,8 @@ TABLE: tuple[Request, ...] = (
     COMMENT,
     OUT_OF_SERVICE,
     IN_SERVICE,
+    RUN_TASK,
+    CANCEL_TASK,
     RELEASE_SCRIPT,
     CLASSIFY,
 )

@@ -7,17 +7,18 @@ from dataclasses import dataclass, field
 
 from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.events import INDEX_KEY, TaskKey
+from bt_orchestrator.model.events import INDEX_KEY, MANUAL_KEY, TaskKey
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.initialization import Preparation
 from bt_orchestrator.model.judging.used_ids import UsedIds
-from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.reference import Scope
-from bt_orchestrator.model.script import Script, Task
+from bt_orchestrator.model.script import Script, Task, manual_task
 from bt_orchestrator.model.state.job_state import ItemState, JobState
 from bt_orchestrator.model.state.line import (
     FlagState,
     KnownSetup,
+    ManualRun,
     OutOfService,
     Phase,
     Reading,
@@ -61,6 +62,10 @@ class CellState:
     packml: PackmlState = PackmlState.STOPPED
     control: Control = Control.REMOTE
     """From where the line may be moved (semantics 7.8)."""
+    unit_mode: UnitMode = UnitMode.PRODUCTION
+    """In manual the cell stands, and runs single goals (semantics 7.11)."""
+    manual: ManualRun | None = None
+    """The last goal of manual mode; None: there was none since it was entered."""
     stopped_by: Wish | None = None
     """An operator stopped, aborted or cleared the cell, and none has started it since."""
     had_work: bool = False
@@ -168,7 +173,10 @@ class CellState:
     def task(self, key: TaskKey) -> Task | None:
         """Return the task that a key names; None for the belt's own move."""
         job = key.job  # without `script`: a task is looked up eight times an attempt
-        return None if job is None else self.jobs[job].job.script.tasks[key.task]
+        if job is not None:
+            return self.jobs[job].job.script.tasks[key.task]
+        run = self.manual if key == MANUAL_KEY else None
+        return manual_task(self.cell, run.component, run.name, run.args) if run else None
 
     def round(self, key: TaskKey) -> int:
         """Return which further round of its repeat a task is in; 0: the first pass, or none."""
@@ -282,6 +290,8 @@ class Hold:
     """Those that one list may give to several holds (`model.alike`)."""
     answers_why: str = ''
     """Why other answers are not offered; empty: nothing is left out."""
+    manual: tuple[str, ...] = ()
+    """Tasks that were run in manual mode on the component that it keeps, with their ends."""
 
     @property
     def is_pause(self) -> bool:

@@ -94,6 +94,26 @@ class TaskState:
 
 
 @dataclass(frozen=True)
+class ManualRun:
+    """A goal of manual mode, from when it was asked for (semantics 7.11)."""
+
+    component: str
+    name: str
+    """Task constant."""
+    who: str
+    known: str
+    """How it is known who that is."""
+    reason: str
+    asked: float
+    args: Mapping[str, Any] = field(default_factory=dict)
+    hold: str = ''
+    """The hold that keeps the component; empty: none does."""
+    ended: float | None = None
+    """When its goal ended, or was given up; None: it has not."""
+    results: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class PassedTask:
     """A task that the cell has passed, and how it ended."""
 

@@ -135,7 +135,7 @@ class Tickets:
         :param clock: steady, seconds
         """
         self._clock = clock
-        self._doors = doors
+        self.doors = doors
         self._newest = newest
         self._kept: dict[str, _Kept] = {}
         self._room = asyncio.Semaphore(AT_ONCE)
@@ -216,14 +216,14 @@ class Tickets:
 
     def _refuse_if_silent(self, ticket: str, kept: _Kept) -> None:
         """Send nothing to a node that went away while the command waited for room."""
-        if self._doors.is_silent:
+        if self.doors.is_silent:
             if self._kept.get(ticket) is kept:
                 del self._kept[ticket]
             raise NotSent(_SILENT)
 
     async def _sent(self, ticket: str, kept: _Kept) -> Outcome:
         try:
-            answer = await self._doors.ask(kept.asked)
+            answer = await self.doors.ask(kept.asked)
         except NodeUnreachable as error:
             kept.lost_at = self._clock()
             raise Unknown(f'{error}; whether it was carried out is not known') from error
@@ -246,7 +246,7 @@ class Tickets:
         """
         if asked.request.why is Why.AFTERWARDS:
             return
-        if self._doors.is_silent:
+        if self.doors.is_silent:
             raise NotSent(_SILENT)
         if self._earlier is not None:
             return
@@ -274,12 +274,12 @@ class Tickets:
 
         :raises NodeUnreachable: it does not answer
         """
-        page = await self._doors.events_after(self._newest(), 1)
+        page = await self.doors.events_after(self._newest(), 1)
         last = page.last_seq
         seq = max(last - LOOK_BACK, page.first_seq - 1, -1 if after is None else min(after, last))
         first, events = seq + 1, list[Event]()
         while seq < last:
-            page = await self._doors.events_after(seq)
+            page = await self.doors.events_after(seq)
             if not page.events:
                 break
             events += page.events

@@ -25,6 +25,7 @@ from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status_words import component_trouble
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.executor.heart import Heart, Pulse
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
@@ -120,9 +121,9 @@ class StatusTopic:
 class DescriptionTopic:
     """`~/cell`, latched: what exists, told once."""
 
-    def __init__(self, node: Node, cell: Cell) -> None:
+    def __init__(self, node: Node, cell: Cell, types: ActionTypes) -> None:
         self._publisher = publisher(node, CellDescription, '~/cell', LATCHED)
-        self._publisher.publish(description_message(description_of(cell)))
+        self._publisher.publish(description_message(description_of(cell, types)))
 
 
 class Diagnostics:

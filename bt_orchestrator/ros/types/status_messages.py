@@ -29,6 +29,7 @@ from bt_orchestrator.model.status import (
     JobStatus,
     Leadership,
     ListedJob,
+    ManualGoal,
     SectionStatus,
     StandbyStatus,
     TaskStatus,
@@ -47,7 +48,16 @@ def _nothing(_: object) -> dict[str, Any]:
 
 # --- parts ------------------------------------------------------------------------------------
 
-for _kind in (Words, PassedTask, TaskStatus, Wait, Stands, FinishedCycle, FlagStatus):
+for _kind in (
+    Words,
+    PassedTask,
+    TaskStatus,
+    Wait,
+    Stands,
+    FinishedCycle,
+    FlagStatus,
+    ManualGoal,
+):
     mapped(_kind, getattr(msg, _kind.__name__))
 
 _STANDBY = mapped(StandbyStatus, msg.StandbyStatus)

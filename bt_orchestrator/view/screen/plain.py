@@ -247,6 +247,8 @@ def _succeeded(span: TaskSpan) -> str:
 def _place(event: e.TaskEvent) -> str:
     if event.section is not None:
         return f'section {event.section:<3} {event.item}  '
+    if event.key == e.MANUAL_KEY:
+        return 'manual      '
     return f'initialization {event.job}  ' if event.job else 'belt        '
 
 
@@ -289,6 +291,7 @@ _LINES: Mapping[type[e.Event], Callable[..., str]] = {
     e.SafetyChanged: lambda event: (
         'safety input ready' if event.ready else f'safety input not ready: {event.reason}'
     ),
+    e.UnitModeChanged: lambda event: f'cell in {event.mode} ({event.reason})',
     e.ControlChanged: lambda event: f'line in {event.control} ({event.reason})',
     **dict.fromkeys((e.JobQueued, e.JobCompleted, e.JobAborted), _job),
 }

@@ -13,6 +13,7 @@ from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.hold_words import again_words, hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.needs import on_the_line_words
+from bt_orchestrator.model.packml import UnitMode
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     CellStatus,
@@ -106,7 +107,11 @@ def _job_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
 
 
 def in_local(status: CellStatus) -> str:
-    """Say that only panels move the line; nothing if everybody does who may."""
+    """Say that only panels move the line, or what runs there by hand; nothing in remote."""
+    if status.unit_mode is UnitMode.MANUAL:
+        goal = status.manual
+        how = f': {goal.task} at {goal.component}, {goal.state}' if goal is not None else ''
+        return f'in manual mode{one_line(how)}'
     is_local = status.control is Control.LOCAL
     return 'in local: only the panels of the line move it' if is_local else ''
 

@@ -48,7 +48,7 @@ def test_who_may_ask_what() -> None:
     after = {f'cell.stop_after_{word}' for word in ('item', 'job', 'never')}
     places = {'job.move', 'job.next', 'queue.arrange'}
     places |= {'job.another'}
-    service = {'component.out_of_service', 'component.in_service'}
+    service = {'component.out_of_service', 'component.in_service', 'component.cancel_task'}
     of_operators = queue | answers | remarks | cell | after | places | service
     assert words(Role.OPERATE) == of_operators | {'stop.classify'}
 
@@ -61,10 +61,11 @@ def test_texts_are_texts(recipes: list[object]) -> None:
 
 def test_danger_does_not_wait_for_a_reason() -> None:
     at_once = {request.name for request in TABLE if request.why is Why.AFTERWARDS}
-    assert at_once == {'cell.abort', 'cell.pause', 'cell.stop'}
+    assert at_once == {'cell.abort', 'cell.pause', 'cell.stop', 'component.cancel_task'}
     twice = {request.name for request in TABLE if request.is_confirmed}
     assert twice == {
         'cell.clear',
+        'cell.production',
         'hold.reject',
         'hold.abort_job',
         'item.remove_item',

@@ -125,7 +125,8 @@ def test_7_9_after_an_abort_its_return_starts_nothing() -> None:
 def test_7_9_requests_that_start_something_are_refused_while_it_is_not_ready() -> None:
     needing = {name for name, one in REQUESTS.items() if one.needs_safety}
     assert needing == {
-        *('cell.reset', 'cell.start', 'cell.resume', 'cell.clear', 'component.in_service')
+        *('cell.reset', 'cell.start', 'cell.resume', 'cell.clear', 'component.in_service'),
+        *('cell.manual', 'component.run_task'),
     }
     run = VirtualRun(safe_cell(), LINE.types)
     run.go()

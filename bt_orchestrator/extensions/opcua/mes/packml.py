@@ -11,7 +11,7 @@ from typing import NamedTuple
 from bt_orchestrator.extensions.opcua.mes.alarms import NONE, StopId, deciding_hold, id_of_stop
 from bt_orchestrator.model.events import BeltIndexed, CellStateChanged, ClockStepped, Event
 from bt_orchestrator.model.jobs.isa95 import OVER
-from bt_orchestrator.model.packml import TRANSITIONS, Cause, PackmlState
+from bt_orchestrator.model.packml import TRANSITIONS, Cause, PackmlState, UnitMode
 from bt_orchestrator.model.requests import About, Request, requests_about
 from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.model.stop_reason import StopReason
@@ -38,7 +38,11 @@ STATE_NUMBERS: Mapping[PackmlState, int] = {
 """StateNumber of the nodeset, which is StateCurrent of PackML."""
 
 PRODUCE = 1
-"""The only unit mode: the cell has no maintenance or manual mode of its own."""
+
+MODE_NUMBERS: Mapping[UnitMode, int] = {UnitMode.PRODUCTION: PRODUCE, UnitMode.MANUAL: 3}
+"""UnitModeCurrent of PackML; the cell has no maintenance mode, which is 2."""
+
+MODE_NAMES: Mapping[int, str] = {PRODUCE: 'Produce', 3: 'Manual'}
 
 
 class Machine(Enum):
@@ -118,6 +122,9 @@ def command_fault(name: str, state: PackmlState) -> str | None:
 
 CLEAR_AS_SHOWN = 'ClearAsShown'
 """Our method for `clear`: PackML's Clear cannot say what stands on the belt."""
+
+PRODUCE_AS_SHOWN = 'ProduceAsShown'
+"""Our method for the end of manual mode, which SetUnitMode cannot be for the same reason."""
 
 WITHOUT: Mapping[str, str] = {
     'Clear': f'it cannot say what stands on the belt: {CLEAR_AS_SHOWN} does',

@@ -12,7 +12,9 @@ from asyncua import ua
 from bt_orchestrator.extensions.opcua.mes.packml import (
     CLEAR_AS_SHOWN,
     COMMANDS,
+    MODE_NUMBERS,
     PRODUCE,
+    PRODUCE_AS_SHOWN,
     Machine,
     command_fault,
     transitions_between,
@@ -24,8 +26,8 @@ from bt_orchestrator.extensions.opcua.server.notices import Told, id_of
 from bt_orchestrator.extensions.opcua.server.packml_values import METHOD_MEANINGS, Shown, meanings
 from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.model.events import CellStateChanged, Event
-from bt_orchestrator.model.packml import Cause, PackmlState
-from bt_orchestrator.model.requests import CELL, Request
+from bt_orchestrator.model.packml import Cause, PackmlState, UnitMode
+from bt_orchestrator.model.requests import CELL, UNIT_MODES, Request
 from bt_orchestrator.model.status import CellStatus
 
 log = logging.getLogger(__name__)
@@ -36,7 +38,9 @@ _TYPES = {Machine.BASE: 3, Machine.MACHINE: 2, Machine.EXECUTE: 1}
 _TYPE_OF_ALL = 6
 """Numbers of the types in the nodeset."""
 
-_NOT_OURS = ('SetUnitMode', 'SetMachSpeed', 'SetProduct', 'SetParameter')
+_SET_MODE = 'SetUnitMode'
+
+_NOT_OURS = ('SetMachSpeed', 'SetProduct', 'SetParameter')
 """Mandatory methods of the nodeset for what the cell does not have."""
 
 _OPTIONALS = (
@@ -80,25 +84,35 @@ class PackML:
                 # A client may also name the method of the type, as generic ones do.
                 await space.link(space.server.get_node(self._names[machine][name]), call)
         for name in _NOT_OURS:
-            await space.link(space.node(f'{TOP}/{name}'), partial(_not_supported, name))
-        await self._make_clear()
+            await space.link(space.node(f'{TOP}/{name}'), _not_supported)
+        await space.link(space.node(f'{TOP}/{_SET_MODE}'), self._set_mode)
+        await self._make_as_shown(
+            CLEAR_AS_SHOWN,
+            CELL[Cause.CLEAR],
+            'says that the belt of an aborted cell is as PackML/Belt shows it; the cell is '
+            'Stopped then',
+        )
+        await self._make_as_shown(
+            PRODUCE_AS_SHOWN,
+            UNIT_MODES[UnitMode.PRODUCTION],
+            'ends manual mode, and says that the belt is as PackML/Belt shows it',
+        )
         for path, meaning in meanings(TOP):
             await space.described(space.node(path), meaning)
         for path in (TOP, *(f'{TOP}/{machine.value}' for machine in Machine)):
             await space.node(path).set_event_notifier([ua.EventNotifier.SubscribeToEvents])
 
-    async def _make_clear(self) -> None:
+    async def _make_as_shown(self, name: str, request: Request, meaning: str) -> None:
         text = ua.VariantType.String
         await self._space.method(
-            f'{TOP}/{CLEAR_AS_SHOWN}',
-            self._clear,
+            f'{TOP}/{name}',
+            partial(self._as_shown, name, request),
             [
                 Argument('Belt', text, 'PackML/Belt, as somebody compared it'),
                 Argument('Reason', text, 'for the record'),
             ],
             [],
-            'says that the belt of an aborted cell is as PackML/Belt shows it; the cell is '
-            'Stopped then',
+            meaning,
         )
 
     # --- what is told -----------------------------------------------------------------------
@@ -152,12 +166,26 @@ class PackML:
             raise await self._refusal(request, fault)
         return await self._ask(request, {}, reason_of('', name))
 
-    async def _clear(self, belt: str, reason: str) -> Sequence[ua.Variant]:
+    async def _set_mode(self, mode: int) -> Sequence[ua.Variant]:
+        """Enter manual mode; leaving it needs a statement of the belt."""
+        is_manual = self._bridge.status.unit_mode is UnitMode.MANUAL
+        request = UNIT_MODES[UnitMode.MANUAL]
+        if mode == MODE_NUMBERS[UnitMode.MANUAL]:
+            return await self._ask(request, {}, reason_of('', _SET_MODE))
+        if mode != PRODUCE:
+            raise ua.UaStatusCodeError(ua.StatusCodes.BadNotSupported)
+        if is_manual:
+            words = f'somebody has to look at the belt first: {PRODUCE_AS_SHOWN} ends manual mode'
+            raise await self._refusal(UNIT_MODES[UnitMode.PRODUCTION], words)
+        return []
+
+    async def _as_shown(
+        self, name: str, request: Request, belt: str, reason: str
+    ) -> Sequence[ua.Variant]:
         seq, _, _ = belt.partition(':')
         if not seq.isascii() or not seq.isdecimal():
             raise ua.UaStatusCodeError(ua.StatusCodes.BadInvalidArgument)
-        why = reason_of(reason, CLEAR_AS_SHOWN)
-        return await self._ask(CELL[Cause.CLEAR], {'as_shown': int(seq)}, why)
+        return await self._ask(request, {'as_shown': int(seq)}, reason_of(reason, name))
 
     async def _ask(
         self, request: Request, arguments: Mapping[str, object], reason: str
@@ -189,10 +217,8 @@ class PackML:
         self._space.notices.tell(told, told.source)
 
 
-async def _not_supported(name: str, *given: object) -> Sequence[ua.Variant]:
-    """Answer for what the cell does not have; its one unit mode may be asked for."""
-    if name == 'SetUnitMode' and given == (PRODUCE,):
-        return []
+async def _not_supported(*_: object) -> Sequence[ua.Variant]:
+    """Answer for what the cell does not have."""
     raise ua.UaStatusCodeError(ua.StatusCodes.BadNotSupported)
 
 

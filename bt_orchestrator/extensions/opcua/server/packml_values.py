@@ -9,6 +9,8 @@ from asyncua import ua
 
 from bt_orchestrator.extensions.opcua.mes.packml import (
     COMMANDS,
+    MODE_NAMES,
+    MODE_NUMBERS,
     NUMBERS,
     PRODUCE,
     STATE_NUMBERS,
@@ -24,13 +26,13 @@ from bt_orchestrator.extensions.opcua.mes.packml import (
 from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.judging.belt_statement import EMPTY
-from bt_orchestrator.model.packml import TRANSITIONS, PackmlState
+from bt_orchestrator.model.packml import TRANSITIONS, PackmlState, UnitMode
 from bt_orchestrator.model.status import CellStatus, SectionStatus
 
 TOP = 'PackML'
 VERSION = 'TR88.00.02-2015'
 STATES = max(STATE_NUMBERS.values()) + 1
-MODES = PRODUCE + 1
+MODES = max(MODE_NUMBERS.values()) + 1
 """Sizes of the arrays of times: numbers of states and of unit modes count from 1."""
 
 WITHOUT = ('Status/MachSpeed', 'Status/MachSpeed/EURange', 'Status/CurMachSpeed/EURange')
@@ -82,7 +84,6 @@ class Shown:
             await space.variable(f'{TOP}/{name}', type_, VALUE_MEANINGS[name])
         await self._write('LastRefusal', ua.Variant('', kind.String))
         await self._write('PackMLVersion', ua.Variant(VERSION, kind.String))
-        await self._write('Status/UnitModeCurrent', ua.Variant(PRODUCE, kind.Int32))
         await self._write('Status/UnitSupportedModes', _node(await self._modes()))
         for path in WITHOUT:
             await self._code(path, _CODES.BadNotSupported)
@@ -98,14 +99,16 @@ class Shown:
 
     async def _modes(self) -> ua.NodeId:
         """Make the enumeration of the unit modes that the cell has."""
-        mode = ua.EnumValueType(PRODUCE, ua.LocalizedText('Produce'))
+        modes = [
+            ua.EnumValueType(number, ua.LocalizedText(name)) for number, name in MODE_NAMES.items()
+        ]
         base = self._space.server.get_node(ua.ObjectIds.Enumeration)
         path = 'CellUnitMode'
         made = await base.add_data_type(
             self._space.id(path), ua.QualifiedName(path, self._space.idx)
         )
         await self._space.described(made, 'the unit modes that the cell has')
-        value = _structures([mode], is_list=True)
+        value = _structures(modes, is_list=True)
         values = await made.add_property(
             self._space.id(f'{path}/EnumValues'), ua.QualifiedName('EnumValues', 0), value
         )
@@ -130,13 +133,14 @@ class Shown:
         """Show a status."""
         self._counter.show(status)
         values, at = packml_values(status), status.stamp
-        since = status.state_since
+        since, mode = status.state_since, MODE_NUMBERS[status.unit_mode]
+        self._put('Status/UnitModeCurrent', ua.Variant(mode, ua.VariantType.Int32), at)
         self._put('Status/StateCurrent', values.state, since)
         self._put('Status/StateChangeInProcess', values.is_changing, since)
         self._put('Status/EquipmentStarved', values.is_starved, at)
         self._put('Status/EquipmentBlocked', values.is_blocked, at)
         self._put_speed(status)
-        self._put('Admin/StateCurrentTime', _times(values.in_state_s), at)
+        self._put('Admin/StateCurrentTime', _times(values.in_state_s, mode), at)
         self._put('Admin/StateCumulativeTime', _times(values.total_s), at)
         self._put('Admin/StopReason', self._stop(values.stop), at)
         self._put_counts(at)
@@ -213,7 +217,8 @@ class Shown:
     def _put_belt(self, status: CellStatus) -> None:
         """Show the belt and its event in one value: they belong together."""
         slots = ', '.join(f'{section.number}={_standing(section)}' for section in status.sections)
-        shown = f'{status.seq}: {slots}' if status.state is PackmlState.ABORTED else ''
+        is_asked = status.state is PackmlState.ABORTED or status.unit_mode is UnitMode.MANUAL
+        shown = f'{status.seq}: {slots}' if is_asked else ''
         self._put('Belt', shown, status.stamp)
 
 
@@ -235,10 +240,11 @@ def _ours(machine: Machine) -> tuple[set[str], set[str]]:
     return states, transitions
 
 
-def _times(by_state: Mapping[int, int]) -> ua.Variant:
-    """Return seconds by unit mode and state."""
-    row = [by_state.get(number, 0) for number in range(STATES)]
-    return ua.Variant([[0] * STATES, row], ua.VariantType.Int32)
+def _times(by_state: Mapping[int, int], mode: int = PRODUCE) -> ua.Variant:
+    """Return seconds by unit mode and state; all of them are of one mode."""
+    rows = [[0] * STATES for _ in range(MODES)]
+    rows[mode] = [by_state.get(number, 0) for number in range(STATES)]
+    return ua.Variant(rows, ua.VariantType.Int32)
 
 
 def _structures(value: object, *, is_list: bool = False) -> ua.Variant:
@@ -270,9 +276,11 @@ VALUE_MEANINGS: Mapping[str, str] = {
         'falls while a move is overdue'
     ),
     'Status/MachSpeed': 'BadNotSupported, as its range: the speed of the line cannot be set',
-    'Status/UnitModeCurrent': '1, Produce: the only mode',
+    'Status/UnitModeCurrent': '1, Produce; or 3, Manual: the cell stands, and runs single goals',
     'Admin/StateCurrentTime': 'seconds of the present stay, by unit mode and state',
-    'Admin/StateCumulativeTime': 'seconds since the journal began, by unit mode and state',
+    'Admin/StateCumulativeTime': (
+        'seconds since the journal began, by unit mode and state; those of all modes stand under 1'
+    ),
     'Admin/ProdProcessedCount': (
         'items produced, good or bad: packed, rejected or taken off by hand. An element for each '
         'job on the line, the oldest first, else for the last job. Name: its id; Count: its own; '
@@ -286,7 +294,10 @@ VALUE_MEANINGS: Mapping[str, str] = {
         'number of the hold that decides it, DateTime since when; Trigger is false while it runs'
     ),
     'LastRefusal': 'why the last command was refused',
-    'Belt': 'what stands on the belt of an aborted cell, for ClearAsShown; else empty',
+    'Belt': (
+        'what stands on the belt of a cell that is aborted or in manual mode, for ClearAsShown '
+        'and ProduceAsShown; else empty'
+    ),
 }
 """Variables, by their path below PackML."""
 
@@ -303,7 +314,10 @@ _OBJECTS: Mapping[str, str] = {
     f'/{Machine.EXECUTE.value}': 'the states of a line that was started',
 }
 _NOT_OURS: Mapping[str, str] = {
-    '/SetUnitMode': 'takes 1, Produce; else BadNotSupported: there is no other mode',
+    '/SetUnitMode': (
+        '3, Manual, asks for manual mode; 1, Produce, changes nothing, and ProduceAsShown ends '
+        'manual mode; else BadNotSupported'
+    ),
     '/SetMachSpeed': 'BadNotSupported: the speed of the line cannot be set',
     '/SetProduct': 'BadNotSupported: an order says what is made',
     '/SetParameter': 'BadNotSupported: an order has the parameters',

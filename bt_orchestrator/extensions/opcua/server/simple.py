@@ -11,12 +11,13 @@ from bt_orchestrator.extensions.opcua.server.bridge import Bridge
 from bt_orchestrator.extensions.opcua.server.simple_commands import SimpleCommands
 from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.extensions.opcua.server.values import moment
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.requests.offers import role_words
 from bt_orchestrator.model.state import Hold
-from bt_orchestrator.model.status import CellStatus, JobStatus
+from bt_orchestrator.model.status import CellStatus, JobStatus, ManualGoal
 from bt_orchestrator.model.wait import StandCause
 
 TEXT, COUNT, TIME = ua.VariantType.String, ua.VariantType.UInt32, ua.VariantType.DateTime
@@ -56,6 +57,7 @@ CELL: Mapping[str, Shown] = {
     'Running': Shown(COUNT, 'jobs that have started and not ended'),
     'Safety': Shown(TEXT, 'ready, or why the safety input is not; empty: the cell has none'),
     'Control': Shown(TEXT, 'local: only the panels of the line may move it; or remote'),
+    'UnitMode': Shown(TEXT, 'production; or manual: the cell stands, and runs single goals'),
     'Holds': Shown(COUNT, 'holds that wait for an answer'),
 }
 
@@ -107,6 +109,20 @@ HOLD: Mapping[str, Shown] = {
     'Since': Shown(TIME, 'when it began'),
 }
 
+GOAL: Mapping[str, Shown] = {
+    'Component': Shown(TEXT, 'component of the goal; empty: there was none since it was entered'),
+    'Task': Shown(TEXT, 'task constant'),
+    'State': Shown(
+        TEXT, 'running, cancelling, or how it ended: done, or the reason of the failure'
+    ),
+    'Message': Shown(TEXT, 'why it failed, in words'),
+    'Results': Shown(TEXT, 'fields of its result, as one JSON object'),
+    'Who': Shown(TEXT, 'the person that asked for it'),
+    'Reason': Shown(TEXT, 'why'),
+    'StartTime': Shown(TIME, 'when it was sent'),
+    'EndTime': Shown(TIME, 'when it ended; null: it has not'),
+}
+
 _NO_TIME = 0.0
 
 
@@ -132,6 +148,7 @@ class Simple:
             ('NextJob', 'the first job of the queue', JOB),
             ('LastJob', 'the job that ended last', JOB),
             ('OldestHold', 'the hold that has waited longest', HOLD),
+            ('Manual', 'the goal of manual mode, or the last one', GOAL),
         ):
             await space.object(f'{TOP}/{name}', meaning)
             await self._make(f'{name}/', shown)
@@ -170,6 +187,7 @@ def values(status: CellStatus) -> Iterator[tuple[str, object]]:
     yield 'Running', len(running)
     yield 'Safety', status.safety
     yield 'Control', status.control.value
+    yield 'UnitMode', status.unit_mode.value
     yield 'Holds', len(status.holds)
     over = [job for job in status.jobs if job.state in OVER]
     queued = [job for job in status.jobs if job.position == 1]
@@ -177,6 +195,24 @@ def values(status: CellStatus) -> Iterator[tuple[str, object]]:
     yield from _job('NextJob', queued[0] if queued else None, status)
     yield from _job('LastJob', max(over, key=_ended, default=None), status)
     yield from _hold(next(iter(status.holds), None))
+    yield from _goal(status.manual)
+
+
+def _goal(goal: ManualGoal | None) -> Iterator[tuple[str, object]]:
+    told: tuple[object, ...] = ('', '', '', '', '', '', '', None, None)
+    if goal is not None:
+        told = (
+            goal.component,
+            goal.task,
+            goal.state,
+            goal.message,
+            json_of(goal.results),
+            goal.who,
+            goal.reason,
+            moment(goal.started),
+            None if goal.ended is None else moment(goal.ended),
+        )
+    yield from zip((f'Manual/{name}' for name in GOAL), told, strict=True)
 
 
 def _began(job: JobStatus) -> float:

@@ -13,14 +13,14 @@ from typing import Any
 from starlette.requests import Request as HttpRequest
 from starlette.responses import Response
 
-from bt_orchestrator.base.errors import Refused
+from bt_orchestrator.base.errors import NodeUnreachable, Refused
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem, body_of
 from bt_orchestrator.extensions.page.web.people import Session
 from bt_orchestrator.extensions.page.web.request_paths import PLACES, body_at, request_at
 from bt_orchestrator.model.by import WANTED_TICKET, By, is_ticket, origin_with
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.limits import NAME, ORDERS, REASON
-from bt_orchestrator.model.requests import Asked, BadArguments, Why, ask, refusal
+from bt_orchestrator.model.requests import REQUESTS, Asked, BadArguments, Why, ask, refusal
 from bt_orchestrator.ports.doors.tickets import NotSent, Outcome, Tickets, TicketTaken, Unknown
 from bt_orchestrator.script.orders.plain_order import order_from
 
@@ -48,6 +48,11 @@ def endpoints(tickets: Tickets) -> Sequence[Endpoint]:
                 **body_at(path),
             )
             for path, place in PLACES.items()
+        ),
+        Endpoint(
+            'POST', '/api/at_panel', commands.stay,
+            'says that somebody is at this panel, while a task of manual mode runs',
+            refusals=REFUSALS,
         ),
         Endpoint(
             'GET', '/api/tickets/{ticket}', commands.find,
@@ -83,6 +88,19 @@ class Commands:
         done = 'done' if outcome.accepted else 'refused'
         log.info('%s: %s: %s: %s', asked.sender.who, asked.request.name, done, outcome.message)
         return Json(_told(ticket, outcome), 200 if outcome.accepted else 409)
+
+    async def stay(self, http: HttpRequest) -> Response:
+        """Hand on a sign of life: it is not on record, so no ticket is kept of it."""
+        session: Session = http.state.session
+        by = By(session.name, PROGRAM, '', session.role, session.known)
+        asked = Asked(REQUESTS['cell.at_panel'], by)
+        _check(asked, session)
+        try:
+            answer = await self._tickets.doors.ask(asked)
+        except NodeUnreachable as error:
+            raise Problem(503, str(error)) from error
+        told = {'accepted': answer.accepted, 'message': answer.message}
+        return Json(told, 200 if answer.accepted else 409)
 
     async def find(self, http: HttpRequest) -> Response:
         """Tell what became of a command."""

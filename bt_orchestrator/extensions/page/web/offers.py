@@ -12,8 +12,14 @@ from functools import lru_cache
 from bt_orchestrator.extensions.page.web.request_paths import ANY
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.job_control import JobFacts
-from bt_orchestrator.model.packml import Cause
-from bt_orchestrator.model.requests import About, Request, of_hold, requests_about
+from bt_orchestrator.model.packml import UnitMode
+from bt_orchestrator.model.requests import (
+    REQUESTS,
+    About,
+    Request,
+    of_hold,
+    requests_about,
+)
 from bt_orchestrator.model.requests.offers import (
     JobNow,
     worthwhile_for_cell,
@@ -35,8 +41,25 @@ def cell_offers(status: CellStatus) -> list[Offer]:
 
 
 def _cell_offer(request: Request, status: CellStatus) -> Offer:
-    shown = {'as_shown': status.seq} if request.cause is Cause.CLEAR else {}
+    shown = {'as_shown': status.seq} if request.name in _STATES_BELT else {}
     return _offer(request, given=shown, without=('hold',))
+
+
+_STATES_BELT = ('cell.clear', 'cell.production')
+
+
+def manual_offers(status: CellStatus) -> dict[str, Offer | None]:
+    """Return what an engineer at a panel can ask in manual mode; None: it is not possible."""
+    if status.unit_mode is not UnitMode.MANUAL:
+        return {'run': None, 'cancel': None}
+    goal = status.manual
+    runs = goal is not None and goal.ended is None
+    return {
+        'run': {**_offer(REQUESTS['component.run_task']), 'body': {}},
+        'cancel': _offer(REQUESTS['component.cancel_task'], goal.component)
+        if goal is not None and runs
+        else None,
+    }
 
 
 def hold_offers(hold: Hold) -> list[Offer]:

@@ -47,6 +47,7 @@ class Part(Enum):
     ANSWER = 'answer'
     PAUSED = 'paused'
     NOT_STARTED = 'not_started'
+    MANUAL = 'manual'
 
 
 class PartWords(NamedTuple):
@@ -61,6 +62,7 @@ PARTS: Mapping[Part, PartWords] = {
     Part.ANSWER: PartWords(Loss.OWN_FAULT, 'waiting for an answer'),
     Part.PAUSED: PartWords(Loss.OPERATOR, 'paused'),
     Part.NOT_STARTED: PartWords(Loss.OPERATOR, 'not started'),
+    Part.MANUAL: PartWords(Loss.OPERATOR, 'manual'),
 }
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record, to_plain, to_record
-from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.task_spans import TaskSpans
 from bt_orchestrator.view.report.account.losses import OF_STOP_REASON, Loss, Part
@@ -178,6 +178,7 @@ class Standing:
         self._state = PackmlState.STOPPED if is_whole else None
         self._stop_reason: StopReason | None = None
         self._stop_words = ''
+        self._is_manual = False
         self._node_ended = False
         self._orders = OrdersAtHand()
         self._unready: dict[str, None] = {}
@@ -208,6 +209,8 @@ class Standing:
             return self._without_work()
         if self._node_ended:
             return Cause(Loss.NO_NODE)
+        if self._is_manual and not self.is_emergency:
+            return Cause(Loss.OPERATOR, 'manual mode', part=Part.MANUAL)
         if self._stop_reason is not None:
             return self._stopped(self._stop_reason)
         if not self._state.begins:
@@ -269,6 +272,8 @@ class Standing:
         elif isinstance(event, e.StopReasonChanged):
             self._stop_reason = StopReason(event.stop_reason) if event.stop_reason else None
             self._stop_words = event.reason
+        elif isinstance(event, e.UnitModeChanged):
+            self._is_manual = event.mode == UnitMode.MANUAL.value
         elif isinstance(event, e.HoldRaised):
             if self.failing(event):
                 self._failures.add(event.hold)
@@ -292,6 +297,7 @@ class Standing:
             'state': to_plain(self._state),
             'stop_reason': to_plain(self._stop_reason),
             'stop_words': self._stop_words,
+            'is_manual': self._is_manual,
             'node_ended': self._node_ended,
             'orders': self._orders.plain(),
             'unready': list(self._unready),
@@ -311,6 +317,7 @@ class Standing:
         self._state = None if state is None else PackmlState(state)
         self._stop_reason = None if reason is None else StopReason(reason)
         self._stop_words = plain['stop_words']
+        self._is_manual = plain.get('is_manual', False)
         self._node_ended = plain['node_ended']
         self._orders.go_on_from(plain['orders'])
         self._unready = dict.fromkeys(plain['unready'])
@@ -343,6 +350,7 @@ FOLLOWED = (
     *OF_ORDERS,
     e.CellStateChanged.event,
     e.StopReasonChanged.event,
+    e.UnitModeChanged.event,
     e.HoldRaised.event,
     e.HoldReleased.event,
     e.OrchestratorStarted.event,

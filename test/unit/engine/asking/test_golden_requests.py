@@ -118,6 +118,19 @@ def of_the_cell() -> Iterator[Step]:
     yield 'cell.start', {}
 
 
+def of_manual() -> Iterator[Step]:
+    yield 'component.run_task', {'component': 'a2', 'task': 'TASK_A'}
+    yield 'cell.local', {}
+    yield 'cell.manual', {}
+    yield 'cell.at_panel', {}
+    run = {'component': 'a2', 'task': 'TASK_A', 'args': {'special_argument_2': 1.5}}
+    yield 'component.run_task', run
+    yield 'component.cancel_task', {'component': 'a2'}
+    yield 5.0
+    yield 'cell.production', {}
+    yield 'cell.production', {'belt': ['1=empty', '2=empty', '3=empty']}
+
+
 def of_reasons() -> Iterator[Step]:
     yield 'queue.add', {'orders': orders('A')}
     yield 'cell.pause', {'code': 'LUNCH'}
@@ -152,6 +165,7 @@ STORIES: Mapping[str, Sequence[Step]] = {
         for answer in ('retry', 'again', 'skip', 'reject', 'abort_job')
     },
     'change': tuple(of_a_setup()),
+    'manual': tuple(of_manual()),
     'reasons': tuple(of_reasons()),
     'first_piece': tuple(of_a_first_piece()),
     'mark_done': tuple(of_holds('mark_done', results={'measurement': 1.5})),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from fakes.commands import Abort
-from fakes.line import THREE, Line, with_section
+from fakes.line import THREE, TYPES, Line, with_section
 from fakes.line_picture import DrawnLine
 from fakes.virtual_run import VirtualRun
 
@@ -214,12 +214,14 @@ def test_waits_say_which_components_would_work_otherwise() -> None:
 
 def test_a_cell_is_described_as_its_file_says() -> None:
     line = Line(seconds={'a1': 4.0})
-    found = description_of(line.cell)
+    found = description_of(line.cell, TYPES)
     assert (found.cell, found.sections, found.conveyor) == ('test_line', 3, 'conveyor')
     arm = next(one for one in found.components if one.name == 'arm')
     assert (arm.action, arm.sections) == ('/arm/do', (2, 3))
     a1 = next(one for one in found.components if one.name == 'a1')
     assert (a1.durations_s['TASK_B'], a1.default_duration_s) == (4.0, 1.0)
+    assert a1.tasks == ('PREPARE', 'TASK_A', 'TASK_B', 'TASK_C')
+    assert a1.goal_fields == {'special_argument_1': 'string', 'special_argument_2': 'float64'}
 
 
 def test_a_contest_is_told_as_facts() -> None:

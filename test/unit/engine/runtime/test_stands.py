@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from fakes.commands import Abort, Pause, Stop
-from fakes.line import THREE, Line, with_section
+from fakes.line import THREE, TYPES, Line, with_section
 from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.engine.runtime.overview import Overview, description_of
@@ -254,7 +254,7 @@ def test_7_4_page_terminal_and_opc_ua_tell_the_same_cause(name: str) -> None:
     status = settled(STANDING[name][0]())
     told = status.stands
     assert told is not None
-    part = cell_part(status, description_of(Line().cell), '/node')
+    part = cell_part(status, description_of(Line().cell, TYPES), '/node')
     assert part['stands'] == {**to_plain(told, whole=True), 'cause': told.cause.value}
     shown = dict(opcua_values(status))
     assert (shown['StandsCause'], shown['StandsReason']) == (told.cause.value, told.reason)
@@ -269,7 +269,7 @@ def test_page_and_terminal_name_the_cause() -> None:
     assert (status.state, status.stop_reason) == (PackmlState.EXECUTE, None)
     told = status.stands
     assert told is not None
-    part = cell_part(status, description_of(Line().cell), '/node')
+    part = cell_part(status, description_of(Line().cell, TYPES), '/node')
     assert part['stands'] == {**to_plain(told, whole=True), 'cause': 'out_of_service'}
     assert part['state_kind'] == 'stopped'
     lines = list(words.status_lines(status, None))

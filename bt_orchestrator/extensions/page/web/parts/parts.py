@@ -13,6 +13,7 @@ from bt_orchestrator.extensions.page.web.offers import (
     hold_offers,
     item_offers,
     job_offers,
+    manual_offers,
 )
 from bt_orchestrator.extensions.page.web.parts.tasks import Part, TaskParts, wait_parts, why_part
 from bt_orchestrator.extensions.page.web.wording import said_in_each
@@ -76,10 +77,12 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'stop_said': said_in_each(status.stop_message),
         'wish': _wish_part(status.wish) if status.wish else None,
         'control': status.control.value,
+        'unit_mode': status.unit_mode.value,
         'unauthenticated_role': role.value if role else '',
         'initialization': wait_parts(status.initialization, status.holds),
         'offers': cell_offers(status),
         'add': add_offer(),
+        'manual_offers': manual_offers(status),
         'sections': [section.number for section in status.sections],
         'holds': [hold.id for hold in status.holds],
         'jobs': [job.id for job in status.jobs],
@@ -101,6 +104,7 @@ _ELSEWHERE = (
     *('cell', 'stamp', 'seq', 'history', 'state_since', 'stop_reason', 'stop_words', 'wish'),
     *(
         'control',
+        'unit_mode',
         'unauthenticated_role',
         'initialization',
         'sections',

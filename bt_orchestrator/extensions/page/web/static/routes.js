@@ -4,6 +4,7 @@ export const SCREENS = {
   overview: () => import('./screens/overview.js'),
   queue: () => import('./screens/queue.js'),
   order: () => import('./screens/order.js'),
+  manual: () => import('./screens/manual.js'),
   section: () => import('./screens/section.js'),
   component: () => import('./screens/component.js'),
   why: () => import('./screens/why.js'),
@@ -17,7 +18,17 @@ export const SCREENS = {
   login: () => import('./screens/login.js'),
 };
 
-const IN_NAVIGATION = ['overview', 'queue', 'order', 'why', 'alarms', 'tree', 'jobs', 'cells'];
+const IN_NAVIGATION = [
+  'overview',
+  'queue',
+  'order',
+  'manual',
+  'why',
+  'alarms',
+  'tree',
+  'jobs',
+  'cells',
+];
 
 /** Those with a place in the navigation. */
 export const NAVIGATION = IN_NAVIGATION.filter((name) => name in SCREENS).map((name) => ({

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -93,7 +94,7 @@ def test_a_job_in_the_words_of_packml(scene: Scene) -> None:
         stop = await reader.value('PackML/Admin/StopReason')
         assert (stop.ID, stop.Trigger) == (0, False)
         times = await reader.value('PackML/Admin/StateCumulativeTime')
-        assert [len(row) for row in times] == [18, 18]
+        assert [len(row) for row in times] == [18] * 4
         assert times[1][6] > 0
         transition = await heard.wait(lambda event: event.Message.Text.startswith('Completing to'))
         assert transition.EventType == ua.NodeId(ua.ObjectIds.TransitionEventType)
@@ -197,6 +198,50 @@ def test_what_the_cell_does_not_have_says_so(scene: Scene) -> None:
             assert await code(reader, path) == 'BadNodeIdUnknown'
 
     reading(scene.url, look)
+
+
+def test_7_11_the_unit_mode_is_asked_for_at_a_panel_and_left_with_the_belt(scene: Scene) -> None:
+    at_panel = scene.url.replace('stand:', 'panel_stand:')
+
+    async def request(reader: Reader, name: str, **given: object) -> str:
+        accepted, message, findings = await reader.call(
+            'Simple/Request', name, json.dumps(given), 'to look'
+        )
+        assert accepted, [message, *findings]
+        return str(message)
+
+    async def look(reader: Reader) -> None:
+        await reader.call(f'{MACHINE}/Stop')
+        await reader.wait('PackML/Status/StateCurrent', state(2))
+        assert await refused(reader, 'PackML/SetUnitMode', _mode(3)) == 'BadInvalidState'
+        assert 'and the line is in remote' in await reader.value('PackML/LastRefusal')
+        await request(reader, 'cell.local')
+        await reader.call('PackML/SetUnitMode', _mode(3))
+        await reader.wait('PackML/Status/UnitModeCurrent', lambda one: one == 3)
+        assert await reader.value('Simple/UnitMode') == 'manual'
+        goal = {'component': 'component_3a', 'task': 'TASK_A'}
+        assert (
+            await request(reader, 'component.run_task', **goal) == 'TASK_A is sent to component_3a'
+        )
+        for _ in range(100):
+            await request(reader, 'cell.at_panel')
+            if await reader.value('Simple/Manual/State') == 'done':
+                break
+        assert await reader.value('Simple/Manual/State') == 'done'
+        assert await reader.value('Simple/Manual/Task') == 'TASK_A'
+        assert json.loads(await reader.value('Simple/Manual/Results'))['item_present'] is True
+        assert await refused(reader, 'PackML/SetUnitMode', _mode(1)) == 'BadInvalidState'
+        assert 'ProduceAsShown ends manual mode' in await reader.value('PackML/LastRefusal')
+        belt = await reader.wait('PackML/Belt', bool)
+        await reader.call('PackML/ProduceAsShown', belt, 'looked at it')
+        await reader.wait('PackML/Status/UnitModeCurrent', lambda one: one == 1)
+        await request(reader, 'cell.remote')
+        await reader.call(f'{MACHINE}/Reset')
+        await reader.wait('PackML/Status/StateCurrent', state(4))
+        await reader.call(f'{EXECUTE}/Start', NO_PARAMETERS)
+
+    scene.cell.node.running.handler.why_no_panel = lambda: ''
+    reading(at_panel, look)
 
 
 def test_the_nodes_say_what_they_are(scene: Scene) -> None:

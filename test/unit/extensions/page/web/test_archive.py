@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import pytest
-from fakes.line import Line, with_section
+from fakes.line import TYPES, Line, with_section
 from fakes.stepped import stepped
 from fakes.virtual_run import VirtualRun
 
@@ -160,7 +160,7 @@ def test_nothing_is_made_up_about_what_never_was(ask: Ask) -> None:
 
 
 def test_the_history_of_a_section(run: VirtualRun, ask: Ask) -> None:
-    described = description_of(run.state.cell)
+    described = description_of(run.state.cell, TYPES)
     end = run.records[-1]['time']
     found = ask(lambda look: history_of(look, Subject(section=2), end, described))
     cycles = found['cycles']

@@ -57,6 +57,22 @@ def test_7_8_1_every_request_is_as_the_hand_written_table(bench: CellBench) -> N
     assert list(differences(asked, hand_over, lambda: lose(bench.node))) == []
 
 
+def test_7_11_7_a_sign_of_life_goes_on_without_a_ticket_and_is_refused_elsewhere(
+    bench: CellBench,
+) -> None:
+    panel, here = bench.logged_in('eve', address=PANEL), bench.logged_in('eve')
+    assert posted(panel, 'cell.local').status == 200
+    assert posted(panel, 'cell.manual').status == 200
+    before = len(bench.commands)
+    told = panel.post('/api/at_panel', {})
+    assert (told.status, told.json) == (200, {'accepted': True, 'message': 'heard'})
+    assert len(bench.commands) == before
+    refused = here.post('/api/at_panel', {})
+    assert (refused.status, 'which is in local' in refused.message) == (409, True)
+    viewer = bench.logged_in('vic', address=PANEL)
+    assert viewer.post('/api/at_panel', {}).status == 403
+
+
 def test_7_8_3_a_panel_is_one_at_once_and_no_longer_than_it_is_named(bench: CellBench) -> None:
     here, there = bench.logged_in('ann'), bench.logged_in('ann', address=PANEL)
     assert posted(here, 'cell.local').status == 200

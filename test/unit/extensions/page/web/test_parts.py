@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from fakes.line import THREE, Line, with_initialization, with_section
+from fakes.line import THREE, TYPES, Line, with_initialization, with_section
 from fakes.page_parts import NODE, marks, page_parts, scripts_of, status_of
 from fakes.statuses import hold
 from fakes.virtual_run import VirtualRun
@@ -225,7 +225,7 @@ def test_a_task_is_late_once_it_takes_half_again_as_long_as_expected() -> None:
 def late_after(run: VirtualRun, elapsed_s: float) -> list[str]:
     """Return the tasks that are shown as late so long after the run began."""
     later = replace(status_of(run), stamp=elapsed_s)
-    parts: Any = parts_of(later, description_of(run.state.cell), scripts_of(run), NODE)
+    parts: Any = parts_of(later, description_of(run.state.cell, TYPES), scripts_of(run), NODE)
     tasks = [one for key in parts for one in parts[key].get('tasks', ())]
     return [one['id'] for one in tasks if one['is_late']]
 
@@ -260,7 +260,7 @@ def test_a_status_of_which_no_script_is_known_still_has_its_parts() -> None:
 
     run = Line(3).begin()
     run.go(until=0.5)
-    parts = parts_of(status_of(run), description_of(run.state.cell), {}, '/node')
+    parts = parts_of(status_of(run), description_of(run.state.cell, TYPES), {}, '/node')
     section = parts['section/1']
     assert isinstance(section, dict)
     assert section['tasks'] == []
@@ -297,7 +297,7 @@ def test_a_wait_names_its_hold_in_each_language() -> None:
 def test_holds_are_listed_as_they_were_raised_also_after_a_set_clock() -> None:
     run = Line().begin(LISTED, 1)
     told = replace(status_of(run), holds=(hold('1', since=3600.0), hold('2', since=60.0)))
-    parts: Any = parts_of(told, description_of(run.state.cell), scripts_of(run), NODE)
+    parts: Any = parts_of(told, description_of(run.state.cell, TYPES), scripts_of(run), NODE)
     assert parts['cell']['holds'] == ['1', '2']
 
 
@@ -316,7 +316,7 @@ def test_leader_and_standbys_are_told_in_each_language() -> None:
     status = replace(
         status_of(run), leadership=Leadership('m1', 4, 7, (StandbyStatus('m2', 5, '', 91), blind))
     )
-    parts: Any = parts_of(status, description_of(run.state.cell), scripts_of(run), NODE)
+    parts: Any = parts_of(status, description_of(run.state.cell, TYPES), scripts_of(run), NODE)
     told = parts['cell']['leadership']
     assert (told['host'], told['process'], told['epoch']) == ('m1', 4, 7)
     ready, other = told['standbys']

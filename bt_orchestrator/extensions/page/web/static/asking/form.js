@@ -9,7 +9,11 @@ import { beltField } from './belt_field.js';
 import { CODE, codeField, hasReasons } from './code_field.js';
 
 /** Parameters that the page asks for in its own way, by request and name. */
-const SPECIAL = { 'cell.clear.belt': beltField, ...UPDATE_FIELDS };
+const SPECIAL = {
+  'cell.clear.belt': beltField,
+  'cell.production.belt': beltField,
+  ...UPDATE_FIELDS,
+};
 
 /**
  * Make the fields of an offer: an element and `values()`; null where an entry is missing or wrong,

@@ -14,7 +14,7 @@ import { reshape, shape } from '../core/shape.js';
 import { standsSilently, whyItStands } from '../core/stands.js';
 
 const SHAPES = { working: 'play', quiet: 'ring', stopped: 'square', trouble: 'triangle' };
-const LATER = /^cell\.(stop_after_|local$|remote$)/;
+const LATER = /^cell\.(stop_after_|local$|remote$|manual$)/;
 
 /**
  * Make the bar: an element, `choose(screen)` and `end()`.
@@ -28,8 +28,10 @@ export function topbar(screens, speak) {
   const links = screens.map(({ name, href }) =>
     h('a', { href, 'data-screen': name }, t(`nav.${name}`)),
   );
-  const cells = links.find((link) => link.dataset.screen === 'cells');
-  showWithPlant(cells);
+  const link = (screen) => links.find((one) => one.dataset.screen === screen);
+  showWithPlant(link('cells'));
+  const endManual = subscribe('cell', () => showManual(link('manual')));
+  showManual(link('manual'));
   const nav = h('nav', { 'aria-label': t('nav.label') }, links);
   const element = h(
     'div',
@@ -45,6 +47,7 @@ export function topbar(screens, speak) {
     },
     end() {
       for (const one of [state, commands, person]) one.end();
+      endManual();
     },
   };
 }
@@ -55,6 +58,12 @@ function showWithPlant(link) {
   get('/api/cells')
     .then(({ has_plant }) => show(link, has_plant))
     .catch(() => show(link, true)); // it says why it is empty
+}
+
+/** The screen of manual mode has a place while the line is in local: others cannot use it. */
+function showManual(link) {
+  const cell = part('cell');
+  show(link, cell?.control === 'local' || cell?.unit_mode === 'manual');
 }
 
 function stateBlock() {
@@ -77,7 +86,7 @@ function stateBlock() {
     const cell = part('cell');
     showKind(element, drawn, cell);
     text(name, cell?.name ?? '');
-    showLocal(local, cell?.control === 'local');
+    showLocal(local, cell);
     showUnsafe(unsafe, cell?.safety ?? '');
     text(word, cell ? stateWords(cell) : t('news.waiting'));
     text(since, cell ? sinceWords(sinceWhen(cell)) : '');
@@ -101,9 +110,12 @@ function showKind(element, drawn, cell) {
   reshape(drawn, news().kind === 'fresh' ? (SHAPES[kind] ?? 'ring') : 'broken');
 }
 
-function showLocal(element, isLocal) {
-  show(element, isLocal);
-  text(element, isLocal ? t('topbar.in_local') : '');
+/** Show that the line is in local, or even in manual. */
+function showLocal(element, cell) {
+  const isLocal = cell?.control === 'local';
+  const isManual = cell?.unit_mode === 'manual';
+  show(element, isLocal || isManual);
+  text(element, isManual ? t('topbar.in_manual') : isLocal ? t('topbar.in_local') : '');
   attribute(element, 'title', isLocal ? t('ask.in_local') : null);
 }
 

@@ -45,6 +45,7 @@ export function orderForm(changed, left) {
     h('input', { type: 'number', name: 'position', min: 1, step: 1, inputmode: 'numeric' }),
   );
   const held = h('input', { type: 'checkbox', name: 'held' });
+  const firstPiece = h('input', { type: 'checkbox', name: 'first_piece' });
   const ofRecipe = h('div', {});
   const params = h('div', { class: 'order-params' });
   const touched = new Set();
@@ -54,7 +55,14 @@ export function orderForm(changed, left) {
   const element = h(
     'div',
     { class: 'order-parts' },
-    group('order.what', source.field.element, ofRecipe, quantity.element, params),
+    group(
+      'order.what',
+      source.field.element,
+      ofRecipe,
+      quantity.element,
+      params,
+      check(firstPiece, t('order.first_piece')),
+    ),
     group('order.when', priority.element, start.element, due.element),
     h(
       'div',
@@ -62,11 +70,7 @@ export function orderForm(changed, left) {
       group(
         'order.where',
         position.element,
-        h(
-          'div',
-          { class: 'field' },
-          h('label', { class: 'check' }, held, h('span', {}, t('order.held'))),
-        ),
+        check(held, t('order.held')),
       ),
       group(
         'order.more',
@@ -138,6 +142,7 @@ export function orderForm(changed, left) {
     );
     const given = entries.values();
     if (Object.keys(given).length) filled.params = given;
+    if (firstPiece.checked) filled.first_piece = true;
     return { order: filled, position: Number(position.value()) || null, held: held.checked };
   }
 
@@ -174,6 +179,10 @@ export function orderForm(changed, left) {
       touched.clear();
     },
   };
+}
+
+function check(box, words) {
+  return h('div', { class: 'field' }, h('label', { class: 'check' }, box, h('span', {}, words)));
 }
 
 function group(title, ...fields) {

@@ -1,15 +1,23 @@
-"""Contests: other clients or servers of a component, as events (semantics 2.5, 9.2)."""
+"""News from around the line: other clients and servers of components, and the safety input.
+
+Holds that need a look at the line are made here (semantics 2.5, 7.3, 9.2). The safety input is no
+safety function: one loss has one consequence, however often the input flaps (7.9).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from datetime import datetime, timezone
 
-from bt_orchestrator.engine.runtime.cell_commands import RESUME
+from bt_orchestrator.base.errors import CommandRefused
+from bt_orchestrator.engine.runtime.cell_commands import RESUME, events_of_abort
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.goal import Contest, SeenContest
+from bt_orchestrator.model.commands import Command
+from bt_orchestrator.model.goal import NOT_HEARD, Contest, SafetyReading, SeenContest
+from bt_orchestrator.model.line import not_ready_words
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.model.stop_reason import UNKNOWN_GOAL
+from bt_orchestrator.model.stop_reason import SAFETY, UNKNOWN_GOAL
 from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import Servers
 
@@ -73,3 +81,54 @@ def in_utc(seconds: float) -> str:
     """Write a time of the wall clock."""
     moment = datetime.fromtimestamp(seconds, timezone.utc)
     return f'{moment:%Y-%m-%d %H:%M:%S} UTC'
+
+
+# --- the safety input (semantics 7.9) ------------------------------------------------------------
+
+_ABORTED = (PackmlState.ABORTING, PackmlState.ABORTED)
+
+
+class SafetyGuard:
+    """Tells a loss from a further cause of the same loss."""
+
+    def __init__(self) -> None:
+        self._was_told = False
+        """Before that, an input that is not ready is a loss as well: that of a take-over."""
+
+    def seen(self, state: CellState, reading: SafetyReading) -> Iterator[e.Event]:
+        """Yield what follows from the present state of the input."""
+        is_ready = not reading.unsafe
+        is_loss = not is_ready and not (state.unsafe and self._was_told)
+        self._was_told = True
+        if is_loss or is_ready is bool(state.unsafe):
+            yield e.SafetyChanged(ready=is_ready, reason=reading.unsafe)
+        if is_loss:
+            yield from _lost(state, not_ready_words(reading.unsafe))
+
+
+def _lost(state: CellState, words: str) -> Iterator[e.Event]:
+    """Cancel every goal, or hold the line where no goal is in flight."""
+    if state.packml in _ABORTED:
+        return
+    if state.running:
+        yield from events_of_abort(state, words)
+    elif not any(hold.reason == SAFETY for hold in state.holds.values()):
+        yield to_be_named(state, SAFETY, words)
+
+
+def taken_over(state: CellState) -> Iterator[e.Event]:
+    """Begin without news of the input, or without an input."""
+    if state.cell.safety is not None:
+        yield e.SafetyChanged(ready=False, reason=NOT_HEARD)
+    elif state.unsafe:
+        yield e.SafetyChanged(ready=True)
+
+
+def refuse_unsafe(state: CellState, command: Command) -> None:
+    """Refuse a request that lets something start while the input is not ready.
+
+    :raises CommandRefused: says why it is not ready
+    """
+    request = getattr(command, 'request', None)
+    if state.unsafe and request is not None and request.needs_safety:
+        raise CommandRefused(f'{request.name} is refused: {not_ready_words(state.unsafe)}')
