@@ -5,8 +5,9 @@ One table: the node's ROS parameters, the options of `run`, and their page are m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_type_hints
 
@@ -217,7 +218,8 @@ class NodeParameters:
                 raise BadParameter(f'parameter {name}: expected {expected}, found {found!r}')
 
 
-def described() -> Iterator[tuple[str, Words]]:
-    """Yield every parameter with its name, in the order of the documentation."""
-    for name, hint in get_type_hints(NodeParameters, include_extras=True).items():
-        yield name, get_args(hint)[1]
+@cache
+def described() -> tuple[tuple[str, Words], ...]:
+    """Return every parameter with its name, in the order of the documentation."""
+    hints = get_type_hints(NodeParameters, include_extras=True)
+    return tuple((name, get_args(hint)[1]) for name, hint in hints.items())

@@ -82,6 +82,7 @@ class VirtualRun:
         self._replay = CellState(cell)
         self._rebuild = rebuild
         self._settles = 0
+        self._records: list[dict[str, Any]] = []
         self.told_waits: dict[float, ToldWaits] = {}
         """What was told of each item after the last settle of each moment."""
 
@@ -192,13 +193,13 @@ class VirtualRun:
     @property
     def records(self) -> list[dict[str, Any]]:
         """Everything that happened, as records."""
-        return [to_record(event) for event in self.store.read()]
+        return [*self._made()]
 
     def all(self, event: str, **fields: object) -> list[dict[str, Any]]:
         """Return the records of one event, of those fields."""
         return [
             record
-            for record in self.records
+            for record in self._made()
             if record['event'] == event
             and all(record.get(name) == value for name, value in fields.items())
         ]
@@ -230,6 +231,11 @@ class VirtualRun:
     def counts(self, name: str = 'J') -> dict[str, int]:
         """Return a job's counts that are not 0 (semantics 6.2)."""
         return {key: count for key, count in vars(self.job(name).progress).items() if count}
+
+    def _made(self) -> list[dict[str, Any]]:
+        """Return all records, which are asked for often, and made once."""
+        self._records += map(to_record, self.store.read(len(self._records)))
+        return self._records
 
     # --- checking ---------------------------------------------------------------------------
 
@@ -279,8 +285,9 @@ class VirtualRun:
 
     def _check(self) -> None:
         check_board(self.sim.orchestrator._projection.space, self.state)
-        for event in self.store.read(after=self._replay.seq):
-            read = from_record(json.loads(json.dumps(to_record(event))))
+        before = self._replay.seq
+        for event, record in zip(self.store.read(before), self._made()[before:], strict=True):
+            read = from_record(json.loads(json.dumps(record)))
             assert read == event
             self._invariants.follow(event)
             apply(self._replay, read)
