@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from fakes.programs import program
+from program_process import PATIENCE_S
 
 ROOT = Path(__file__).parents[3]
 
@@ -51,6 +55,43 @@ def test_types_are_left_out_without_the_annotated_rclpy(clone: Path) -> None:
     done = gates(clone, '--only', 'types')
     assert (done.returncode, 'types        left out' in done.stdout) == (0, True)
     assert gates(clone, '--only', 'types', CI='true').returncode == 1
+
+
+@pytest.mark.parametrize('status', [0, 1])
+def test_types_are_checked_beside_the_gates_that_come_next(clone: Path, status: int) -> None:
+    mypy = clone / '.venv' / 'kilted' / 'bin' / 'mypy'
+    waits = 'for _ in $(seq 1500); do [ -e imported ] && break; sleep 0.02; done'
+    program(mypy, waits, '[ -e imported ] || exit 3', f'echo looked; exit {status}')
+    program(clone / '.venv' / 'jazzy' / 'bin' / 'lint-imports', 'echo contracts; touch imported')
+    done = gates(clone, '--only', 'types,imports')
+    assert done.returncode == status, done.stdout + done.stderr
+    assert done.stdout.index('contracts') < done.stdout.index('looked')
+    assert f'types        {"FAILED" if status else "passed"} ' in done.stdout
+
+
+def test_a_stop_ends_the_types_too(clone: Path) -> None:
+    """As Ctrl-C does, which a terminal sends to the whole foreground."""
+    mypy = clone / '.venv' / 'kilted' / 'bin' / 'mypy'
+    program(mypy, 'echo $$ >pid', 'while true; do sleep 0.02; done')
+    program(clone / '.venv' / 'jazzy' / 'bin' / 'lint-imports', 'while true; do sleep 0.02; done')
+    running = subprocess.Popen(
+        ['bash', 'scripts/test', '--only', 'types,imports'],
+        cwd=clone,
+        stdout=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    until(lambda: (clone / 'pid').exists() and (clone / 'pid').read_text().endswith('\n'))
+    os.killpg(running.pid, signal.SIGTERM)
+    running.wait(PATIENCE_S)
+    mypy_of = Path('/proc', (clone / 'pid').read_text().strip())
+    until(lambda: not mypy_of.exists() or ') Z ' in (mypy_of / 'stat').read_text())
+
+
+def until(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
 
 
 @pytest.mark.parametrize(('number', 'status'), [(2, 0), (3, 1)])
