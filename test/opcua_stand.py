@@ -36,8 +36,12 @@ def opcua_stand(
     faults: Sequence[str] | None = (),
     speed: float = 20.0,
     store: EventStore | None = None,
+    plain: str = '',
 ) -> Iterator[tuple[StandCell, OpcUaServer]]:
-    """Serve a cell without encryption; the address has a user in it, who is an engineer."""
+    """Serve a cell without encryption; the address has a user in it, who is an engineer.
+
+    :param plain: why the server uses nothing of asyncua's inside; empty: it does
+    """
     from web.stand_cell import StandCell
 
     from bt_orchestrator.store.memory import MemoryStore
@@ -45,12 +49,12 @@ def opcua_stand(
     stand = StandCell(
         folder, store or MemoryStore(), sections=sections, faults=faults, speed=speed
     )
-    with served(stand, port) as server:
+    with served(stand, port, plain) as server:
         yield stand, server
 
 
 @contextmanager
-def served(stand: StandCell, port: int = 0) -> Iterator[OpcUaServer]:
+def served(stand: StandCell, port: int = 0, plain: str = '') -> Iterator[OpcUaServer]:
     """Serve a cell that there is."""
     from fakes.opcua_access import access_in, with_login
     from fakes.shipped import RECIPES, TREES
@@ -65,7 +69,7 @@ def served(stand: StandCell, port: int = 0) -> Iterator[OpcUaServer]:
 
     bridge = Bridge(stand.node.name, stand.open_door, Sources((TREES,), (RECIPES,)))
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
-        access = access_in(Path(folder), stand.node.name, port=port, insecure=True)
+        access = access_in(Path(folder), stand.node.name, port=port, insecure=True, plain=plain)
         server = WithLogin(bridge, access)
         stack.enter_context(server.running())
         assert server.wait_until_open(PATIENCE_S), 'the server did not open its port'

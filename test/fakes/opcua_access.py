@@ -34,7 +34,13 @@ USER = 'stand'
 
 
 def access_in(
-    folder: Path, node: str, *, port: int = 0, roles: Mapping[str, Role] = ROLES, insecure: bool
+    folder: Path,
+    node: str,
+    *,
+    port: int = 0,
+    roles: Mapping[str, Role] = ROLES,
+    insecure: bool,
+    plain: str = '',
 ) -> Access:
     """Return options with users and a certificate in a folder."""
     panels = Panels(tuple(PANELS))
@@ -48,7 +54,7 @@ def access_in(
         target.parent.mkdir(parents=True, exist_ok=True)
         target.touch(0o600)
         target.write_bytes(file.read_bytes())
-    return Access(users, pki.root, port=port, is_insecure=insecure)
+    return Access(users, pki.root, port=port, is_insecure=insecure, plain=plain)
 
 
 def any_security(node: str) -> Security:

@@ -22,7 +22,7 @@ from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.cli.serving import add_server_options, server_log, users_of
-from bt_orchestrator.extensions.opcua.server.library import check_version, stack_log
+from bt_orchestrator.extensions.opcua.server.library import stack_log, why_plain
 from bt_orchestrator.extensions.opcua.server.nodesets import Access, AccessRefused
 from bt_orchestrator.model.keeping.journal_place import journal_place
 
@@ -69,6 +69,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='accept connections without encryption and certificates as well; users still log in; '
         'only at an address that other computers cannot reach',
     )
+    parser.add_argument(
+        '--plain',
+        action='store_true',
+        help="use nothing of asyncua's inside: plain values, and no commands, for clients at this "
+        'computer; so it is by itself with an asyncua that is not known',
+    )
     add_trees_option(parser)
     add_recipes_option(parser)
     parser.add_argument(
@@ -90,7 +96,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
     OPCUA.demand()
-    check_version()
+    plain = why_plain() or ('--plain' if args.plain else '')
     from bt_orchestrator.extensions.opcua.server.pki import default_pki
 
     pki = args.pki or default_pki(os.environ)
@@ -101,11 +107,11 @@ def run(args: argparse.Namespace) -> int:
         return run_trust(pki, given, removes=args.remove)
     if args.remove:
         raise WrongUse('opcua: --remove is for opcua trust')
-    _serve(args, pki)
+    _serve(args, pki, plain)
     return 0
 
 
-def _serve(args: argparse.Namespace, pki: Path) -> None:
+def _serve(args: argparse.Namespace, pki: Path, plain: str) -> None:
     from bt_orchestrator.extensions.opcua.server.bridge import Bridge, Sources
     from bt_orchestrator.extensions.opcua.server.nodesets import texts_in
     from bt_orchestrator.extensions.opcua.server.server import OpcUaServer
@@ -117,6 +123,7 @@ def _serve(args: argparse.Namespace, pki: Path) -> None:
         host=args.host,
         port=args.port,
         is_insecure=args.insecure,
+        plain=plain,
     )
     try:
         access.check()

@@ -61,12 +61,27 @@ class Logins:
         :raises MustWait: there were too many attempts
         :raises UsersUnusable: nobody can log in
         """
+        shown = self._begin(name, address)
+        return self._end(await self.check(name, password), shown, address)
+
+    def verify_here(self, name: str, password: str, address: str) -> User:
+        """Do the same in this thread, which has nothing else to do meanwhile.
+
+        :raises LoginRefused, MustWait, UsersUnusable: as `verify`
+        """
+        shown = self._begin(name, address)
+        return self._end(self._users.verify(name, password), shown, address)
+
+    def _begin(self, name: str, address: str) -> str:
+        """Count an attempt; returns the name as it is shown."""
         now, shown = self._clock(), cut(name, WHO)
         wait_s = self._attempts.wait_s(shown, address, now)
         if wait_s > 0:
             raise MustWait(wait_s)
         self._attempts.begin(shown, address, now)
-        user = await self.check(name, password)
+        return shown
+
+    def _end(self, user: User | None, shown: str, address: str) -> User:
         if user is None:
             self._log.warning('login refused: %r from %s', shown, address)
             raise LoginRefused('there is no user with this name and password')

@@ -12,27 +12,28 @@ from importlib.metadata import PackageNotFoundError, version
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.ports.spare_log import SpareLog
 
-FITS = '2.1.'
+KNOWN = '2.1.'
+"""Begin of the versions whose inside is overridden."""
 
 
 class OpcUaUnusable(OrchestratorError):
-    """The packages of the OPC UA server are missing, or do not fit; says what to install."""
+    """The packages of the OPC UA server are missing; says what to install."""
 
 
-def check_version() -> None:
-    """Refuse to go on with an asyncua that this was not tried with.
+def why_plain() -> str:
+    """Say why the server must not use asyncua's inside; empty: it may.
 
-    :raises OpcUaUnusable: says which one was expected, and which one found
+    :raises OpcUaUnusable: there is none
     """
     try:
         found = version('asyncua')
     except PackageNotFoundError:
-        found = 'none'
-    if not found.startswith(FITS):
         raise OpcUaUnusable(
-            f'asyncua {FITS}x is needed, and {found} is installed; the server overrides parts of '
-            "it, and was tried with that one only; install it with: pip install 'asyncua==2.1.*'"
-        )
+            "asyncua is needed, and not installed; install it with: pip install 'asyncua==2.1.*'"
+        ) from None
+    if found.startswith(KNOWN):
+        return ''
+    return f'asyncua {found} has another inside than {KNOWN}x, which is known'
 
 
 # The messages of asyncua while it runs: in the log of the server, a line each, in limited number.

@@ -37,6 +37,8 @@ class Access:
     """0: any free one."""
     is_insecure: bool = False
     """Unencrypted connections are accepted as well; passwords are encrypted all the same."""
+    plain: str = ''
+    """Why the server uses nothing of asyncua's inside, for a message; empty: it does."""
 
     def check(self) -> None:
         """Refuse options that would let in every client, or no client.
@@ -47,6 +49,12 @@ class Access:
             raise AccessRefused(
                 f'--insecure lets clients connect without encryption, and --host {self.host} lets '
                 'other computers reach the server; leave one of the two out'
+            )
+        if self.plain and not is_loopback(self.host):
+            raise AccessRefused(
+                f'{self.plain}; the plain server looks at no certificates and has no limits, so '
+                f'--host {self.host}, where other computers reach it, is refused: leave it out, '
+                "or install the known one with: pip install 'asyncua==2.1.*'"
             )
         try:
             has_users = bool(KnownUsers(self.users).all())

@@ -7,6 +7,7 @@ import logging
 import threading
 from collections.abc import Awaitable, Callable, Sequence
 from datetime import datetime, timezone
+from functools import partial
 from importlib.metadata import version
 
 from asyncua import Server, ua
@@ -18,8 +19,8 @@ from bt_orchestrator.extensions.opcua.server.job_control.part import JobControl
 from bt_orchestrator.extensions.opcua.server.library import building, give_back
 from bt_orchestrator.extensions.opcua.server.nodesets import Access
 from bt_orchestrator.extensions.opcua.server.overrides.security import Security
-from bt_orchestrator.extensions.opcua.server.overrides.server import GuardedServer
 from bt_orchestrator.extensions.opcua.server.packml import PackML
+from bt_orchestrator.extensions.opcua.server.plain import PlainServer
 from bt_orchestrator.extensions.opcua.server.simple import Simple
 from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.ports.doors.listening import bound, cannot_listen, url_host
@@ -29,6 +30,9 @@ log = logging.getLogger(__name__)
 
 PARTS: Sequence[Callable[[Bridge], Part]] = (Simple, JobControl, PackML, Holds)
 """Each is made anew for each cell."""
+
+PLAIN_PARTS: Sequence[Callable[[Bridge], Part]] = (partial(Simple, takes_commands=False),)
+"""Those of the plain way."""
 
 
 class OpcUaServer(ServerThread):
@@ -81,6 +85,8 @@ class OpcUaServer(ServerThread):
         self._ends = asyncio.Event()
         self._can_end()
         self._bridge.start(self.stop)
+        if self._access.plain:
+            log.warning('%s; the server shows values, and takes no commands', self._access.plain)
         try:
             while await self._before_end(self._bridge.caught_up()):
                 await self._serve_cell()
@@ -98,11 +104,11 @@ class OpcUaServer(ServerThread):
         with building():
             server = await make_stack(bridge.node, self._security, self.address)
             server.socket_address = self._socket.getsockname()[:2]
-            loaded = await nodesets.load(server, bridge.sources.nodesets)
-            server.inside.view_service.forget()  # they have types of references of their own
+            is_plain = bool(self._access.plain)
+            loaded = {} if is_plain else await nodesets.load(server, bridge.sources.nodesets)
             bridge.hold_back()
             space = await Space.of(server, bridge.description.cell, loaded)
-            parts = [make(bridge) for make in PARTS]
+            parts = [make(bridge) for make in (PLAIN_PARTS if is_plain else PARTS)]
             for part in parts:
                 await part.build(space)
         bridge.serve(parts, space.values)
@@ -140,9 +146,15 @@ class OpcUaServer(ServerThread):
 PRODUCT = 'urn:bt_orchestrator'
 
 
-async def make_stack(node: str, security: Security, url: str) -> GuardedServer:
+async def make_stack(node: str, security: Security, url: str) -> Server:
     """Return a server without a cell, which does not listen yet."""
-    server = GuardedServer(security)
+    server: Server
+    if security.access.plain:
+        server = PlainServer(security)
+    else:
+        from bt_orchestrator.extensions.opcua.server.overrides.server import GuardedServer
+
+        server = GuardedServer(security)
     server.product_uri = PRODUCT
     server.manufacturer_name = 'bt_orchestrator'
     server.set_server_name(f'bt_orchestrator {node}')

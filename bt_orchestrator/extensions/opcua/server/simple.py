@@ -129,8 +129,9 @@ _NO_TIME = 0.0
 class Simple:
     """Implements `part.Part`."""
 
-    def __init__(self, bridge: Bridge) -> None:
+    def __init__(self, bridge: Bridge, *, takes_commands: bool = True) -> None:
         self._bridge = bridge
+        self._takes_commands = takes_commands
 
     async def build(self, space: Space) -> None:
         """Make the nodes."""
@@ -152,7 +153,8 @@ class Simple:
         ):
             await space.object(f'{TOP}/{name}', meaning)
             await self._make(f'{name}/', shown)
-        await SimpleCommands(self._bridge).build(space, TOP)
+        if self._takes_commands:
+            await SimpleCommands(self._bridge).build(space, TOP)
 
     async def _make(self, prefix: str, shown: Mapping[str, Shown]) -> None:
         for name, one in shown.items():

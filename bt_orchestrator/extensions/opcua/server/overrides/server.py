@@ -7,6 +7,7 @@ import contextlib
 import logging
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import asyncua
 from asyncua import ua
@@ -64,6 +65,12 @@ class GuardedServer(asyncua.Server):
                 )
             )
             await node.write_value(most, ua.VariantType.UInt32)
+
+    async def import_xml(self, *args: Any, **options: Any) -> list[ua.NodeId]:
+        """Load a nodeset; it may have types of references of its own."""
+        nodes = await super().import_xml(*args, **options)
+        self.inside.view_service.forget()
+        return nodes
 
     async def start(self) -> None:
         """Listen.

@@ -58,3 +58,6 @@ KNOWN = frozenset(
     )
 )
 """With a login, each."""
+
+READING = (KNOWN | DISCOVERY) - {TRANSFER, *_ids(('Write', 'HistoryRead', 'Call'))}
+"""Of these the ones that change nothing but a client's own subscriptions, in the plain way."""
