@@ -15,6 +15,24 @@ from opcua.line import Line
 from served_process import PASSWORD
 
 EXAMPLES = ROOT / 'docs' / 'examples'
+KEPT = ROOT / 'test' / 'data' / 'release_0_1_0' / 'programs'
+"""The examples of the last version, which clients were written after."""
+
+RUN_BY = {'mes_order.js': node_program, 'mes_order.py': lambda: sys.executable}
+
+
+def examples() -> list[Path]:
+    """Return the examples of today, and those of the last version that say something else."""
+    today = [EXAMPLES / name for name in RUN_BY]
+    kept = [KEPT / name for name in RUN_BY]
+    changed = [old for old, new in zip(kept, today, strict=True) if differ(old, new)]
+    return [*today, *changed]
+
+
+def differ(one: Path, other: Path) -> bool:
+    return one.read_text(encoding='utf-8') != other.read_text(encoding='utf-8')
+
+
 PATIENCE_S = 90.0
 
 DONE = """\
@@ -29,16 +47,13 @@ Clear: 1
 """
 
 
-@pytest.mark.parametrize(
-    ('program', 'file'), [(node_program, 'mes_order.js'), (lambda: sys.executable, 'mes_order.py')]
-)
+@pytest.mark.parametrize('file', examples(), ids=lambda file: f'{file.parent.name}-{file.name}')
 def test_an_example_does_what_it_says_once_it_is_trusted(
-    start_line: StartLine, tmp_path: Path, program: object, file: str
+    start_line: StartLine, tmp_path: Path, file: Path
 ) -> None:
-    assert callable(program)
     line = start_line()
     line.cell.script(small_script())
-    command = [program(), str(EXAMPLES / file), line.server.endpoint, 'mes']
+    command = [RUN_BY[file.name](), str(file), line.server.endpoint, 'mes']
     status, _, _ = _run([*command, 'WO-1', 'small', '2'], tmp_path)
     assert status != 0  # nobody trusts its certificate yet
     line.server.trust(_refused(line))
