@@ -17,6 +17,7 @@ from functools import partial
 from pathlib import Path
 
 from tables import (
+    decisions,
     event_stream,
     job_control,
     keys,
@@ -56,6 +57,7 @@ PAGES = (
     'docs/page_api.md',
     'docs/queue.md',
     'docs/security.md',
+    'docs/decisions/README.md',
 )
 
 PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
@@ -71,6 +73,7 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'methods of a job': states.methods_of_a_job,
     'states of a job': states.states_of_a_job,
     'events': event_stream.events_in_groups,
+    'decisions': decisions.decisions,
     'tests of the rules': rules.tests_of_the_rules,
     'verbs': programs.verbs,
     'options of the verbs': programs.options_of_the_verbs,

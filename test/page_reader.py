@@ -1,8 +1,9 @@
 """Somebody who follows a page: types what stands behind `$`, and expects what the page shows.
 
-What is typed stands in `console` blocks. `…` in what is shown stands for anything. A program that
-serves stays, in a terminal of its own, once it has said the line shown; `^C` before it means the
-terminal where one like it runs. What only looks is typed again until it shows what the page does.
+What is typed stands in `console` blocks, and a file to save in a block below "Save this as". `…`
+in what is shown stands for anything. A program that serves stays, in its own terminal, once it
+has said the line shown; `^C` before it means the terminal where one like it runs. What only looks
+is typed again until it shows what the page does.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from program_process import PATIENCE_S, ProgramProcess, program_in
 
 from bt_orchestrator.cli.verbs import PROGRAM
 
-STAYING = ('run', 'sim-cell')
+STAYING = ('run', 'sim-cell', 'page')
 LOOKING = ('status',)
 INTERRUPT = '^C\n'
 ANYTHING = '…'
@@ -48,12 +49,35 @@ class Typed(NamedTuple):
         return re.fullmatch('.*'.join(parts), printed.strip(), re.DOTALL) is not None
 
 
-def typed(page: Path) -> Iterator[Typed]:
-    """Yield the commands of a page in order."""
+class Saved(NamedTuple):
+    """A file that a page shows, to be saved under a name."""
+
+    place: str
+    name: str
+    text: str
+
+    @property
+    def verb(self) -> str:
+        """No verb is typed."""
+        return ''
+
+
+_BLOCK = re.compile(
+    r'^(?:Save this as `(?P<name>[^`]+)`:\n\n)?```(?P<kind>\w*)\n(?P<text>.*?)^```$',
+    re.MULTILINE | re.DOTALL,
+)
+
+
+def typed(page: Path) -> Iterator[Typed | Saved]:
+    """Yield the commands of a page, and the files that it has saved, in order."""
     text = page.read_text(encoding='utf-8')
-    for block in re.finditer(r'^```console\n(.*?)^```$', text, re.MULTILINE | re.DOTALL):
-        place = f'{page.name}:{text.count(chr(10), 0, block.start(1)) + 1}'
-        before, *parts = re.split(r'^\$ ', block[1], flags=re.MULTILINE)
+    for block in _BLOCK.finditer(text):
+        place = f'{page.name}:{text.count(chr(10), 0, block.start("text")) + 1}'
+        if block['name']:
+            yield Saved(place, block['name'], block['text'])
+        if block['kind'] != 'console':
+            continue
+        before, *parts = re.split(r'^\$ ', block['text'], flags=re.MULTILINE)
         assert before in ('', INTERRUPT), f'{place}: what is not typed comes first'
         for number, part in enumerate(parts):
             command, _, shown = part.partition('\n')
@@ -62,24 +86,32 @@ def typed(page: Path) -> Iterator[Typed]:
 
 
 class PageReader:
-    """Follows a page in an empty folder. Ends in `close`, whatever happened."""
+    """Follows a page in an empty folder. Ends in `close`, whatever happened.
+
+    :ivar here: where it is
+    """
 
     def __init__(self, folder: Path) -> None:
         self._desk = folder / 'desk'
         self._desk.mkdir()
-        self._here = self._desk
+        self.here = self._desk
         self._prints = folder / 'prints'
         self._prints.mkdir()
         path = f'{program_in(folder / "bin")}:{os.environ["PATH"]}'
         self._environment = {**os.environ, 'PATH': path}
         self._terminals: list[tuple[str, ProgramProcess]] = []
 
-    def follow(self, one: Typed) -> None:
+    def follow(self, one: Typed | Saved) -> None:
         """Do what the page says next, and fail where it shows something else."""
+        if isinstance(one, Saved):
+            file = self.here / one.name
+            assert file.parent.is_dir(), one.place
+            file.write_text(one.text)
+            return
         words = shlex.split(one.command)
         if words[0] == 'cd':
-            self._here /= words[1]
-            assert self._here.is_dir(), one.place
+            self.here /= words[1]
+            assert self.here.is_dir(), one.place
         elif one.verb in STAYING:
             self._start(one, words[1:])
         elif one.verb in LOOKING:
@@ -104,7 +136,7 @@ class PageReader:
             assert one.verb in verbs, f'{one.place}: nothing like it runs'
             self._interrupt(len(verbs) - 1 - verbs[::-1].index(one.verb))
         name = f'{one.verb}_{len([*self._prints.iterdir()])}'
-        process = ProgramProcess(words, self._prints, name, cwd=self._here)
+        process = ProgramProcess(words, self._prints, name, cwd=self.here)
         self._terminals.append((one.verb, process))
         for line in one.shown.splitlines():
             assert process.wait_ready(line) == line, one.place
@@ -123,7 +155,7 @@ class PageReader:
     def _type(self, one: Typed) -> str:
         done = subprocess.run(
             ['sh', '-c', one.command],
-            cwd=self._here,
+            cwd=self.here,
             env=self._environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,

@@ -11,6 +11,7 @@ Steps, each skipped when nothing it reads has changed since it last ended well:
     parquet       only if asked for: pyarrow
     postgres      only if asked for: psycopg, and a PostgreSQL server
     node          only if asked for: Node, and packages of npm
+    docs          only if asked for: Sphinx
 """
 
 from __future__ import annotations
@@ -55,6 +56,8 @@ def main() -> None:
             environment.add_postgres()
         if options.node:
             environment.add_node_packages()
+        if options.docs:
+            environment.add_docs()
         if options.wheels:
             environment.pack(Path(options.wheels))
 
@@ -99,6 +102,9 @@ def parse_arguments() -> argparse.Namespace:
         action='store_true',
         help='Node too, with an OPC UA client, a linter and a compiler that checks types, in the '
         'folder .venv/<distro>: for the gates opcua and javascript',
+    )
+    parser.add_argument(
+        '--docs', action='store_true', help='Sphinx too: for scripts/docs, and for the gate docs'
     )
     parser.add_argument(
         '--wheels',

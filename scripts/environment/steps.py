@@ -25,6 +25,7 @@ BROWSER = REQUIREMENTS / 'browser.txt'
 RECIPES = REQUIREMENTS / 'recipes.txt'
 PARQUET = REQUIREMENTS / 'parquet.txt'
 POSTGRES = REQUIREMENTS / 'postgres.txt'
+DOCS = REQUIREMENTS / 'docs.txt'
 NODE = REQUIREMENTS / 'node.txt'
 NODE_PACKAGES = REQUIREMENTS / 'node'
 ROS = SCRIPTS.parent / 'bt_orchestrator' / 'ros'
@@ -105,6 +106,14 @@ class Environment:
     def add_postgres(self) -> None:
         """Install what talks to PostgreSQL."""
         self._add('postgres', 'what talks to PostgreSQL', POSTGRES)
+
+    def add_docs(self) -> None:
+        """Install what makes the documentation site."""
+        if sys.version_info < (3, 11):
+            raise Failure(
+                'the site needs myst-parser, and that Python 3.11 or later; use --python'
+            )
+        self._add('docs', 'what makes the site', DOCS)
 
     def _add(self, name: str, what: str, packages: Path) -> None:
         stamp = digest([packages], REQUIREMENTS)

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 from outcome import Outcome, Place, end_of, run
 
-TOOLS = ('browser', 'dev', 'installers', 'mixes', 'node', 'release')
+TOOLS = ('browser', 'dev', 'docs', 'installers', 'mixes', 'node', 'release')
 """Lists of what tests and releases need; a user installs nothing of them."""
 
 PAGE = Path('docs', 'licences.md')
