@@ -5,7 +5,8 @@ from __future__ import annotations
 import ast
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 
 from fakes.shipped import ROOT
@@ -56,6 +57,7 @@ def sentences(text: str) -> Iterator[str]:
     yield from (sentence for sentence in _SENTENCE.split(' '.join(text.split())) if sentence)
 
 
+@cache
 def modules() -> dict[str, ast.Module]:
     """Return what is in each file of the package, by the path of the file."""
     paths = sorted((ROOT / 'bt_orchestrator').rglob('*.py'))
@@ -74,7 +76,7 @@ def first_lines(module: ast.Module) -> Iterator[str]:
 def messages(module: ast.Module) -> Iterator[str]:
     """Yield the texts in code that have a few words; a value in one counts as one word."""
     seen = set(_bare_texts(module))
-    for node in ast.walk(module):
+    for node in _nodes(module):
         if isinstance(node, ast.JoinedStr):
             seen |= {id(part) for part in node.values}
             text = ''.join(
@@ -88,9 +90,15 @@ def messages(module: ast.Module) -> Iterator[str]:
             yield text
 
 
+@cache
+def _nodes(module: ast.Module) -> Sequence[ast.AST]:
+    """Return all of a module, which takes longer than all that is done with it."""
+    return tuple(ast.walk(module))
+
+
 def _bare_texts(module: ast.Module) -> dict[int, str]:
     """Return the texts that stand alone: docstrings."""
-    alone = (node.value for node in ast.walk(module) if isinstance(node, ast.Expr))
+    alone = (node.value for node in _nodes(module) if isinstance(node, ast.Expr))
     return {
         id(node): node.value
         for node in alone

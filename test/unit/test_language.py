@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from functools import cache
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from typing import Any, NamedTuple
 
 import prose
@@ -54,38 +55,47 @@ def long_in(texts: Iterable[str]) -> Iterator[str]:
                 yield f'{words} words, {MOST_WORDS} at most: "{sentence}"'
 
 
-@cache
-def complaints() -> dict[str, dict[str, list[str]]]:
-    """Return all complaints, by kind of text and file."""
-    found: dict[str, dict[str, list[str]]] = {
-        'words of pages': {},
-        'sentences of pages': {},
-        'words of messages': {},
-        'words of docstrings': {},
-        'words of help': {},
-        'sentences of help': {},
+Complaints = dict[str, list[str]]
+"""By page, verb or file."""
+
+Complain = Callable[[Iterable[str]], Iterator[str]]
+
+
+def of_pages(complain: Complain) -> Complaints:
+    return {
+        page: [*complain(prose.sentences_of_page(text))] for page, text in prose.pages().items()
     }
-    for page, text in prose.pages().items():
-        sentences = list(prose.sentences_of_page(text))
-        found['words of pages'][page] = list(banned_in(sentences))
-        found['sentences of pages'][page] = list(long_in(sentences))
-    found['words of messages']['en.json'] = list(banned_in(prose.words_of_the_page()))
+
+
+def of_help(complain: Complain) -> Complaints:
+    return {verb: [*complain(texts)] for verb, texts in prose.help_texts().items()}
+
+
+def of_code(texts: Callable[[ast.Module], Iterator[str]]) -> Complaints:
+    found: Complaints = {}
     for path, module in prose.modules().items():
-        name = prose.package_file(path)
-        for kind, texts in (
-            ('words of messages', prose.messages(module)),
-            ('words of docstrings', prose.first_lines(module)),
-        ):
-            found[kind].setdefault(name, []).extend(f'{path}: {it}' for it in banned_in(texts))
-    for verb, paragraphs in prose.help_texts().items():
-        found['words of help'][verb] = list(banned_in(paragraphs))
-        found['sentences of help'][verb] = list(long_in(paragraphs))
+        lines = found.setdefault(prose.package_file(path), [])
+        lines += [f'{path}: {it}' for it in banned_in(texts(module))]
     return found
 
 
-@pytest.mark.parametrize('kind', sorted(complaints()))
+def of_messages() -> Complaints:
+    return {**of_code(prose.messages), 'en.json': [*banned_in(prose.words_of_the_page())]}
+
+
+KINDS: dict[str, Callable[[], Complaints]] = {
+    'words of pages': partial(of_pages, banned_in),
+    'sentences of pages': partial(of_pages, long_in),
+    'words of messages': of_messages,
+    'words of docstrings': partial(of_code, prose.first_lines),
+    'words of help': partial(of_help, banned_in),
+    'sentences of help': partial(of_help, long_in),
+}
+
+
+@pytest.mark.parametrize('kind', KINDS)
 def test_the_language_is_plain(kind: str) -> None:
-    wrong = {name: lines for name, lines in complaints()[kind].items() if lines}
+    wrong = {name: lines for name, lines in KINDS[kind]().items() if lines}
     assert wrong == {}, '\n'.join(
         f'{name}:\n  ' + '\n  '.join(lines) for name, lines in wrong.items()
     )
