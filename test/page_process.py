@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import http.client
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 from urllib.request import urlopen
 
 from program_process import PATIENCE_S
-from served_process import ServedProcess
+from served_process import PASSWORD, ServedProcess
 
 
 class PageProcess(ServedProcess):
@@ -26,3 +28,34 @@ class PageProcess(ServedProcess):
         """How many streams it has open."""
         with urlopen(f'http://127.0.0.1:{self.port}/healthz', timeout=PATIENCE_S) as answer:
             return int(json.load(answer)['readers'])
+
+
+class Browser:
+    """Somebody at the page."""
+
+    def __init__(self, port: int, name: str) -> None:
+        self._at = f'127.0.0.1:{port}'
+        self._http = http.client.HTTPConnection(self._at, timeout=PATIENCE_S)
+        self._cookie = ''
+        login = self.post('/api/login', {'name': name, 'password': PASSWORD})
+        assert login['role'] == name, login
+
+    def post(self, path: str, body: Mapping[str, Any]) -> Any:
+        """Send something; returns what is answered."""
+        headers = {
+            'Content-Type': 'application/json',
+            'Origin': f'http://{self._at}',
+            'Cookie': self._cookie,
+        }
+        self._http.request('POST', path, json.dumps(body), headers)
+        answer = self._http.getresponse()
+        self._cookie = (answer.getheader('Set-Cookie') or self._cookie).partition(';')[0]
+        return json.loads(answer.read())
+
+    def ask(self, name: str, **given: Any) -> Any:
+        """Make a request."""
+        return self.post(f'/api/requests/{name}', {'reason': 'a test', **given})
+
+    def close(self) -> None:
+        """Leave."""
+        self._http.close()

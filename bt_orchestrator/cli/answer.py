@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from bt_orchestrator.cli.command_parser import in_one_line
-from bt_orchestrator.cli.door import ask_and_print, asked, open_door
+from bt_orchestrator.cli.door import ask_and_print, asked, door_for
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.requests import About, requests_about
@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _answer_each(args: argparse.Namespace, holds: Sequence[str]) -> int:
     """Send the same answer to several holds, if a list may carry it to each of them."""
-    with open_door(args.node, args.timeout) as door:
+    with door_for(args) as door:
         there = {hold.id: hold for hold in door.status().holds}
         wrong = [_why_not(there.get(name), name, args.answer) for name in holds]
         if any(wrong):

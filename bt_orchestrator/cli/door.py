@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from bt_orchestrator.cli.node_options import origin
+from bt_orchestrator.cli.node_options import KEY_VARIABLE, origin
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
@@ -24,6 +26,7 @@ STEP_S = 0.1
 
 if TYPE_CHECKING:  # it needs rclpy, which takes its time
     from bt_orchestrator.ros.link.ros_link import RosLink
+    from bt_orchestrator.script.users.keys import SigningKey
 
 
 def open_door(
@@ -31,18 +34,20 @@ def open_door(
     timeout_s: float,
     meanwhile: Callable[[], object] | None = None,
     answer_s: float | None = None,
+    key: SigningKey | None = None,
 ) -> RosLink:
     """Open the door to a node (`ports.CellLink`); a context that closes it.
 
     :param timeout_s: longest time to wait for the node and for each of its answers
     :param meanwhile: called again and again while it waits; what it raises ends the waiting
     :param answer_s: longest time to wait for an answer, if it is longer
+    :param key: signs all requests; None: they go unsigned
     """
     from bt_orchestrator.ros.link.ros_link import RosLink
 
     if _other is not None:
         return cast('RosLink', _other)
-    return RosLink(node, timeout_s, meanwhile, answer_s)
+    return RosLink(node, timeout_s, meanwhile, answer_s, key)
 
 
 _other: object | None = None
@@ -75,11 +80,32 @@ def ask_and_print(
 ) -> int:
     """Ask something of a node and print its answer; returns 1 if it was refused."""
     request = asked(args, name, **given)
-    with open_door(args.node, args.timeout, answer_s=answer_within_s(request)) as door:
+    with door_for(args, request) as door:
         answer = door.ask(request)
         # Print before leaving the graph: the answer must not be lost if leaving fails.
         _show(answer, as_json=as_json)
     return 0 if answer.accepted else 1
+
+
+def door_for(args: argparse.Namespace, request: Asked | None = None) -> RosLink:
+    """Open the door for requests, which are signed where a key is named (semantics 7.12).
+
+    :param request: None: its answer takes no longer than any
+    :raises KeyUnusable: there is no such key; says what to do
+    """
+    answer_s = None if request is None else answer_within_s(request)
+    return open_door(args.node, args.timeout, answer_s=answer_s, key=signing_key(args))
+
+
+def signing_key(args: argparse.Namespace) -> SigningKey | None:
+    """Return the key that the options or the environment name; None: neither does.
+
+    :raises KeyUnusable: it cannot be used; says what to do
+    """
+    from bt_orchestrator.script.users.keys import SigningKey
+
+    path = args.sign_with or os.environ.get(KEY_VARIABLE)
+    return SigningKey(Path(path)) if path else None
 
 
 def answer_within_s(request: Asked) -> float | None:

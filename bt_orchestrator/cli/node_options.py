@@ -6,6 +6,7 @@ import argparse
 import getpass
 import os
 import socket
+from pathlib import Path
 
 from bt_orchestrator.cli.numbers import node_name, seconds
 from bt_orchestrator.view.screen.advice import DEFAULT_NODE, PROGRAM
@@ -34,6 +35,21 @@ def add_who_options(parser: argparse.ArgumentParser, *, required: bool = True) -
     parser.add_argument('--reason', required=required, metavar='TEXT', help='why, for the record')
     parser.add_argument(
         '--who', default=user_name(), metavar='NAME', help='who decides (default: you)'
+    )
+    add_key_option(parser)
+
+
+KEY_VARIABLE = 'BT_ORCHESTRATOR_KEY'
+
+
+def add_key_option(parser: argparse.ArgumentParser) -> None:
+    """Declare which key signs requests."""
+    parser.add_argument(
+        '--sign-with',
+        type=Path,
+        metavar='FILE',
+        help='private key that signs the requests, made by `user key` (default: what '
+        f'{KEY_VARIABLE} names, else they go unsigned)',
     )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from bt_orchestrator.cli.node_options import add_key_option
 from bt_orchestrator.cli.numbers import port
 from bt_orchestrator.script.users.file import default_file
 
@@ -41,6 +42,7 @@ def add_server_options(
         metavar='FILE',
         help='file of users (default: ~/.config/bt_orchestrator/users.yaml); see `user`',
     )
+    add_key_option(parser)
 
 
 def users_of(args: argparse.Namespace) -> Path:

@@ -1,4 +1,4 @@
-"""The verb `user`: who may log in at pages and OPC UA servers."""
+"""The verb `user`: who may log in at pages and OPC UA servers, and whose key signs requests."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import argparse
 import getpass
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.script.users.file import UsersFile, default_file
+from bt_orchestrator.script.users.keys import DOOR_KINDS, Key, SigningKey, public_key
 from bt_orchestrator.script.users.panels import PANEL_KINDS
 from bt_orchestrator.script.users.passwords import BadPassword, check
 
@@ -23,12 +26,18 @@ the terminal, twice; where there is none, one line of the standard input is the 
   user list                  names and roles
   user add NAME --role ROLE  add a user
   user role NAME ROLE        give a user another role
-  user remove NAME           remove a user
-  user panel KIND NAME       name a panel of the line: KIND is user, address or certificate
+  user remove NAME           remove a user, and the key of that name
+  user key NAME --role ROLE  make a key that signs requests over ROS
+  user no-key NAME           remove a key; a user of that name stays
+  user panel KIND NAME       name a panel of the line: KIND is user, address, certificate or key
   user no-panel KIND NAME    take that back
 
+A key is of a person. With --door it is of a page or an OPC UA server, which asserts the names and
+roles of its users. The private key goes into a file for its owner alone (--file), the public key
+into the file of users, which the node reads. With --public it was made on another computer.
+
 While a line is in local, its panels alone may move it (docs/local.md). A panel is a user, every
-user at an IP address, or the OPC UA client with a certificate, by its thumbprint."""
+user at an IP address, the OPC UA client with a certificate, by its thumbprint, or a key."""
 
 EPILOG = """\
 exit status: 0 done, 1 refused (the file is as it was), 2 wrong use"""
@@ -45,7 +54,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         'what', nargs='*', metavar='WHAT', help='a user; role: a role too; panel: a kind before it'
     )
-    parser.add_argument('--role', choices=_ROLES, help='add: what the user may do')
+    parser.add_argument('--role', choices=_ROLES, help='add, key: what the user may do')
+    parser.add_argument(
+        '--door',
+        choices=tuple(DOOR_KINDS),
+        help='key: it is of a page or an OPC UA server, whose users have this role at most',
+    )
+    parser.add_argument(
+        '--file',
+        type=Path,
+        metavar='FILE',
+        help='key: where the private key goes (default: keys/NAME.pem beside the file of users)',
+    )
+    parser.add_argument(
+        '--public', metavar='KEY', help='key: add this public key, which was made elsewhere'
+    )
     parser.add_argument(
         '--users',
         type=Path,
@@ -57,7 +80,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
-    return _ACTIONS[args.action](args, UsersFile(args.users or default_file(os.environ)))
+    args.users = args.users or default_file(os.environ)
+    return _ACTIONS[args.action](args, UsersFile(args.users))
 
 
 def _list(args: argparse.Namespace, users: UsersFile) -> int:
@@ -67,7 +91,11 @@ def _list(args: argparse.Namespace, users: UsersFile) -> int:
     if args.json:
         told = [{'name': name, 'role': role} for name, role in roles.items()]
         panels = [{'kind': kind, 'name': name} for kind, name in content.panels]
-        print(json.dumps({'users': told, 'panels': panels}))
+        keys = [
+            {'name': name, 'role': key.role.value, 'door': key.door, 'public': key.public}
+            for name, key in content.keys.items()
+        ]
+        print(json.dumps({'users': told, 'panels': panels, 'keys': keys}))
         return 0
     width = max(map(len, roles), default=0)
     for name, role in roles.items():
@@ -76,6 +104,9 @@ def _list(args: argparse.Namespace, users: UsersFile) -> int:
         print('there are no users')
     if content.panels:
         print(f'panels: {content.panels.words}')
+    for name, key in content.keys.items():
+        door = f', of {DOOR_KINDS[key.door].words}' if key.door else ''
+        print(f'key {name}: {key.role.value}{door}, {key.public}')
     return 0
 
 
@@ -95,6 +126,44 @@ def _remove(args: argparse.Namespace, users: UsersFile) -> int:
     (name,) = _expect(args, 1, 'one name')
     users.remove(name)
     print(f'{name} is removed')
+    return 0
+
+
+def _key(args: argparse.Namespace, users: UsersFile) -> int:
+    (name,) = _expect(args, 1, 'one name')
+    if args.role is None:
+        raise WrongUse(f'user key: --role is one of {", ".join(_ROLES)}')
+    role, door = Role(args.role), args.door or ''
+    if args.public is not None:
+        try:
+            public_key(args.public)
+        except ValueError as error:
+            raise WrongUse(f'user key: --public: {error}') from error
+        users.add_key(name, Key(role, args.public, door))
+        print(f'the key {name} has the role {args.role}')
+        return 0
+    path = args.file or _key_file(name, args.users)
+    made = SigningKey.made(path)
+    try:
+        users.add_key(name, Key(role, made.public, door))
+    except OrchestratorError:
+        path.unlink()
+        raise
+    print(f'the key {name} has the role {args.role}; whoever has {path} is {name} to the node')
+    print(f'its public key is {made.public}')
+    return 0
+
+
+def _key_file(name: str, users: Path) -> Path:
+    if re.fullmatch(r'\w[\w.-]*', name, re.ASCII) is None:
+        raise WrongUse(f'user key: {name!r} cannot be the name of a file; name one with --file')
+    return users.parent / 'keys' / f'{name}.pem'
+
+
+def _no_key(args: argparse.Namespace, users: UsersFile) -> int:
+    (name,) = _expect(args, 1, 'one name')
+    users.remove_key(name)
+    print(f'the key {name} is removed')
     return 0
 
 
@@ -123,6 +192,8 @@ _ACTIONS: Mapping[str, Callable[[argparse.Namespace, UsersFile], int]] = {
     'add': _add,
     'role': _role,
     'remove': _remove,
+    'key': _key,
+    'no-key': _no_key,
     'panel': _panel,
     'no-panel': _panel,
 }

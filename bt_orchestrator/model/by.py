@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 # The rights of users: four roles, and the requests of `model.requests` that each may make.
 
@@ -36,6 +37,10 @@ class Known(Enum):
     """As `PAGE_LOGIN`, and at a panel of the line."""
     OPC_UA_PANEL = 'opc ua panel'
     """As `OPC_UA_USER`, and at a panel of the line."""
+    SIGNED = 'signed'
+    """A key of the person or program has signed the request (semantics 7.12)."""
+    SIGNED_PANEL = 'signed panel'
+    """As `SIGNED`, and the key is a panel of the line."""
     ROS = 'ros unauthenticated'
     """A participant of the ROS domain claims it, without proof."""
 
@@ -55,15 +60,30 @@ class Known(Enum):
 
         The user who runs the deciding program stands at it.
         """
-        return self in (Known.LOCAL_USER, Known.PAGE_PANEL, Known.OPC_UA_PANEL)
+        return self is Known.LOCAL_USER or self in _AT_PANEL.values()
 
     def at_panel(self) -> Known:
         """Return the same knowledge of somebody who is at a panel."""
         return _AT_PANEL.get(self, self)
 
 
-_AT_PANEL = {Known.PAGE_LOGIN: Known.PAGE_PANEL, Known.OPC_UA_USER: Known.OPC_UA_PANEL}
-_DOORS = frozenset((*_AT_PANEL, *_AT_PANEL.values()))
+_AT_PANEL = {
+    Known.PAGE_LOGIN: Known.PAGE_PANEL,
+    Known.OPC_UA_USER: Known.OPC_UA_PANEL,
+    Known.SIGNED: Known.SIGNED_PANEL,
+}
+_DOORS = frozenset((*_AT_PANEL, *_AT_PANEL.values())) - {Known.SIGNED, Known.SIGNED_PANEL}
+
+
+class Signed(NamedTuple):
+    """The key that has signed a request, and its number (semantics 7.12)."""
+
+    key: str
+    """Its name."""
+    public: str
+    """Its public part, base64."""
+    number: int
+    """Rises with each request of the key."""
 
 
 class Control(Enum):
@@ -88,6 +108,8 @@ class By:
     known: Known = Known.ROS
     claims: str = ''
     """Role that was claimed but is not valid, and its source; empty: none."""
+    signed: Signed | None = None
+    """None: the request came unsigned."""
 
     def __str__(self) -> str:
         return f'{self.named}{self._why}'

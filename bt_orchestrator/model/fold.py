@@ -124,6 +124,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.ControlChanged: cell.control_changed,
     e.UnitModeChanged: cell.unit_mode_changed,
     e.ManualAsked: tasks.manual_asked,
+    e.RequestSigned: cell.request_signed,
     e.SafetyChanged: cell.safety_changed,
     e.ClockStepped: cell.clock_stepped,
     e.OperatorRefused: _refused,

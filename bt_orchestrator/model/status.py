@@ -7,8 +7,9 @@ there is none, and None that something is not known or not there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 from bt_orchestrator.model.by import Control, Role
 from bt_orchestrator.model.jobs.counting import APPROVED, produced_of
@@ -17,6 +18,7 @@ from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
 from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.state import Hold, PassedTask
 from bt_orchestrator.model.stop_reason import StopReason, Wish
+from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.model.wait import Stands, Wait
 from bt_orchestrator.model.words import Words
 
@@ -316,6 +318,23 @@ class Leadership:
     """Those that were heard, also one that has fallen silent since."""
 
 
+class RosAccess(NamedTuple):
+    """The terms on which a node takes requests over ROS."""
+
+    role: Role
+    """Of all clients that do not sign."""
+    signed_commands: str
+    """optional or required (semantics 7.12)."""
+    uptime: Callable[[], Uptime]
+    """By it the node tells old signatures from new ones."""
+
+    def facts(self) -> dict[str, Any]:
+        """Return the fields of a status about it."""
+        boot, seconds = self.uptime()
+        told = {'signed_commands': self.signed_commands, 'boot': boot, 'uptime': seconds}
+        return {'unauthenticated_role': self.role, **told}
+
+
 @dataclass(frozen=True)
 class CellStatus:
     """The status of one cell after an event: the only view for surfaces."""
@@ -359,6 +378,13 @@ class CellStatus:
     """The last goal of manual mode; None: there was none since it was entered."""
     unauthenticated_role: Role | None = None
     """Role of all clients in the ROS domain; None: no access over ROS, or not known."""
+    signed_commands: str = ''
+    """optional: unsigned requests have that role, and are unauthenticated; required: only signed
+    requests count (semantics 7.12); empty: no access over ROS, or not known."""
+    boot: str = ''
+    """The start of the node's computer from which `uptime` counts."""
+    uptime: float = 0.0
+    """Seconds of the node's computer at this status; a signature names it."""
     commands: tuple[str, ...] = ()
     """PackML commands that its state allows, as verbs; those of `stop_after` always are."""
     journal_failure: str = ''

@@ -32,6 +32,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.keeping.journal_place import JournalPlace
+from bt_orchestrator.model.status import RosAccess
 from bt_orchestrator.model.uptime import ClockReading
 from bt_orchestrator.ports import (
     Bookkeeping,
@@ -138,6 +139,7 @@ class TreeNode:
         :raises NoEventsExecutor: the parameter `executor` asks for one that this ROS 2 has not
         :raises TwinFound: another process runs a cell under this name
         :raises NeverLed: the standby was stopped
+        :raises KeyUnusable: the parameter `signed_commands` asks for a library that is missing
         :raises NoLibrary: the parameter `inspection` asks for one that cannot be loaded
         """
         self.node = node
@@ -176,7 +178,9 @@ class TreeNode:
         self._overview = Overview(
             self.orchestrator,
             self._durations,
-            self._senders.unauthenticated,
+            RosAccess(
+                self._senders.unauthenticated, self._senders.signed_commands, self._senders.uptime
+            ),
             self._standbys.leadership if self._standbys is not None else lambda: None,
         )
         journal = self.parameters.journal
@@ -375,7 +379,8 @@ class TreeNode:
 
     def _show(self, pulse: Pulse, types: InstalledActionTypes) -> StatusTopic:
         DescriptionTopic(self.node, self.orchestrator.state.cell, types)
-        status = StatusTopic(self.node, self.orchestrator, self._overview, self._expected, pulse)
+        engine, uptime = self.orchestrator, self._senders.uptime
+        status = StatusTopic(self.node, engine, self._overview, self._expected, pulse, uptime)
         self.orchestrator.add_sink(status)
         Diagnostics(
             self.node, self.orchestrator, self._overview, self.heart, pulse, self._standbys

@@ -20,6 +20,7 @@ SINGLE, EVENTS = 'single', 'events'
 BUILTIN, PY_TREES_ROS = 'builtin', 'py_trees_ros'
 AUTO, PLAIN = 'auto', 'plain'
 KEEP = 'keep'
+OPTIONAL, REQUIRED = 'optional', 'required'
 
 
 MOST_JOBS = 2**31 - 1
@@ -93,6 +94,14 @@ class NodeParameters:
             'discovery range of ROS is this computer'
         ),
     ] = False
+    signed_commands: Annotated[
+        str,
+        Words(
+            'required: only requests that a key of the users file has signed count, all others '
+            'have the role view; optional: both do',
+            choices=(OPTIONAL, REQUIRED),
+        ),
+    ] = OPTIONAL
     tick_rate_hz: Annotated[
         float,
         Words(
@@ -132,8 +141,8 @@ class NodeParameters:
     users: Annotated[
         Path | None,
         Words(
-            'file of users with the panels of pages and OPC UA servers, which `cell local` needs '
-            '(default: ~/.config/bt_orchestrator/users.yaml); see `user`',
+            'file of users with the keys that sign requests, and with the panels, which '
+            '`cell local` needs (default: ~/.config/bt_orchestrator/users.yaml); see `user`',
             metavar='FILE',
         ),
     ] = None

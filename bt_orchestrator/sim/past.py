@@ -84,7 +84,7 @@ def _rest(rest_s: float, event: e.Event, state: CellState) -> float:
         known = state.readings[event.component]
         return rest_s if known.ready == event.ready else event.time
     is_remark_of = isinstance(event, e.OperatorDecided) and is_remark(event.answer)
-    is_refusal = isinstance(event, (e.OperatorRefused, e.RequestRefused))
+    is_refusal = isinstance(event, (e.OperatorRefused, e.RequestRefused, e.RequestSigned))
     return rest_s if is_remark_of or is_refusal else event.time
 
 

@@ -10,8 +10,12 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+import rclpy
+from action_msgs.msg import GoalStatusArray
 from bt_orchestrator_interfaces.msg import Status
 from cell_processes import SMALL_CELL, remembering
+from rclpy.context import Context
+from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, String
 from test_msgs.action import Fibonacci
@@ -83,6 +87,22 @@ def test_a_cell_of_which_nothing_is_as_it_should_be(servers: ThreadServers) -> N
     )
 
 
+def test_who_only_publishes_a_status_is_no_server_and_stops_it(servers: ThreadServers) -> None:
+    serve(servers, 'belt', 'arm')
+    servers.node.create_publisher(String, 'arm/state', LATCHED)
+    context = Context()
+    rclpy.init(context=context)
+    intruder = Node('intruder', context=context)
+    try:
+        intruder.create_publisher(GoalStatusArray, '/arm/_action/status', LATCHED)
+        check = looked(TIMEOUT_S)['arm: action server']
+    finally:
+        intruder.destroy_node()
+        context.try_shutdown()
+    assert check.verdict is Verdict.FAIL
+    assert check.found == '/intruder publishes the status of /arm and takes no goals'
+
+
 def test_a_server_of_another_type(servers: ThreadServers) -> None:
     from bt_orchestrator_interfaces.action import Component
 
@@ -135,7 +155,15 @@ def test_the_role_of_everybody_is_told(
     publisher.publish(Status(unauthenticated_role=role))
     check = about_node('/thread_servers')['role over ROS']
     assert check.verdict is verdict
-    assert f'has the role {role}' in check.found
+    assert f'unauthenticated: everybody in the ROS domain has the role {role}' in check.found
+
+
+def test_7_12_where_signatures_are_required_that_is_told(servers: ThreadServers) -> None:
+    publisher = servers.node.create_publisher(Status, '/thread_servers/status', LATCHED)
+    publisher.publish(Status(unauthenticated_role='view', signed_commands='required'))
+    check = about_node('/thread_servers')['role over ROS']
+    assert check.verdict is Verdict.OK
+    assert 'only requests that a key has signed count' in check.found
 
 
 def test_two_nodes_of_one_name(servers: ThreadServers) -> None:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
 import pytest
+import rclpy
+from action_msgs.msg import GoalStatusArray
 from bt_orchestrator_interfaces.action import Component as Action
 from contract.gateway_bench import component, goal_request
 from rclpy.action.server import ActionServer
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import qos_profile_action_status_default
 from ros_bench import RosBench
 from thread_servers import ThreadServers
 
@@ -95,6 +101,29 @@ def test_2_5_a_server_that_publishes_no_status_is_one_too(
         ),
         'words about it',
     )
+
+
+def test_2_5_who_only_publishes_a_status_is_told_as_what_it_is_and_where(
+    bench: RosBench, servers: ThreadServers
+) -> None:
+    serve(servers)
+    bench.run_until(lambda: bench.gateway.available('arm'), 'the server')
+    context = Context()
+    rclpy.init(context=context)
+    node = Node('intruder', context=context)
+    try:
+        node.create_publisher(
+            GoalStatusArray, '/arm/task/_action/status', qos_profile_action_status_default
+        )
+        here = f'process {os.getpid()} on this computer'
+        said = {
+            f'/intruder (publishes its status and takes no goals, {here})',
+            f'/thread_servers ({here})',
+        }
+        bench.run_until(lambda: set(bench.gateway.rivals('arm')) == said, 'words about it')
+    finally:
+        node.destroy_node()
+        context.try_shutdown()
 
 
 @pytest.mark.filterwarnings('ignore:Deprecated in favor of:DeprecationWarning')

@@ -23,6 +23,7 @@ TESTS = (
     'test/unit/engine/runtime',
     'test/unit/extensions/postgres',
     'test/unit/extensions/recipes/planning',
+    'test/unit/ros/services',
     'test/unit/sim',
 )
 

@@ -2,51 +2,15 @@
 
 from __future__ import annotations
 
-import http.client
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import pytest
 from cell_processes import CellProcesses, StartCell, run_verb, small_script
-from page_process import PageProcess
-from program_process import PATIENCE_S
-from served_process import PASSWORD
+from page_process import Browser, PageProcess
 
 from bt_orchestrator.script.users.file import UsersFile
-
-
-class Browser:
-    """Somebody at the page."""
-
-    def __init__(self, port: int, name: str) -> None:
-        self._at = f'127.0.0.1:{port}'
-        self._http = http.client.HTTPConnection(self._at, timeout=PATIENCE_S)
-        self._cookie = ''
-        login = self.post('/api/login', {'name': name, 'password': PASSWORD})
-        assert login['role'] == name, login
-
-    def post(self, path: str, body: Mapping[str, Any]) -> Any:
-        """Send something; returns what is answered."""
-        headers = {
-            'Content-Type': 'application/json',
-            'Origin': f'http://{self._at}',
-            'Cookie': self._cookie,
-        }
-        self._http.request('POST', path, json.dumps(body), headers)
-        answer = self._http.getresponse()
-        self._cookie = (answer.getheader('Set-Cookie') or self._cookie).partition(';')[0]
-        return json.loads(answer.read())
-
-    def ask(self, name: str, **given: Any) -> Any:
-        """Make a request."""
-        return self.post(f'/api/requests/{name}', {'reason': 'a test', **given})
-
-    def close(self) -> None:
-        """Leave."""
-        self._http.close()
 
 
 @pytest.fixture

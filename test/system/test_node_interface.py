@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from bt_orchestrator_interfaces.msg import CellDescription
@@ -27,6 +28,8 @@ from bt_orchestrator.ros.types.status_messages import cell_description
 from bt_orchestrator.script.cell_file import read_cell
 
 pytestmark = pytest.mark.every_distro
+
+NODE = 'bt_orchestrator'
 
 NAMES = ['cell', 'trees', 'tick_rate_hz', 'executor', 'auto_start', 'server_timeout']
 
@@ -70,6 +73,27 @@ def test_who_comes_late_is_told_what_exists(small_cell: CellProcesses) -> None:
     types = InstalledActionTypes()
     cell = read_cell(small_cell.cell, types)
     assert cell_description(told[0]) == description_of(cell, types)
+    small_cell.stop()
+
+
+def test_the_policy_for_dds_security_names_what_the_node_has(small_cell: CellProcesses) -> None:
+    text = (Path(__file__).parents[2] / 'docs' / 'dds_security.md').read_text()
+    policy = ElementTree.fromstring(text.partition('```xml\n')[2].partition('```')[0])
+    by_path = {one.get('path'): one for one in policy.iter('enclave')}
+
+    def named(enclave: str, kind: str, right: str) -> set[str]:
+        of = by_path[f'/line/{enclave}'].iterfind(f".//{kind}s[@{right}='ALLOW']/{kind}")
+        return {str(one.text) for one in of}
+
+    node = small_cell.watch.ros.node
+    served = {name for name, _ in node.get_service_names_and_types_by_node(NODE, '/')}
+    told = {name for name, _ in node.get_publisher_names_and_types_by_node(NODE, '/')}
+    offered = named('node', 'service', 'reply')
+    assert offered <= served
+    assert named('operator', 'service', 'request') <= offered
+    assert named('node', 'topic', 'publish') <= told
+    assert named('operator', 'topic', 'subscribe') <= told
+    assert named('node', 'action', 'call') == named('controllers', 'action', 'execute')
     small_cell.stop()
 
 

@@ -20,6 +20,7 @@ from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.ros.link.ros_link import RosLink
 from bt_orchestrator.script.users.file import UsersFile
+from bt_orchestrator.script.users.keys import Key, SigningKey
 
 CELL = f"""{SMALL_CELL}
 safety: {{topic: /safety/ok, type: std_msgs/msg/Bool, field: data, ready: [true]}}
@@ -186,16 +187,21 @@ def test_7_9_a_line_at_rest_is_held_and_only_the_hold_lets_it_go_on(
     cell.stop()
 
 
+@pytest.mark.parametrize('is_signed', [False, True], ids=['trusted', 'signed'])
 def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
-    start_cell: StartCell, safety: Safety, tmp_path: Path
+    start_cell: StartCell, safety: Safety, tmp_path: Path, is_signed: bool
 ) -> None:
     users = UsersFile(tmp_path / 'users.yaml')
     users.change_panel('address', '10.0.0.9', named=True)
-    options = ['--trust-local-doors', '--users', str(tmp_path / 'users.yaml')]
+    key = SigningKey.made(tmp_path / 'door.pem') if is_signed else None
+    if key is not None:
+        users.add_key('door', Key(Role.ENGINEER, key.public, 'opcua'))
+    believed = ['--signed-commands', 'required'] if is_signed else ['--trust-local-doors']
+    options = [*believed, '--users', str(tmp_path / 'users.yaml')]
     cell = start_cell(CELL, sim_options=['--no-safety'], run_options=options)
     cell.connect()
     cell.watch.until_status(lambda one: one.safety == 'ready', 'the safety input')
-    with RosLink('/bt_orchestrator', PATIENCE_S) as link:
+    with RosLink('/bt_orchestrator', PATIENCE_S, key=key) as link:
         sent = 0
 
         def told(name: str, by: By, given: Mapping[str, Any]) -> str:
@@ -206,7 +212,7 @@ def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
         def asked(name: str, given: Mapping[str, Any], role: Role, is_panel: bool) -> str:
             nonlocal sent
             sent += 1  # a sender of its own: else their number would be limited
-            known = Known.PAGE_PANEL if is_panel else Known.OPC_UA_USER
+            known = Known.OPC_UA_PANEL if is_panel else Known.OPC_UA_USER
             return told(name, By(f'{role.value} {sent}', 'a door', 'why', role, known), given)
 
         def hand_over(wanted: str) -> None:
@@ -223,5 +229,6 @@ def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
         # Whoever claims to be at a panel, without a door that is believed, is at none.
         hand_over('local')
         said = told('cell.reset', By('Eve', 'over there', 'why', Role.ENGINEER, Known.ROS), {})
-        assert 'somebody who claims to be Eve (ros unauthenticated) is at none' in said
+        unsigned = 'somebody who claims to be Eve (ros unauthenticated) is at none'
+        assert ('asks for its users alone' if is_signed else unsigned) in said
     cell.stop()

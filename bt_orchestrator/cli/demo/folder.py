@@ -14,7 +14,7 @@ from typing import IO
 
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.programs import FAREWELL_S
-from bt_orchestrator.script.users.folders import own_folder
+from bt_orchestrator.script.users.file import own_folder
 
 
 class DemoUnusable(OrchestratorError):

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.base.errors import CommandRefused, Finding, NodeUnreachable, Refused
-from bt_orchestrator.cli.door import answer_within_s, asked, open_door
+from bt_orchestrator.cli.door import asked, door_for
 from bt_orchestrator.model.commands import Answer, OrderAnswer
 from bt_orchestrator.model.jobs.order import NO_TERMS, WorkOrder
 from bt_orchestrator.script.lookup import is_path
@@ -108,7 +108,7 @@ def _in_file(answer: OrderAnswer, places: OrderPlaces) -> list[Finding]:
 
 def _ask(args: argparse.Namespace, orders: list[WorkOrder], given: dict[str, Any]) -> Answer:
     request = asked(args, 'queue.add', orders=orders, **given)
-    with open_door(args.node, args.timeout, answer_s=answer_within_s(request)) as door:
+    with door_for(args, request) as door:
         return door.ask(request)
 
 

@@ -122,10 +122,16 @@ class RequestHandler:
             arguments = arguments_of(given) if isinstance(given, str) else given
             asked = asked_by_name(name, by, arguments, self._engine.state)
         except (BadArguments, CommandRefused) as why:
-            request, about = of_name(name), about_of(name, arguments)
-            word = name.rpartition('.')[2] if request is None else request.word
-            return await self._engine.carry_out(RefusedRequest(word, by, str(why), about=about))
+            return await self.refuse_named(name, arguments, by, str(why))
         return await self.carry_out(asked)
+
+    async def refuse_named(
+        self, name: str, arguments: Mapping[str, Any], by: By, why: str
+    ) -> Answer:
+        """Put a request on record that is refused, whether the table has it or not."""
+        request, about = of_name(name), about_of(name, arguments)
+        word = name.rpartition('.')[2] if request is None else request.word
+        return await self._engine.carry_out(RefusedRequest(word, by, why, about=about))
 
     async def add(
         self,

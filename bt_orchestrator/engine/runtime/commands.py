@@ -13,6 +13,7 @@ from bt_orchestrator.engine.runtime.deciding import (
     decides,
     not_allowed,
     not_from_there,
+    signature,
 )
 from bt_orchestrator.engine.runtime.ledger import Ledger
 from bt_orchestrator.engine.runtime.lifecycle import transition
@@ -81,7 +82,7 @@ def answer_to(command: Command, ledger: Ledger) -> str:
         code = command.arguments.get(CODE.name, '') if isinstance(command, Asked) else ''
         record = decided(request.word, command.by, code=code, **command.about)
         events = chain(record, events)
-    ledger.record(events)
+    ledger.record(chain(signature(command.by, ledger.state), events))
     return message
 
 

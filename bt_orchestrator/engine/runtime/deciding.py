@@ -81,6 +81,16 @@ _GIVE_BACK = (
 # The record of every command, carried out or refused: who, from where and why.
 
 
+def signature(by: By | None, state: CellState) -> Iterator[e.Event]:
+    """Yield the record of the key that has signed a command, once (semantics 7.12).
+
+    It precedes the record of the command.
+    """
+    signed = None if by is None else by.signed
+    if signed is not None and signed.number > state.signatures.get(signed.public, 0):
+        yield e.RequestSigned(**signed._asdict())
+
+
 def decided(word: str, by: By | None, **about: Any) -> Iterator[e.Event]:
     """Yield the record of a command that is carried out; it precedes the command's events.
 

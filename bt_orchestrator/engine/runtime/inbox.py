@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.engine.runtime.commands import answer_to
-from bt_orchestrator.engine.runtime.deciding import refused
+from bt_orchestrator.engine.runtime.deciding import refused, signature
 from bt_orchestrator.engine.runtime.ledger import Ledger
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By, without_ticket
@@ -60,7 +60,7 @@ class Inbox:
         try:
             return Answer(accepted=True, message=self._carry_out(command))
         except CommandRefused as why:
-            self._refusals.record(refused(command, why))
+            self._refusals.record(refused(command, why), command.by)
             return Answer(accepted=False, message=str(why), each=why.each)
 
     def land(self) -> None:
@@ -164,14 +164,15 @@ class Refusals:
         self._counted: dict[tuple[str, str], _Counted] = {}
         self._tell_at: float | None = None
 
-    def record(self, refusals: Iterable[e.OperatorRefused]) -> None:
-        """Record refusals, or count them if there are too many."""
+    def record(self, refusals: Iterable[e.OperatorRefused], by: By | None) -> None:
+        """Record refusals of a sender, or count them if there are too many."""
         for one in map(_shortened, refusals):
             sender, now = sender_of(one), self._ledger.steady
-            size = len(to_text(one).encode())
+            events = [*signature(by, self._ledger.state), one]
+            size = sum(len(to_text(event).encode()) for event in events)
             if size <= self._allowances.left(sender, now):
                 self._allowances.use(sender, size, now)
-                self._ledger.record([one])
+                self._ledger.record(events)
             else:
                 self._count(sender, one)
 

@@ -14,7 +14,6 @@ from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.engine.runtime.permits.manual import goal_of
 from bt_orchestrator.engine.runtime.stands import Engine, Standstill
 from bt_orchestrator.model.action_type import TASK
-from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.setups import known
@@ -33,6 +32,7 @@ from bt_orchestrator.model.status import (
     ItemStatus,
     JobStatus,
     Leadership,
+    RosAccess,
     SectionStatus,
 )
 from bt_orchestrator.model.stop_reason import StopReason, way_to_work
@@ -52,18 +52,17 @@ class Overview:
         self,
         engine: Engine,
         durations: ObservedDurations | None = None,
-        unauthenticated_role: Role | None = None,
+        access: RosAccess | None = None,
         leadership: Callable[[], Leadership | None] = lambda: None,
     ) -> None:
         """Prepare to read a cell.
 
         :param durations: how long tasks took; None: only the nominal durations are known
-        :param unauthenticated_role: role of all clients over ROS; None: there is no access over
-            ROS
+        :param access: None: there is no access over ROS
         :param leadership: returns who leads and who stands by; None: no other node can take over
         """
         self._engine = engine
-        self._unauthenticated_role = unauthenticated_role
+        self._access = access
         self._leadership = leadership
         self._durations = durations or ObservedDurations()
         self._standstill = Standstill(engine)
@@ -108,7 +107,7 @@ class Overview:
             control=state.control,
             unit_mode=state.unit_mode,
             manual=goal_of(state),
-            unauthenticated_role=self._unauthenticated_role,
+            **(self._access.facts() if self._access else {}),
             commands=tuple(request.word for request in self._possible()),
             journal_failure=engine.broken or '',
             disk_wait=engine.disk_wait,

@@ -25,6 +25,7 @@ _OF_NO_PART = (
     *(
         e.ControlChanged,
         e.UnitModeChanged,
+        e.RequestSigned,
         e.ItemNonconforming,
         e.ItemIdentified,
         e.ClockStepped,

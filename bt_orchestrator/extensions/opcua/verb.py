@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from bt_orchestrator.base.extending import OPCUA
 from bt_orchestrator.base.stop_signals import StopSignals
-from bt_orchestrator.cli.door import open_door
+from bt_orchestrator.cli.door import open_door, signing_key
 from bt_orchestrator.cli.folders import (
     add_recipes_option,
     add_trees_option,
@@ -116,7 +116,7 @@ def _serve(args: argparse.Namespace, pki: Path, plain: str) -> None:
     from bt_orchestrator.extensions.opcua.server.nodesets import texts_in
     from bt_orchestrator.extensions.opcua.server.server import OpcUaServer
 
-    opened = partial(open_door, args.node, args.timeout)
+    opened = partial(open_door, args.node, args.timeout, key=signing_key(args))
     access = Access(
         users=users_of(args),
         pki=pki,

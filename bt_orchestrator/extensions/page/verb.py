@@ -12,7 +12,7 @@ from typing import cast
 from bt_orchestrator.base.extending import PAGE, POSTGRES
 from bt_orchestrator.base.stop_signals import StopSignals
 from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.door import open_door
+from bt_orchestrator.cli.door import open_door, signing_key
 from bt_orchestrator.cli.folders import (
     add_recipes_option,
     add_trees_option,
@@ -65,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
     from bt_orchestrator.extensions.page.web.seams import Sources
     from bt_orchestrator.extensions.page.web.server import PageServer
 
-    opened = partial(open_door, args.node, args.timeout)
+    opened = partial(open_door, args.node, args.timeout, key=signing_key(args))
     journal = args.journal
     sources = Sources(
         open_records=None if journal is None else partial(open_records, journal),

@@ -180,6 +180,19 @@ class RequestRefused(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class RequestSigned(Event):
+    """A key has signed the request that is recorded next (semantics 7.12)."""
+
+    event: ClassVar[str] = 'request.signed'
+    key: str
+    """Its name in the file of users."""
+    public: str
+    """Its public part, base64."""
+    number: int
+    """Of the request; the key may use no lower one again."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class OrchestratorStarted(Event):
     """An orchestrator took over the cell from its journal."""
 

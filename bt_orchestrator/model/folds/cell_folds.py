@@ -123,6 +123,11 @@ def unit_mode_changed(event: e.UnitModeChanged, state: CellState) -> None:
     state.tasks.pop(e.MANUAL_KEY, None)
 
 
+def request_signed(event: e.RequestSigned, state: CellState) -> None:
+    """Keep the number of a key: it is used (semantics 7.12)."""
+    state.signatures[event.public] = event.number
+
+
 def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
     """Enter another PackML state."""
     _stay(state, event.time)

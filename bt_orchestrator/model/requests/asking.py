@@ -140,6 +140,6 @@ def _not_allowed(name: str, roles: Collection[Role], by: By) -> str:
     if by.known is Known.ROS:
         said += (
             '; the parameter unauthenticated_role of the node is the role of everybody in the '
-            'ROS domain'
+            'ROS domain who does not sign, and view where signed_commands is required'
         )
     return said

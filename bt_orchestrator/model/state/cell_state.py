@@ -83,6 +83,8 @@ class CellState:
     """The stop reason in words."""
     shutting_down: bool = False
     """The orchestrator is shutting down; the next one continues."""
+    signatures: dict[str, int] = field(default_factory=dict)
+    """The last number of each key that has signed a request, by its public part (7.12)."""
     unsafe: str = ''
     """Why the safety input is not ready (semantics 7.9); empty: it is, or there is none."""
     barred: bool = False

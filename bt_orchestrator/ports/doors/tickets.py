@@ -81,7 +81,7 @@ class Outcome:
             return ''
         return (
             f'the node counts the role {recorded.role}, and records {recorded.claims} as a claim: '
-            f'it does not trust this {program} (parameter trust_local_doors)'
+            f'it does not trust this {program} so far (a key for it, or trust_local_doors)'
         )
 
 

@@ -21,6 +21,14 @@ from bt_orchestrator.ros.executor.ways import Answered, Question, Service, Way
 _ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
 
 
+def own_endpoint(node: Node, topic: str) -> Sequence[int]:
+    """Return the id of a node's own subscription to a topic; empty: the graph does not tell."""
+    for one in node.get_subscriptions_info_by_topic(topic):
+        if one.node_name == node.get_name():
+            return tuple(one.endpoint_gid)
+    return ()
+
+
 def endpoint_id(endpoint: TopicEndpointInfo) -> str:
     """Return an id that no other endpoint has."""
     return bytes(endpoint.endpoint_gid).hex()
@@ -56,6 +64,10 @@ class ServerStatus:
     def publishers_info(self) -> Sequence[TopicEndpointInfo]:
         """Return who publishes it. Takes a tenth of a millisecond."""
         return self._node.get_publishers_info_by_topic(self._name)
+
+    def own_endpoint(self) -> Sequence[int]:
+        """Return the id of this node's own subscription to it; empty: the graph does not tell."""
+        return own_endpoint(self._node, self._name)
 
     def publisher_id(self) -> str | None:
         """Return an id of the publisher, which no other instance of the server has.
@@ -164,9 +176,16 @@ class GoalClient:
 
         :param node: another one that looks, in place of the client's own
         """
-        takers = (node or self.node).count_services(self._taking)
+        takers = self.count_takers(node)
         told = self.status.publishers if node is None else node.count_publishers(self._telling)
-        return max(int(takers), int(told))
+        return max(takers, int(told))
+
+    def count_takers(self, node: Node | None = None) -> int:
+        """Count the servers that take goals.
+
+        :param node: another one that looks, in place of the client's own
+        """
+        return int((node or self.node).count_services(self._taking))
 
     def takers(self) -> Sequence[str]:
         """Return the full names of the nodes that take goals; asks for every node there is."""

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 import uuid
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice
+from pathlib import Path
+from types import MappingProxyType
 
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
@@ -28,9 +31,55 @@ def is_named(endpoint: TopicEndpointInfo) -> bool:
 
 def owners(endpoints: Sequence[TopicEndpointInfo]) -> tuple[str, ...]:
     """Return the full names of the nodes; where names are equal, with the ids of the endpoints."""
-    found = sorted((_owner(endpoint), endpoint_id(endpoint)) for endpoint in endpoints)
+    found = sorted((owner(endpoint), endpoint_id(endpoint)) for endpoint in endpoints)
     count = Counter(name for name, _ in found)
     return tuple(name if count[name] == 1 else f'{name} (id {id_})' for name, id_ in found)
+
+
+_FAST_DDS = bytes((1, 15))
+"""Vendor of an endpoint id, as DDSI-RTPS numbers them."""
+
+_PROC = Path('/proc')
+
+
+def place(endpoint: Sequence[int], own: Sequence[int], proc: Path = _PROC) -> str:
+    """Say on which computer and in which process an endpoint is; empty: its id does not tell.
+
+    Fast DDS makes the id of a participant of its vendor, two bytes of the computer and the lower
+    two of the process. Other middlewares draw theirs at random.
+
+    :param own: the id of an endpoint of this process
+    """
+    found, here = bytes(endpoint), bytes(own)
+    process = slice(4, 6)
+    if found[:2] != _FAST_DDS or here[:2] != _FAST_DDS or here[process] != _lower(os.getpid()):
+        return ''
+    if found[2:4] != here[2:4]:
+        return 'on another computer'
+    pids = [int(one.name) for one in proc.glob('[0-9]*') if one.name.isdecimal()]
+    fit = [pid for pid in sorted(pids) if _lower(pid) == found[process]]
+    return f'process {fit[0]} on this computer' if len(fit) == 1 else 'on this computer'
+
+
+def placed(
+    endpoints: Sequence[TopicEndpointInfo],
+    own: Sequence[int],
+    remarks: Mapping[str, str] = MappingProxyType({}),
+) -> Iterator[str]:
+    """Yield the nodes as `owners`, each with where it is, if its id tells.
+
+    :param own: the id of an endpoint of this process; empty: it is not known
+    :param remarks: more to say, by the ids of endpoints
+    """
+    by_name = sorted(endpoints, key=lambda one: (owner(one), endpoint_id(one)))
+    for name, endpoint in zip(owners(endpoints), by_name, strict=True):
+        where = place(endpoint.endpoint_gid, own) if own else ''
+        said = ', '.join(filter(None, [remarks.get(endpoint_id(endpoint), ''), where]))
+        yield f'{name} ({said})' if said else name
+
+
+def _lower(pid: int) -> bytes:
+    return (pid & 0xFFFF).to_bytes(2, 'little')
 
 
 def names(endpoints: Sequence[TopicEndpointInfo]) -> str:
@@ -38,7 +87,8 @@ def names(endpoints: Sequence[TopicEndpointInfo]) -> str:
     return ', '.join(owners(endpoints))
 
 
-def _owner(endpoint: TopicEndpointInfo) -> str:
+def owner(endpoint: TopicEndpointInfo) -> str:
+    """Return the full name of the node."""
     if not is_named(endpoint):
         return 'a node without name'
     return f'{endpoint.node_namespace.rstrip("/")}/{endpoint.node_name}'
@@ -111,7 +161,7 @@ class Rivals:
         # The names of nodes come a moment after what they serve.
         if not self._names or ids != self._ids or not self._are_named:
             self._ids, self._are_named = ids, all(map(is_named, publishers))
-            names = (*owners(publishers), *_without_status(client, len(publishers)))
+            names = (*_told(client, publishers), *_without_status(client, len(publishers)))
             self._names = names[:MOST_TOLD]
 
     def look_afresh(self) -> None:
@@ -141,6 +191,21 @@ class Rivals:
         """Nodes that it looks through."""
         if self._trial is not None:
             yield self._trial
+
+
+def _told(client: GoalClient, publishers: Sequence[TopicEndpointInfo]) -> Iterator[str]:
+    """Name those who publish the status of an action: whether they serve it, and where they are.
+
+    Anybody can publish it, and thereby stop the component.
+    """
+    is_served = len(publishers) <= client.count_takers()
+    takers = () if is_served else client.takers()
+    alone = {
+        endpoint_id(one): 'publishes its status and takes no goals'
+        for one in publishers
+        if not is_served and is_named(one) and owner(one) not in takers
+    }
+    return placed(publishers, client.status.own_endpoint(), alone)
 
 
 def _without_status(client: GoalClient, with_status: int) -> Iterator[str]:

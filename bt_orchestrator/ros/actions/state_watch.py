@@ -23,6 +23,8 @@ from bt_orchestrator.model.limits import (
 )
 from bt_orchestrator.ports.news import News
 from bt_orchestrator.ports.spare_log import SpareLog, guarded, report
+from bt_orchestrator.ros.actions.goal_client import own_endpoint
+from bt_orchestrator.ros.actions.rivals import placed
 from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.types.interface_classes import message_class
 from bt_orchestrator.ros.types.messages import field_value
@@ -251,7 +253,8 @@ class SafetyWatch:
         found = self._node.get_publishers_info_by_topic(self._subscription.topic_name)
         self._is_contested = len(found) > 1
         if self._is_contested:
-            where = ', '.join(f'{one.node_namespace.rstrip("/")}/{one.node_name}' for one in found)
+            topic = self._subscription.topic_name
+            where = ', '.join(placed(found, own_endpoint(self._node, topic)))
             self._publishers = f'{len(found)} publishers: {where}'
         elif not found:
             self._publishers = 'it has no publisher'

@@ -12,8 +12,9 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from bt_orchestrator.base.diagnosis.check import Check, fail, ok, warn
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Cell, Component, StateTopic
-from bt_orchestrator.ros.actions.rivals import is_named, names
+from bt_orchestrator.ros.actions.rivals import is_named, names, owner
 from bt_orchestrator.ros.diagnosis.graph import Graph
+from bt_orchestrator.ros.node_parameters import REQUIRED
 from bt_orchestrator.ros.standby import TOPIC as STANDBY
 
 
@@ -56,6 +57,12 @@ def _server(graph: Graph, component: Component, elsewhere: str) -> Check:
         remedy = 'every goal would go to all of them, so none is sent: stop all but one'
         others = ', and one without its topics' if count > len(found) else ''
         return fail(name, f'{count} servers at {action}: {names(found)}{others}', remedy)
+    servers = set(map(owner, found))
+    alone = [one for one in graph.publishers(f'{action}/_action/status') if is_named(one)]
+    alone = [one for one in alone if owner(one) not in servers]
+    if alone:
+        what = f'{names(alone)} publishes the status of {action} and takes no goals'
+        return fail(name, what, 'it counts as a second server, so no goal is sent: stop it')
     return ok(name, f'{action} ({names(found)})')
 
 
@@ -133,9 +140,14 @@ def _role(graph: Graph, node: str, timeout_s: float) -> Iterator[Check]:
     topic = f'{node}/status'
     status = graph.latched(Status, topic, timeout_s) if graph.publishers(topic) else None
     role = '' if status is None else status.unauthenticated_role
-    if not role:
+    if status is None or not role:
         return
-    found = f'everybody in the ROS domain has the role {role} (unauthenticated_role)'
+    if status.signed_commands == REQUIRED:
+        yield ok('role over ROS', 'only requests that a key has signed count (signed_commands)')
+        return
+    found = (
+        f'unauthenticated: everybody in the ROS domain has the role {role} (unauthenticated_role)'
+    )
     if role == Role.VIEW.value:
         remedy = 'every command over ROS is refused: give the node --unauthenticated-role, if'
         yield warn('role over ROS', found, f'{remedy} all who hear it may command it')

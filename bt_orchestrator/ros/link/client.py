@@ -97,16 +97,17 @@ class NodeClient:
         """The client's own node."""
         return self._node
 
-    def call(self, kind: Any, service: str, request: Any) -> Any:
+    def call(self, kind: Any, service: str, request: Any | Callable[[Status], Any]) -> Any:
         """Call one of the node's services and return its response.
 
+        :param request: or what makes it of the status that the node has just told
         :raises NodeUnreachable: it is not there, or does not answer
         """
         client = self.service(kind, service)
         try:
             self.wait_until(client.service_is_ready, f'the service {self._name}/{service}')
-            self._be_known()
-            future = client.call_async(request)
+            status = self._be_known()
+            future = client.call_async(request(status) if callable(request) else request)
             what = f'an answer of {self._name}/{service}'
             self.wait_until(future.done, what, self._answer_s)
             return future.result()
@@ -158,14 +159,14 @@ class NodeClient:
         self._node.create_subscription(Event, f'{self._name}/events', callback, EVENTS)
         self._be_known()
 
-    def _be_known(self) -> None:
-        """Wait until the node knows all that this client has made so far.
+    def _be_known(self) -> Status:
+        """Wait until the node knows all that this client has made so far; return its status.
 
         That a service or a topic is seen here does not say so: an answer or an event may still
         have nowhere to go. The node learns of what others made in their order, so once it sends
         the latched status to one more subscription, it knows what came before.
         """
-        self._latched(Status, 'status')
+        return self._latched(Status, 'status')
 
     def _latched(self, kind: Any, topic: str) -> Any:
         """Return the last message of a latched topic.

@@ -14,6 +14,7 @@ from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.ros.types.messages import check
 from bt_orchestrator.ros.types.status_messages import order_answer
+from bt_orchestrator.script.users.keys import Place, SigningKey, sealed
 
 
 class Call(NamedTuple):
@@ -31,11 +32,29 @@ def call_of(asked: Asked) -> Call:
     """
     try:
         call = _add(asked) if _has_orders(asked) else _any(asked)
-        _sign(call.request, asked.sender)
+        _say_who(call.request, asked.sender)
         check(call.request)
     except (OverflowError, TypeError, ValueError) as error:
         raise CommandRefused(f'{asked.request.name} cannot be sent: {error}') from error
     return call
+
+
+def signed_call(asked: Asked, key: SigningKey, place: Place) -> srv.SignedRequest.Request:
+    """Return the request that carries another one with its signature.
+
+    :param place: as the node has told it a moment ago
+    :raises CommandRefused: a value that no message can carry; says which
+    """
+    try:
+        carried = _any(asked).request
+        number = key.next_number()
+        text = sealed(carried.name, carried.arguments, asked.sender, place, number).text
+        request = srv.SignedRequest.Request(request=text, key=key.public)
+        request.signature = list(key.sign(text))
+        check(request)
+    except (OverflowError, TypeError, ValueError) as error:
+        raise CommandRefused(f'{asked.request.name} cannot be sent: {error}') from error
+    return request
 
 
 def _has_orders(asked: Asked) -> bool:
@@ -46,7 +65,7 @@ def _has_orders(asked: Asked) -> bool:
     )
 
 
-def _sign(request: Any, by: By) -> None:
+def _say_who(request: Any, by: By) -> None:
     request.who, request.origin, request.reason = by.who, by.origin, by.reason
     if by.known.is_door:
         request.known, request.role = by.known.value, by.role.value

@@ -6,8 +6,10 @@ import json
 import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from bt_orchestrator_interfaces import srv
 from bt_orchestrator_interfaces.srv import GetEvents, GetState, ListJobs, QueueList
 
 from bt_orchestrator.base.errors import CommandRefused, NodeUnreachable
@@ -18,11 +20,13 @@ from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.status import CellDescription, CellStatus, ListedJob
+from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.ports.following import Follower
 from bt_orchestrator.ros.link.client import EventFetches, NodeClient
-from bt_orchestrator.ros.link.requests import answer_of, call_of
+from bt_orchestrator.ros.link.requests import Call, answer_of, call_of, signed_call
 from bt_orchestrator.ros.types.status_messages import job_status, listed_job
+from bt_orchestrator.script.users.keys import Place, SigningKey
 
 if TYPE_CHECKING:
     from bt_orchestrator.ros.link.inspection_streams import InspectionStream
@@ -44,6 +48,7 @@ class RosLink:
         timeout_s: float,
         meanwhile: Callable[[], object] | None = None,
         answer_s: float | None = None,
+        key: SigningKey | None = None,
     ) -> None:
         """Join the ROS graph.
 
@@ -51,7 +56,9 @@ class RosLink:
         :param timeout_s: longest time to wait for the node and for each of its answers
         :param meanwhile: called again and again while it waits; what it raises ends the waiting
         :param answer_s: longest time to wait for an answer, if it is longer
+        :param key: signs all requests; None: they go unsigned
         """
+        self._key = key
         self._client = NodeClient(node, timeout_s, meanwhile, answer_s)
         self._client.__enter__()
         self._fetches: EventFetches | None = None
@@ -143,10 +150,18 @@ class RosLink:
     def ask(self, asked: Asked) -> Answer:
         """Call the service for a request."""
         try:
-            call = call_of(asked)
+            if self._key is not None:
+                call = Call(srv.SignedRequest, 'signed_request', partial(self._signed, asked))
+            else:
+                call = call_of(asked)
+            return answer_of(self._client.call(*call))
         except CommandRefused as why:
             return Answer(accepted=False, message=str(why))
-        return answer_of(self._client.call(*call))
+
+    def _signed(self, asked: Asked, status: Any) -> Any:
+        assert self._key is not None
+        place = Place(self.name, status.history, Uptime(status.boot, status.uptime))
+        return signed_call(asked, self._key, place)
 
     # --- following --------------------------------------------------------------------------
 

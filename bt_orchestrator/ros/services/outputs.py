@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from bt_orchestrator_interfaces.msg import CellDescription, Status
 from bt_orchestrator_interfaces.msg import Event as EventMessage
@@ -25,6 +25,7 @@ from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status_words import component_trouble
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.executor.heart import Heart, Pulse
@@ -72,8 +73,10 @@ class StatusTopic:
         overview: Overview,
         expected: ExpectedEnds,
         pulse: Pulse,
+        uptime: Callable[[], Uptime],
     ) -> None:
         self._node = node
+        self._uptime = uptime
         self._orchestrator = orchestrator
         self._overview = overview
         self._expected = expected
@@ -92,7 +95,7 @@ class StatusTopic:
             status = self._overview.status(now, self._expected.within_s(now))
             self._last = self._writer.message(status)
         elif self._last is not None:
-            self._last.stamp = to_time(now)
+            self._last.stamp, self._last.uptime = to_time(now), self._uptime().seconds
             self._last.disk_wait = self._orchestrator.disk_wait
         if self._last is not None:
             self._publisher.publish(self._last)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+import uuid
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, overload
@@ -10,7 +12,7 @@ from bt_orchestrator_interfaces import srv
 from rclpy.node import Node
 
 from bt_orchestrator.base.diagnosis.ros_environment import is_local
-from bt_orchestrator.base.errors import NotRead, OrchestratorError
+from bt_orchestrator.base.errors import CommandRefused, NotRead, OrchestratorError
 from bt_orchestrator.engine.asking.handler import RequestHandler
 from bt_orchestrator.engine.asking.orders import size_of
 from bt_orchestrator.model.by import By, Known, Role
@@ -19,12 +21,15 @@ from bt_orchestrator.model.limits import NAME, REQUEST_BYTES, cut
 from bt_orchestrator.model.requests import of_name
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.texts import readable
-from bt_orchestrator.ros.node_parameters import AUTO, NodeParameters
+from bt_orchestrator.model.uptime import Uptime
+from bt_orchestrator.ros.clock import MachineUptime
+from bt_orchestrator.ros.node_parameters import AUTO, REQUIRED, NodeParameters
 from bt_orchestrator.ros.services.patient_service import serve
 from bt_orchestrator.ros.types.order_messages import asked_change, asked_order
 from bt_orchestrator.ros.types.status_messages import order_answer_message
 from bt_orchestrator.script.orders.desk import AskedOrder, WrittenOrder
-from bt_orchestrator.script.users.file import UsersFile, default_file
+from bt_orchestrator.script.users.file import KnownUsers, default_file
+from bt_orchestrator.script.users.keys import Keys, Place, Signatures, demand_library, opened
 
 _Read = Callable[[Any], tuple[str, Any]]
 """Returns the name of the request in a message, and its arguments."""
@@ -76,6 +81,7 @@ class Services:
     def __init__(
         self, node: Node, handler: RequestHandler, senders: Senders, state: CellState
     ) -> None:
+        self._signatures = senders.signatures(node.get_fully_qualified_name(), state)
         self._handler = handler
         self._senders = senders
         self._state = state
@@ -84,10 +90,28 @@ class Services:
         serve(node, srv.SubmitOrder, 'submit_order', self._submit)
         serve(node, srv.QueueAdd, 'queue/add', self._add)
         serve(node, srv.QueueUpdate, 'queue/update', self._update)
+        serve(node, srv.SignedRequest, 'signed_request', self._signed)
 
     async def _carry_out(self, read: _Read, request: Any, response: Any) -> None:
         by = self._senders.by(request)
         self._tell(response, await self._handler.carry_out_named(*read(request), by))
+
+    async def _signed(self, request: Any, response: Any) -> None:
+        try:
+            sealed = opened(request.request)
+        except CommandRefused as why:
+            nobody = By('', 'service', '', Role.VIEW)
+            self._tell(response, await self._handler.refuse_named('', {}, nobody, str(why)))
+            return
+        try:
+            signature = bytes(request.signature)
+            by = self._signatures.sender(sealed, request.request, request.key, signature)
+        except OrchestratorError as why:
+            by = self._senders.claimed(sealed)
+            answer = await self._handler.refuse_named(sealed.name, {}, by, str(why))
+        else:
+            answer = await self._handler.carry_out_named(sealed.name, sealed.arguments, by)
+        self._tell(response, answer)
 
     async def _submit(self, request: Any, response: Any) -> None:
         by = self._senders.by(request)
@@ -172,11 +196,19 @@ class Senders:
 
         :param environment: variables that say how far ROS reaches
         :param middleware: name of the RMW implementation
+        :raises KeyUnusable: signatures are required, and cannot be checked
         """
         self.is_local = is_local(environment, middleware)
+        self._known_users: KnownUsers | None = None
         self.unauthenticated = _unauthenticated(parameters, is_local=self.is_local)
-        self._users, self._environment = parameters.users, environment
-        self.trusts_doors = parameters.trust_local_doors and self.is_local
+        self.signed_commands = parameters.signed_commands
+        self._parameters, self._environment = parameters, environment
+        is_signing = self.signed_commands == REQUIRED
+        if is_signing:
+            demand_library()
+        self.trusts_doors = parameters.trust_local_doors and self.is_local and not is_signing
+        self._machine = MachineUptime()
+        self._since = uuid.uuid4().hex
 
     def by(self, request: Any, otherwise: str = 'service') -> By:
         """Return the sender, the origin, the reason and the role.
@@ -191,28 +223,57 @@ class Senders:
             return By(*said, _ROLES.get(request.role, Role.VIEW), door)
         return By(*said, self.unauthenticated, Known.ROS, _claims(request))
 
+    def claimed(self, request: Any) -> By:
+        """Return the sender of a request whose signature does not count."""
+        said = (request.who, request.origin or 'service', request.reason)
+        return By(*said, Role.VIEW, Known.ROS, _claims(request))
+
+    def uptime(self) -> Uptime:
+        """Return the uptime of this computer; where it cannot be known, of this process."""
+        return self._machine.now() or Uptime(self._since, round(time.monotonic(), 3))
+
+    def signatures(self, node: str, state: CellState) -> Signatures:
+        """Return what checks signed requests to a node."""
+
+        def here() -> Place:
+            return Place(node, state.history, self.uptime())
+
+        def keys() -> Keys:
+            return self._users().keys()
+
+        return Signatures(keys, lambda: self._users().panels().keys, here, state.signatures)
+
+    def _users(self) -> KnownUsers:
+        """Return the users of now.
+
+        :raises NoHome: it is not known where their file is
+        """
+        if self._known_users is None:
+            path = self._parameters.users or default_file(self._environment)
+            self._known_users = KnownUsers(path)
+        return self._known_users
+
     def why_no_panel(self) -> str:
         """Say why no request can come from a panel of the line (7.8); empty: one can.
 
-        The users file is read anew: a panel may have been named a moment ago.
+        A panel may have been named a moment ago.
         """
-        if not self.trusts_doors:
-            return (
-                'this node believes no page and no OPC UA server who is at a panel; start it with '
-                '--trust-local-doors, where the discovery range of ROS is this computer'
-            )
         try:
-            path = self._users or default_file(self._environment)
-            panels = UsersFile(path).content().panels
+            users = self._users()
+            panels, keys = users.panels(), users.keys()
         except OrchestratorError as error:
             return str(error)
-        return (
-            ''
-            if panels
-            else (
-                f'there is no panel in {path}; name one with: bt-orchestrator user panel '
+        if not panels:
+            return (
+                f'there is no panel in {users.path}; name one with: bt-orchestrator user panel '
                 'address 192.168.3.20'
             )
+        if panels.keys or self.trusts_doors or any(key.door for key in keys.values()):
+            return ''
+        return (
+            'this node believes no page and no OPC UA server who is at a panel; give them keys '
+            '(bt-orchestrator user key NAME --door page), or start the node with '
+            '--trust-local-doors, where the discovery range of ROS is this computer'
         )
 
     def of_cancel(self, goal_by: By) -> By:
@@ -222,6 +283,8 @@ class Senders:
 
 
 def _unauthenticated(parameters: NodeParameters, *, is_local: bool) -> Role:
+    if parameters.signed_commands == REQUIRED:
+        return Role.VIEW
     if parameters.unauthenticated_role == AUTO:
         return Role.ENGINEER if is_local else Role.VIEW
     return Role(parameters.unauthenticated_role)

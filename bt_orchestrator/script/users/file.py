@@ -1,4 +1,4 @@
-"""The file of users, for its owner alone: names, roles, hashes of passwords; and users of now."""
+"""The file of users, for its owner alone: roles, hashes of passwords, keys; and users of now."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import fcntl
 import os
 import stat
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,7 +20,7 @@ from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.base.ordinary_file import open_ordinary, read_up_to
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.limits import WHO
-from bt_orchestrator.script.users.folders import own_folder
+from bt_orchestrator.script.users.keys import DOOR_KINDS, Key, Keys, public_key
 from bt_orchestrator.script.users.panels import PANEL_KINDS, NoSuchChange, Panels, panels_of
 from bt_orchestrator.script.users.passwords import NOBODYS, Cost, Hashed, hashed
 
@@ -55,6 +55,32 @@ class Content(NamedTuple):
 
     users: Users = MappingProxyType({})
     panels: Panels = Panels()
+    keys: Keys = MappingProxyType({})
+
+
+PROJECT = 'bt_orchestrator'
+
+
+class NoHome(OrchestratorError):
+    """The home folder of this user is not known, as in a container."""
+
+
+def own_folder(environment: Mapping[str, str], variable: str, below: str) -> Path:
+    """Return a folder of the user for files of this project, as the XDG base directories say.
+
+    :param variable: which names the folder for files of all programs
+    :param below: where that is in the home folder if the variable is not set
+    :raises NoHome: it is not set, and there is no home folder
+    """
+    if environment.get(variable):
+        return Path(environment[variable], PROJECT)
+    try:
+        return Path.home() / below / PROJECT
+    except RuntimeError:
+        raise NoHome(
+            f'there is no home folder for user id {os.getuid()}, in which {below}/{PROJECT} would '
+            f'be; set HOME or {variable}, or name the path with an option'
+        ) from None
 
 
 def default_file(environment: Mapping[str, str]) -> Path:
@@ -73,7 +99,7 @@ class UsersFile:
         return self.content().users
 
     def content(self) -> Content:
-        """Return all users and panels; nothing where there is no file.
+        """Return all users, panels and keys; nothing where there is no file.
 
         :raises UsersUnusable: it is damaged, or others may read or write it
         """
@@ -122,11 +148,7 @@ class UsersFile:
         :raises BadPassword: see `passwords`
         :raises UsersUnusable: as `read`, or it cannot be written
         """
-        if not name or name != name.strip() or not name.isprintable() or len(name) > WHO:
-            raise NoSuchChange(
-                f'{name!r} is not a name; expected up to {WHO} printable characters, with no '
-                'space before or after them'
-            )
+        _check_name(name)
         user = User(role, hashed(password))
 
         def change(content: Content) -> Content:
@@ -137,41 +159,77 @@ class UsersFile:
         self._change(change)
 
     def remove(self, name: str) -> None:
-        """Remove a user, who is no panel any more either; raises as `change_role` does."""
+        """Remove a user and the key of that name, which are no panels any more either.
+
+        Raises as `change_role` does.
+        """
 
         def change(content: Content) -> Content:
-            _found(content.users, name)
+            _found_any(content, name)
             left = {one: user for one, user in content.users.items() if one != name}
-            panels = content.panels
-            named = tuple(one for one in panels.users if one != name)
-            return Content(left, replace(panels, users=named))
+            panels = content.panels.without('user', name)
+            return _without_key(Content(left, panels, content.keys), name)
+
+        self._change(change)
+
+    def add_key(self, name: str, key: Key) -> None:
+        """Add a key that signs requests.
+
+        :raises NoSuchChange: there is a key of this name, or the name of this key; or it is none
+        :raises UsersUnusable: as `read`, or it cannot be written
+        """
+        _check_name(name)
+
+        def change(content: Content) -> Content:
+            of_that = [one for one, old in content.keys.items() if old.public == key.public]
+            if name in content.keys or of_that:
+                there = f'the key {of_that[0]}' if of_that else f'a key of {name}'
+                raise NoSuchChange(f'{there} is there already; remove it first: user no-key')
+            return content._replace(keys={**content.keys, name: key})
+
+        self._change(change)
+
+    def remove_key(self, name: str) -> None:
+        """Remove a key; a user of the same name stays. Raises as `change_role` does."""
+
+        def change(content: Content) -> Content:
+            if name not in content.keys:
+                raise NoSuchChange(_no_such('key', name, content.keys))
+            return _without_key(content, name)
 
         self._change(change)
 
     def change_role(self, name: str, role: Role) -> None:
-        """Give a user another role.
+        """Give a user, and the key of that name, another role.
 
-        :raises NoSuchChange: there is no such user
+        :raises NoSuchChange: there is no such user and no such key
         :raises UsersUnusable: as `read`, or it cannot be written
         """
 
         def change(content: Content) -> Content:
-            user = replace(_found(content.users, name), role=role)
-            return content._replace(users={**content.users, name: user})
+            _found_any(content, name)
+            users, keys = dict(content.users), dict(content.keys)
+            if name in users:
+                users[name] = replace(users[name], role=role)
+            if name in keys:
+                keys[name] = replace(keys[name], role=role)
+            return content._replace(users=users, keys=keys)
 
         self._change(change)
 
     def change_panel(self, kind: str, name: str, *, named: bool) -> None:
         """Name a panel, or take its name out.
 
-        :param kind: user, address or certificate
-        :raises NoSuchChange: see `Panels.changed`; or there is no such user
+        :param kind: user, address, certificate or key
+        :raises NoSuchChange: see `Panels.changed`; or there is no such user, or key of a person
         :raises UsersUnusable: as `content`, or it cannot be written
         """
 
         def change(content: Content) -> Content:
-            if kind == 'user' and named:
-                _found(content.users, name)
+            if kind == 'user' and named and name not in content.users:
+                raise NoSuchChange(_no_such('user', name, content.users))
+            if kind == 'key' and named:
+                _check_own_key(content.keys, name)
             return content._replace(panels=content.panels.changed(kind, name, named=named))
 
         self._change(change)
@@ -226,10 +284,36 @@ def matching(users: Users, name: str, password: str) -> User | None:
     return user if matches else None
 
 
-def _found(users: Users, name: str) -> User:
-    if name not in users:
-        raise NoSuchChange(f'there is no user {name}; there are: {", ".join(users) or "none"}')
-    return users[name]
+def _check_name(name: str) -> None:
+    if not name or name != name.strip() or not name.isprintable() or len(name) > WHO:
+        raise NoSuchChange(
+            f'{name!r} is not a name; expected up to {WHO} printable characters, with no space '
+            'before or after them'
+        )
+
+
+def _found_any(content: Content, name: str) -> None:
+    if name not in content.users and name not in content.keys:
+        raise NoSuchChange(_no_such('user', name, (*content.users, *content.keys)))
+
+
+def _no_such(what: str, name: str, known: Iterable[str]) -> str:
+    return f'there is no {what} {name}; there are: {", ".join(known) or "none"}'
+
+
+def _check_own_key(keys: Keys, name: str) -> None:
+    if name not in keys:
+        raise NoSuchChange(_no_such('key', name, keys))
+    if keys[name].door:
+        raise NoSuchChange(
+            f'the key {name} is of {DOOR_KINDS[keys[name].door].words}, which says itself who of '
+            'its users is at a panel'
+        )
+
+
+def _without_key(content: Content, name: str) -> Content:
+    keys = {one: key for one, key in content.keys.items() if one != name}
+    return content._replace(keys=keys, panels=content.panels.without('key', name))
 
 
 # --- as YAML ------------------------------------------------------------------------------------
@@ -237,6 +321,10 @@ def _found(users: Users, name: str) -> User:
 
 def _plain(content: Content) -> dict[str, Any]:
     panels = {field: list(getattr(content.panels, field)) for field in PANEL_KINDS.values()}
+    keys = {
+        name: {'role': key.role.value, 'ed25519': key.public, 'door': key.door}
+        for name, key in content.keys.items()
+    }
     return {
         'format': FORMAT,
         'users': {
@@ -244,6 +332,7 @@ def _plain(content: Content) -> dict[str, Any]:
             for name, user in content.users.items()
         },
         **({'panels': panels} if content.panels else {}),
+        **({'keys': keys} if keys else {}),
     }
 
 
@@ -261,13 +350,24 @@ def _content(plain: Any) -> Content:
     if plain['format'] != FORMAT:
         raise ValueError(f'format {plain["format"]!r}; expected {FORMAT}')
     users = {_name(name): _user(fields) for name, fields in plain['users'].items()}
-    return Content(users, panels_of(plain.get('panels') or {}))
+    keys = {_name(name): _key(fields) for name, fields in (plain.get('keys') or {}).items()}
+    return Content(users, panels_of(plain.get('panels') or {}), keys)
 
 
 def _name(name: Any) -> str:
     if not isinstance(name, str):
         raise TypeError(f'the name {name!r} is not a text')
     return name
+
+
+def _key(fields: Any) -> Key:
+    if not isinstance(fields, Mapping):
+        raise TypeError('expected the keys role and ed25519 of each key')
+    door, public = fields.get('door') or '', str(fields['ed25519'])
+    if door and door not in DOOR_KINDS:
+        raise ValueError(f'door {door!r}; expected {" or ".join(DOOR_KINDS)}')
+    public_key(public)
+    return Key(Role(fields['role']), public, door)
 
 
 def _user(fields: Any) -> User:
@@ -300,7 +400,7 @@ class KnownUsers:
     """Users by name: a removed user, or another role, counts at once."""
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self.path = path
         self._file = UsersFile(path)
         self._version: _Version = None
         self._content = Content()
@@ -326,6 +426,13 @@ class KnownUsers:
         """
         return self._now().panels
 
+    def keys(self) -> Keys:
+        """Return all keys that sign requests.
+
+        :raises UsersUnusable: the file cannot be believed or read
+        """
+        return self._now().keys
+
     def _now(self) -> Content:
         version = self._look()
         if version is None or version != self._version:
@@ -345,7 +452,7 @@ class KnownUsers:
     def _look(self) -> _Version:
         """Return what changes with the file: it is replaced as a whole. None: it is not there."""
         try:
-            found = self._path.stat()
+            found = self.path.stat()
         except OSError:
             return None
         return found.st_ino, found.st_mtime_ns, found.st_ctime_ns

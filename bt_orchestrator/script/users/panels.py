@@ -25,9 +25,11 @@ class Panels:
     """IP addresses of computers, for users who log in there."""
     certificates: tuple[str, ...] = ()
     """Thumbprints of OPC UA clients, SHA-1 in small letters."""
+    keys: tuple[str, ...] = ()
+    """Names of keys that sign requests over ROS (semantics 7.12)."""
 
     def __bool__(self) -> bool:
-        return bool(self.users or self.addresses or self.certificates)
+        return any(True for _ in self)
 
     def have(self, user: str, address: str = '', certificate: str = '') -> bool:
         """Tell whether a session is at a panel.
@@ -41,10 +43,16 @@ class Panels:
             or certificate in self.certificates
         )
 
+    def without(self, kind: str, name: str) -> Panels:
+        """Return the panels without one, if it is there."""
+        field = PANEL_KINDS[kind]
+        kept = tuple(one for one in getattr(self, field) if one != name)
+        return replace(self, **{field: kept})
+
     def changed(self, kind: str, name: str, *, named: bool) -> Panels:
         """Return the panels with one more, or one less.
 
-        :param kind: user, address or certificate
+        :param kind: user, address, certificate or key
         :raises NoSuchChange: the name is none of its kind, or it is named already, or not
         """
         field = PANEL_KINDS[kind]
@@ -65,7 +73,12 @@ class Panels:
             yield from ((kind, name) for name in getattr(self, field))
 
 
-PANEL_KINDS = {'user': 'users', 'address': 'addresses', 'certificate': 'certificates'}
+PANEL_KINDS = {
+    'user': 'users',
+    'address': 'addresses',
+    'certificate': 'certificates',
+    'key': 'keys',
+}
 """The kinds of panels, and their keys in the file."""
 
 _THUMBPRINT = re.compile('[0-9a-f]{40}')

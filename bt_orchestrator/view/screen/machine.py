@@ -128,7 +128,7 @@ def _without_time(status: CellStatus) -> CellStatus:
         else changed(job, expected_end_s=round(status.stamp + job.expected_end_s))
         for job in status.jobs
     )
-    return changed(status, stamp=0.0, state_times={}, jobs=tuple(jobs))
+    return changed(status, stamp=0.0, uptime=0.0, state_times={}, jobs=tuple(jobs))
 
 
 def _plain_tree(branch: Branch) -> dict[str, object]:

@@ -76,6 +76,9 @@ def _cell_lines(status: CellStatus) -> Iterator[str]:
         yield from (f'  {text}' for text in leadership_words(status.leadership))
     if in_local(status):
         yield f'  {in_local(status)}'
+    if status.unauthenticated_role and status.signed_commands != 'required':
+        role = status.unauthenticated_role.value
+        yield f'  commands over ROS are unauthenticated: everybody there has the role {role}'
     if status.safety not in ('', 'ready'):
         yield f'  safety input not ready: {one_line(status.safety)}'
     if status.stop_after:

@@ -49,7 +49,60 @@ def test_add_list_role_remove(path: Path, capsys: pytest.CaptureFixture[str]) ->
     capsys.readouterr()
     assert user(path, 'list', '--json') == 0
     told = json.loads(capsys.readouterr().out)
-    assert told == {'users': [{'name': 'ann', 'role': 'engineer'}], 'panels': []}
+    users = [{'name': 'ann', 'role': 'engineer'}]
+    assert told == {'users': users, 'panels': [], 'keys': []}
+
+
+def test_a_key_is_made_listed_and_removed(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert user(path, 'key', 'ann', '--role', 'operate') == 0
+    private = path.parent / 'keys' / 'ann.pem'
+    assert private.stat().st_mode & 0o777 == 0o600
+    public = UsersFile(path).content().keys['ann'].public
+    assert capsys.readouterr().out.splitlines() == [
+        f'the key ann has the role operate; whoever has {private} is ann to the node',
+        f'its public key is {public}',
+    ]
+    other = path.parent / 'elsewhere' / 'page.pem'
+    given = ('--role', 'engineer', '--door', 'page', '--file', str(other))
+    assert user(path, 'key', 'the page', *given) == 0
+    assert other.exists()
+    assert user(path, 'panel', 'key', 'ann') == 0
+    capsys.readouterr()
+    assert user(path, 'list') == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:3] == ['there are no users', 'panels: key ann', f'key ann: operate, {public}']
+    assert lines[3].startswith('key the page: engineer, of a page, ')
+    assert user(path, 'list', '--json') == 0
+    told = json.loads(capsys.readouterr().out)['keys']
+    assert told[0] == {'name': 'ann', 'role': 'operate', 'door': '', 'public': public}
+    assert told[1]['door'] == 'page'
+    assert user(path, 'no-key', 'ann') == 0
+    assert list(UsersFile(path).content().keys) == ['the page']
+    assert not UsersFile(path).content().panels
+
+
+def test_a_public_key_of_another_computer_is_added(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    public = 'A' * 43 + '='
+    assert user(path, 'key', 'ann', '--role', 'operate', '--public', public) == 0
+    assert UsersFile(path).content().keys['ann'].public == public
+    assert not (path.parent / 'keys').exists()
+    assert user(path, 'key', 'bob', '--role', 'operate', '--public', 'AAAA') == 2
+    assert 'a public key has 32 bytes, as base64' in capsys.readouterr().err
+
+
+def test_a_key_that_is_refused_leaves_no_file(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert user(path, 'key', 'ann') == 2
+    assert user(path, 'key', '../ann', '--role', 'view') == 2
+    assert 'name one with --file' in capsys.readouterr().err
+    assert user(path, 'key', 'ann', '--role', 'view') == 0
+    other = path.parent / 'other.pem'
+    assert user(path, 'key', 'ann', '--role', 'view', '--file', str(other)) == 1
+    assert 'a key of ann is there already' in capsys.readouterr().err
+    assert not other.exists()
 
 
 def test_panels_are_named_listed_and_taken_back(

@@ -126,7 +126,8 @@ def test_7_1_a_refusal_says_who_what_and_which_role_may() -> None:
     assert answer.message == (
         'hold.abort_job is for the role engineer, and somebody who claims to be Eve has the role '
         'operate (ros unauthenticated); nothing was done; the parameter unauthenticated_role of '
-        'the node is the role of everybody in the ROS domain'
+        'the node is the role of everybody in the ROS domain who does not sign, and view where '
+        'signed_commands is required'
     )
 
 

@@ -31,7 +31,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.base.ordinary_file import open_ordinary, read_ordinary, read_up_to
 from bt_orchestrator.ports.doors.listening import address_in, is_everywhere
-from bt_orchestrator.script.users.folders import own_folder
+from bt_orchestrator.script.users.file import own_folder
 
 KEY_BITS = 3072
 LARGEST_FILE = 1_000_000

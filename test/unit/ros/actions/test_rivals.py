@@ -17,8 +17,10 @@ def test_2_5_a_server_that_was_seen_without_a_name_gets_it(
 ) -> None:
     monkeypatch.setattr(rivals, 'LOOK_S', 0.0)
     first, second = endpoint('press', 1), endpoint(UNNAMED, 2)
-    status = SimpleNamespace(publishers=2, publishers_info=lambda: [first, second])
-    client = SimpleNamespace(status=status, count_servers=lambda: 2)
+    status = SimpleNamespace(
+        publishers=2, publishers_info=lambda: [first, second], own_endpoint=tuple
+    )
+    client = SimpleNamespace(status=status, count_servers=lambda: 2, count_takers=lambda: 2)
     clients = cast('Any', SimpleNamespace(current=client))
     several = Rivals(clients, fresh_node=lambda: cast('Any', None))
     for _ in range(looks):
@@ -34,8 +36,12 @@ def test_2_5_the_status_of_a_second_server_is_seen_between_looks(
 ) -> None:
     monkeypatch.setattr(rivals, 'LOOK_S', 60.0)
     both = [endpoint('press', 1), endpoint('copy_of_press', 2)]
-    status = SimpleNamespace(publishers=1, publishers_info=lambda: both)
-    client = SimpleNamespace(status=status, count_servers=lambda: status.publishers)
+    status = SimpleNamespace(publishers=1, publishers_info=lambda: both, own_endpoint=tuple)
+    client = SimpleNamespace(
+        status=status,
+        count_servers=lambda: status.publishers,
+        count_takers=lambda: status.publishers,
+    )
     several = Rivals(cast('Any', SimpleNamespace(current=client)), lambda: cast('Any', None))
     assert several.look() == ()
     status.publishers = 2

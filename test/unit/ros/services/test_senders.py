@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,6 +14,7 @@ from bt_orchestrator.model.limits import NAME
 from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.services.services import Senders
 from bt_orchestrator.script.users.file import UsersFile
+from bt_orchestrator.script.users.keys import Key, KeyUnusable
 
 HERE = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
 EVERYWHERE = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SUBNET'}
@@ -68,12 +70,48 @@ def test_7_8_4_a_node_says_why_no_request_could_come_from_a_panel(tmp_path: Path
         given = NodeParameters(users=path, **parameters)
         return Senders(given, HERE, 'rmw_fastrtps_cpp').why_no_panel()
 
-    assert 'start it with --trust-local-doors' in why()
-    assert f'there is no panel in {path}' in why(trust_local_doors=True)
+    assert f'there is no panel in {path}' in why()
     UsersFile(path).change_panel('address', '10.0.0.9', named=True)
+    assert 'or start the node with --trust-local-doors' in why()
     assert why(trust_local_doors=True) == ''
     path.chmod(0o644)
     assert 'chmod 600' in why(trust_local_doors=True)
+
+
+def test_7_12_8_where_signatures_are_required_unsigned_requests_only_look() -> None:
+    required: dict[str, Any] = {'signed_commands': 'required', 'unauthenticated_role': 'engineer'}
+    by = asked(HERE, **required)
+    assert (by.role, by.known) == (Role.VIEW, Known.ROS)
+    by = asked(HERE, 'operate', 'page panel', trust_local_doors=True, **required)
+    assert (by.role, by.known, by.claims) == (Role.VIEW, Known.ROS, 'operate (page panel)')
+
+
+def test_7_12_8_where_they_are_required_and_cannot_be_checked_the_node_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, 'cryptography.hazmat.primitives.asymmetric.ed25519', None)
+    with pytest.raises(KeyUnusable, match='apt install python3-cryptography'):
+        asked(HERE, signed_commands='required')
+    assert asked(HERE).role is Role.ENGINEER
+
+
+def test_7_8_4_a_panel_may_be_a_key_or_of_a_door_that_signs(tmp_path: Path) -> None:
+    path = tmp_path / 'users.yaml'
+    users = UsersFile(path)
+
+    def why() -> str:
+        given = NodeParameters(users=path, signed_commands='required', trust_local_doors=True)
+        return Senders(given, HERE, 'rmw_fastrtps_cpp').why_no_panel()
+
+    users.change_panel('address', '10.0.0.9', named=True)
+    assert 'give them keys (bt-orchestrator user key NAME --door page)' in why()
+    users.add_key('page_1', Key(Role.ENGINEER, 'A' * 43 + '=', 'page'))
+    assert why() == ''
+    users.remove_key('page_1')
+    users.add_key('panel_3', Key(Role.OPERATE, 'A' * 43 + '='))
+    assert 'give them keys' in why()
+    users.change_panel('key', 'panel_3', named=True)
+    assert why() == ''
 
 
 def test_a_role_that_there_is_not_may_do_nothing() -> None:

@@ -11,8 +11,7 @@ import pytest
 import yaml
 
 from bt_orchestrator.model.by import Role
-from bt_orchestrator.script.users.file import UsersFile, UsersUnusable, default_file
-from bt_orchestrator.script.users.folders import NoHome
+from bt_orchestrator.script.users.file import NoHome, UsersFile, UsersUnusable, default_file
 from bt_orchestrator.script.users.panels import NoSuchChange
 
 PASSWORD = 'correct horse'

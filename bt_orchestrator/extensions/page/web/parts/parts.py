@@ -113,7 +113,7 @@ _ELSEWHERE = (
         'belt',
         'flags',
     ),
-    *('components', 'state_times', 'commands', 'leadership'),
+    *('components', 'state_times', 'commands', 'leadership', 'boot', 'uptime'),
 )
 """Fields that other parts have, or this one under another name."""
 

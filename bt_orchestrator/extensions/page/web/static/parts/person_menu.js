@@ -3,6 +3,7 @@
 import { children, h, text } from '../core/dom.js';
 import { askToLogIn } from '../asking/login.js';
 import { lock, logout, onPerson, who } from '../core/me.js';
+import { part, subscribe } from '../core/store.js';
 import { LANGUAGES, currentLanguage, t } from '../core/text.js';
 import { THEMES, currentTheme, useTheme } from '../core/theme.js';
 import { shape } from '../core/shape.js';
@@ -16,11 +17,12 @@ export function personMenu(speak) {
   const locked = shape('lock');
   const summary = h('summary', {}, locked, words);
   const actions = h('div', { class: 'menu-actions' });
+  const access = h('p', { class: 'ros-access' });
   const element = h(
     'details',
     { class: 'menu person', 'data-menu': 'person' },
     summary,
-    h('div', { class: 'menu-body' }, actions, languageChoice(speak), themeChoice()),
+    h('div', { class: 'menu-body' }, actions, languageChoice(speak), themeChoice(), access),
   );
 
   function update() {
@@ -58,8 +60,18 @@ export function personMenu(speak) {
     const next = /** @type {Node} */ (event.relatedTarget);
     if (next && !element.contains(next)) element.open = false;
   });
+  const showAccess = () => text(access, accessWords(part('cell')));
+  const ends = [onPerson(update), subscribe('cell', showAccess)];
   update();
-  return { element, end: onPerson(update) };
+  showAccess();
+  return { element, end: () => ends.forEach((end) => end()) };
+}
+
+/** Whether the node knows who gives commands over ROS. */
+function accessWords(cell) {
+  if (!cell?.signed_commands) return '';
+  if (cell.signed_commands === 'required') return t('login.signed');
+  return t('login.unauthenticated', { role: t(`role.${cell.unauthenticated_role}`) });
 }
 
 function languageChoice(speak) {
