@@ -12,6 +12,7 @@ from typing import Any
 
 from attack.attacks.attack import Attack, Bounds
 from attack.attacks.servers import ALONE
+from attack.attacks.signatures import USERS
 from attack.foreign_clock import PID
 from attack.line import ITEMS, SCRIPT, UNTRUSTED, cell
 from attack.measured import Measured
@@ -66,7 +67,10 @@ class Siege:
             shares=SHARES,
             speed=SPEED,
             # The judge needs every event, however many jobs have ended.
-            run_options=['--journal', str(self._journal), '--journal-keep-jobs', '-1'],
+            run_options=[
+                *('--journal', str(self._journal), '--journal-keep-jobs', '-1'),
+                *('--users', str(folder / USERS)),
+            ],
             node_program=self._node_program,
         )
         tricky = [str(_HERE / 'tricky_controllers.py'), str(folder / NASTY)]

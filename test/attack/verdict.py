@@ -18,6 +18,7 @@ from bt_orchestrator.ros.types.messages import to_plain
 _OF_THE_MOMENT = frozenset(
     [
         'stamp',
+        'uptime',
         'state_times',
         'state_since',
         'expected_end_s',

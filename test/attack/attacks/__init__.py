@@ -9,6 +9,7 @@ from attack.attacks.orders import Goals, Large, Orders, Paths
 from attack.attacks.process import Clock, Stopped
 from attack.attacks.requests import Departures, Garbage, History, Pauses, Reasons, Refusals
 from attack.attacks.servers import Cancels, ForeignGoals, Results, SecondServer, Twin
+from attack.attacks.signatures import Signatures
 
 ATTACKS: dict[str, Attack] = {
     attack.name: attack
@@ -23,6 +24,7 @@ ATTACKS: dict[str, Attack] = {
         Refusals(),
         Departures(),
         Pauses(),
+        Signatures(),
         History(),
         SecondServer(),
         ForeignGoals(),
