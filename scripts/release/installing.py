@@ -16,7 +16,7 @@ from pathlib import Path
 from outcome import Outcome, Place, end_of, run
 
 PYTHONS = ('3.10', '3.11', '3.12', '3.13')
-EXTRAS = '[page,opcua,recipes,parquet,postgres]'
+EXTRAS = '[page,opcua,recipes,parquet,postgres,signed]'
 DOMAIN = {'ROS_DOMAIN_ID': '38'}
 LEFT_OUT = shutil.ignore_patterns('.git', '.venv', 'dist', '__pycache__', '.*_cache')
 CELL, SCRIPT = 'config/reference_cell.yaml', 'trees/inspect_and_assemble.yaml'
