@@ -7,9 +7,8 @@ there is none, and None that something is not known or not there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
 
 from bt_orchestrator.model.by import Control, Role
 from bt_orchestrator.model.jobs.counting import APPROVED, produced_of
@@ -18,7 +17,6 @@ from bt_orchestrator.model.jobs.order import MadeAnew, RecipeChoice
 from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.state import Hold, PassedTask
 from bt_orchestrator.model.stop_reason import StopReason, Wish
-from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.model.wait import Stands, Wait
 from bt_orchestrator.model.words import Words
 
@@ -316,23 +314,6 @@ class Leadership:
     """Grows with each new leader."""
     standbys: tuple[StandbyStatus, ...] = ()
     """Those that were heard, also one that has fallen silent since."""
-
-
-class RosAccess(NamedTuple):
-    """The terms on which a node takes requests over ROS."""
-
-    role: Role
-    """Of all clients that do not sign."""
-    signed_commands: str
-    """optional or required (semantics 7.12)."""
-    uptime: Callable[[], Uptime]
-    """By it the node tells old signatures from new ones."""
-
-    def facts(self) -> dict[str, Any]:
-        """Return the fields of a status about it."""
-        boot, seconds = self.uptime()
-        told = {'signed_commands': self.signed_commands, 'boot': boot, 'uptime': seconds}
-        return {'unauthenticated_role': self.role, **told}
 
 
 @dataclass(frozen=True)

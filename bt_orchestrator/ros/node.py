@@ -25,14 +25,13 @@ from bt_orchestrator.engine.asking.recipes import QueueAnew, RecipeOrders
 from bt_orchestrator.engine.runtime.housekeeping import Housekeeping
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations, last_events
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
-from bt_orchestrator.engine.runtime.overview import Overview
+from bt_orchestrator.engine.runtime.overview import Overview, RosAccess
 from bt_orchestrator.engine.runtime.writers import Readings, WriterThread
 from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.keeping.journal_place import JournalPlace
-from bt_orchestrator.model.status import RosAccess
 from bt_orchestrator.model.uptime import ClockReading
 from bt_orchestrator.ports import (
     Bookkeeping,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 from bt_orchestrator.engine.runtime.job_overview import (
     TasksInFlight,
@@ -14,6 +15,7 @@ from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.engine.runtime.permits.manual import goal_of
 from bt_orchestrator.engine.runtime.stands import Engine, Standstill
 from bt_orchestrator.model.action_type import TASK
+from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.setups import known
@@ -32,17 +34,34 @@ from bt_orchestrator.model.status import (
     ItemStatus,
     JobStatus,
     Leadership,
-    RosAccess,
     SectionStatus,
 )
 from bt_orchestrator.model.stop_reason import StopReason, way_to_work
 from bt_orchestrator.model.task_spans import passed_tasks
+from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait, Wait
 from bt_orchestrator.model.waits.waiting import by_part, together
 from bt_orchestrator.model.words import Words, facts_of
 from bt_orchestrator.ports import ActionTypes
 
 _NO_ENDS: Mapping[str, float] = {}
+
+
+class RosAccess(NamedTuple):
+    """The terms on which a node takes requests over ROS."""
+
+    role: Role
+    """Of all clients that do not sign."""
+    signed_commands: str
+    """optional or required (semantics 7.12)."""
+    uptime: Callable[[], Uptime]
+    """By it the node tells old signatures from new ones."""
+
+    def facts(self) -> dict[str, Any]:
+        """Return the fields of a status about it."""
+        boot, seconds = self.uptime()
+        told = {'signed_commands': self.signed_commands, 'boot': boot, 'uptime': seconds}
+        return {'unauthenticated_role': self.role, **told}
 
 
 class Overview:

@@ -123,6 +123,7 @@ SAMPLES: dict[str, Any] = {
     'value': 'READY',
     'hold': '3',
     'control': 'local',
+    'mode': 'manual',
     'key': 'ann',
     'public': 'AAAA',
     'number': 7,
