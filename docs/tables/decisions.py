@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,7 +12,7 @@ _FOLDER = Path(__file__).resolve().parents[1] / 'decisions'
 def decisions() -> Iterator[str]:
     """Yield a list of the records with their titles."""
     for path in sorted(_FOLDER.glob('[0-9]*.md')):
-        title = path.read_text(encoding='utf-8').partition('\n')[0].removeprefix('# ')
-        number, _, words = title.partition('. ')
-        yield f'{number}. [{words}]({path.name})'
+        title = path.read_text(encoding='utf-8').partition('\n')[0]
+        words = re.sub(r'^# (\d+\W+)?', '', title).rstrip('.')
+        yield f'- [{path.name[:4]}]({path.name}) {words}'
     yield ''
