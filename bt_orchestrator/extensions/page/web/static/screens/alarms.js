@@ -1,5 +1,6 @@
 /** The list of alarms: what waited for people, the last first, and which came most. */
 import { get } from '../core/api.js';
+import { newestOnly } from '../core/asking.js';
 import { h, show, text } from '../core/dom.js';
 import { subscribe } from '../core/store.js';
 import { at, duration, number, said, t, tOr } from '../core/text.js';
@@ -34,20 +35,25 @@ export function mount(root) {
     h('section', { class: 'panel' }, list.element),
     h('section', { class: 'panel' }, h('h2', {}, t('alarms.often')), often.element),
   );
+  const ask = newestOnly();
   let timer = 0;
 
-  async function read() {
-    try {
-      const query = new URLSearchParams({ kind: kind.value, open: open.checked ? '1' : '' });
-      const page = await get(`/api/alarms?${query}`);
-      const lacks = page.is_whole ? '' : t('jobs.not_whole', { why: page.why_not });
-      text(note, [page.is_cut ? t('alarms.cut') : '', lacks].filter(Boolean).join(' '));
-      list.show(page.alarms);
-      often.show(page.counts);
-    } catch (refused) {
-      text(note, refused.message || t('jobs.silent'));
-    }
-    show(note, Boolean(note.textContent));
+  function read() {
+    const query = new URLSearchParams({ kind: kind.value, open: open.checked ? '1' : '' });
+    const fail = (refused) => say(refused.message || t('jobs.silent'));
+    return ask(() => get(`/api/alarms?${query}`), take, fail);
+  }
+
+  function take(page) {
+    const lacks = page.is_whole ? '' : t('jobs.not_whole', { why: page.why_not });
+    say([page.is_cut ? t('alarms.cut') : '', lacks].filter(Boolean).join(' '));
+    list.show(page.alarms);
+    often.show(page.counts);
+  }
+
+  function say(words) {
+    text(note, words);
+    show(note, Boolean(words));
   }
 
   root.append(element);

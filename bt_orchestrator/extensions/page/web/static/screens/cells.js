@@ -1,5 +1,6 @@
 /** The cells of the plant: how each stands, how old that is, and the way to its page. */
 import { get } from '../core/api.js';
+import { repeat } from '../core/asking.js';
 import { h, show, text } from '../core/dom.js';
 import { at, duration, number, t, tOr } from '../core/text.js';
 import { table } from '../parts/table.js';
@@ -37,20 +38,7 @@ class Cells {
       this.note,
       this.panel,
     );
-    this.onShown = () => this.#again(0);
-    document.addEventListener('visibilitychange', this.onShown);
-    this.#again(0);
-  }
-
-  end() {
-    this.isOver = true;
-    clearTimeout(this.timer);
-    document.removeEventListener('visibilitychange', this.onShown);
-  }
-
-  #again(wait) {
-    clearTimeout(this.timer);
-    if (!this.isOver && !document.hidden) this.timer = setTimeout(() => this.#ask(), wait);
+    this.end = repeat(() => this.#ask(), PAUSE_MS);
   }
 
   async #ask() {
@@ -62,7 +50,6 @@ class Cells {
     } catch (refused) {
       this.#say(refused.message || t('cells.silent'));
     }
-    this.#again(PAUSE_MS);
   }
 
   #say(words) {

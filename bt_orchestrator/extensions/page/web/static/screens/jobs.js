@@ -1,5 +1,6 @@
 /** All jobs that the journal knows, newest first, page by page. */
 import { get } from '../core/api.js';
+import { newestOnly } from '../core/asking.js';
 import { children, h, show, text } from '../core/dom.js';
 import { subscribe } from '../core/store.js';
 import { at, t } from '../core/text.js';
@@ -75,17 +76,17 @@ class Jobs {
 function serialSearch() {
   const field = h('input', { type: 'search', maxlength: 200, 'aria-label': t('jobs.serial') });
   const found = h('p', { class: 'remark', role: 'status' });
-  const search = async (event) => {
+  const ask = newestOnly();
+  const search = (event) => {
     event.preventDefault();
     const serial = field.value.trim();
     if (!serial) return;
-    try {
-      const { items } = await get(`/api/serials/${inPath(serial)}`);
+    const take = ({ items }) => {
       const links = items.flatMap(({ item, time }) => [itemLink(item), ` ${at(time)} `]);
       children(found, links.length ? links : [t('jobs.no_serial', { serial })]);
-    } catch (refused) {
-      text(found, refused.message || t('jobs.silent'));
-    }
+    };
+    const fail = (refused) => text(found, refused.message || t('jobs.silent'));
+    ask(() => get(`/api/serials/${inPath(serial)}`), take, fail);
   };
   return h(
     'form',

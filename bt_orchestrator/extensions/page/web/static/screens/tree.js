@@ -1,6 +1,7 @@
 /** The behaviour tree of the node, asked for only while it is shown. */
 import { h, show, text } from '../core/dom.js';
 import { get } from '../core/api.js';
+import { repeat } from '../core/asking.js';
 import { currentLanguage, t } from '../core/text.js';
 import { count } from '../parts/branches.js';
 import { treeView } from '../parts/tree_view.js';
@@ -38,20 +39,7 @@ class Tree {
       this.panel,
     );
     this.version = '';
-    this.onShown = () => this.#again(0);
-    document.addEventListener('visibilitychange', this.onShown);
-    this.#again(0);
-  }
-
-  end() {
-    this.isOver = true;
-    clearTimeout(this.timer);
-    document.removeEventListener('visibilitychange', this.onShown);
-  }
-
-  #again(wait) {
-    clearTimeout(this.timer);
-    if (!this.isOver && !document.hidden) this.timer = setTimeout(() => this.#ask(), wait);
+    this.end = repeat(() => this.#ask(), PAUSE_MS);
   }
 
   async #ask() {
@@ -62,7 +50,6 @@ class Tree {
       this.version = '';
       this.#say(t('tree.silent'));
     }
-    this.#again(PAUSE_MS);
   }
 
   #take({ version, tree }) {
