@@ -43,7 +43,7 @@ SENTENCES: Mapping[str, str] = {
     'rejects_task': 'all by task {task}',
     'rejects_component': 'all at {component}',
     'rejects_reason': 'all for the reason {reason}',
-    'rejects_verdict': 'each time expected: {what}',
+    'rejects_verdict': 'each time expected: {wanted}',
     'rejects_product': 'all of product {product}',
     'rejects_job': 'all of job {job}',
     'rejects_lot': 'all with lot {lot} of {name}',

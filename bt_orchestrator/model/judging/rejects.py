@@ -130,4 +130,4 @@ def _in_common(facts: Sequence[Mapping[str, str]]) -> Iterator[str]:
     for name in (name for name in first if name in common and name.startswith(_LOT)):
         yield sentence('rejects_lot', name=name.removeprefix(_LOT), lot=first[name])
     if 'verdict' in common:
-        yield sentence('rejects_verdict', what=first['verdict'])
+        yield sentence('rejects_verdict', wanted=first['verdict'])

@@ -15,6 +15,12 @@ class Wording:
     Names, arguments and what a device or a person said are no words: they stay as they are.
     """
 
+    language = 'en'
+
+    def report(self, words: str) -> str:
+        """Say words, or a figure, of a report, which are in English."""
+        return words
+
     def say(self, words: str, /, **values: object) -> str:
         """Return words of the drawing, with values in the places in braces."""
         return words.format(**values)

@@ -35,19 +35,37 @@ _NAMED = {
 
 _SKIPPED = 'skip_'
 
+_LONG = r'[-\N{MINUS SIGN}]?\d[\d:.]*(?: s)?|-'
+
 _PLACES: Mapping[str, str] = {
     'number': r'\d+',
     'reason': r'\w+',
     'bound': r'.+ [<>].*',
+    **dict.fromkeys(('among', 'hourly'), r'[\d.]+'),
+    **dict.fromkeys(('work', 'piece', 'spot', 'person', 'device', 'names', 'others'), r'[^,]+'),
+    'reply': r'\w+',
+    **dict.fromkeys(('long', 'whole_long'), _LONG),
+    **dict.fromkeys(('share', 'second_share'), r'[-+]?[\d.]+ %|-'),
+    'moment': r'[\d: -]+',
+    **dict.fromkeys(('begin_day', 'end_day'), r'\d{4}-\d\d-\d\d.*?'),
     **dict.fromkeys(('action', 'value', 'low', 'high'), r'\S+'),
 }
 """Patterns of what stands in a place of the node's English; elsewhere it is anything."""
 
+_FIGURE = re.compile(r'[-+\N{MINUS SIGN}]?[\d:.]+(?: s| %| points)?')
+_HELD = re.compile(r'(?:(?P<what>.*?): )?(?P<reason>\w+)(?: \((?P<message>.*)\))?')
+"""What is held, and why."""
+_INDENT = re.compile(r'(- | +)?(.*)', re.DOTALL)
+_NUMBER = '0.5'
+"""Key of the way in which a number is written."""
+_NESTED = ('cause', 'figure', 'held')
+"""Places of words in those of a report."""
+
 _BETWEEN, _AND = '; ', ', '
 """Between the sentences of a message in the behaviour tree; between the parts of one."""
 
-WANTED = 'wanted'
-"""Place of a condition in a sentence of the node."""
+_CONDITIONS = ('wanted', 'condition')
+"""Places of a condition in sentences of the node."""
 
 
 @cache
@@ -56,7 +74,8 @@ def wordings() -> Mapping[str, PageWording]:
     found: dict[str, PageWording] = {}
     for path in sorted(_STRINGS.glob('*.json')):
         words = json.loads(path.read_text(encoding='utf-8'))
-        found[path.stem] = (EnglishWording if path.stem == 'en' else PageWording)(words)
+        kind = EnglishWording if path.stem == 'en' else PageWording
+        found[path.stem] = kind(words, path.stem)
     return found
 
 
@@ -95,9 +114,11 @@ def said_in_each(message: str) -> dict[str, str]:
 class PageWording(Wording):
     """A language whose words stand in a file of the page."""
 
-    def __init__(self, strings: Mapping[str, Mapping[str, Any]]) -> None:
-        """Take the words, by group and name; those of drawings by their English."""
+    def __init__(self, strings: Mapping[str, Mapping[str, Any]], language: str) -> None:
+        """Take the words, by group and name; those of drawings and reports by their English."""
         self._strings = strings
+        self.language = language
+        self._point = strings['report'][_NUMBER][1]
 
     def say(self, words: str, /, **values: object) -> str:
         """Return words of the drawing, with values in the places in braces."""
@@ -141,13 +162,54 @@ class PageWording(Wording):
     def message(self, message: str) -> str:
         """Say a message of the node, which is in English."""
         known = self._strings['message']
-        facts = [
-            replace(one, values={**one.values, WANTED: self.condition(one.values[WANTED])})
-            if WANTED in one.values
-            else one
-            for one in facts_of(message)
-        ]
+        facts = [replace(one, values=self._in_words(one.values)) for one in facts_of(message)]
         return text_of(facts, message, known, known['or'])
+
+    def _in_words(self, values: Mapping[str, str]) -> Mapping[str, str]:
+        """Return what stands in the places of a sentence: conditions and reasons are words."""
+        said = {name: self.condition(values[name]) for name in _CONDITIONS if name in values}
+        if 'reason' in values:
+            said['reason'] = self._word('reason', values['reason'])
+        return {**values, **said}
+
+    def report(self, words: str) -> str:
+        """Say words, or a figure, of a report, which are in English."""
+        indent, words = _INDENT.fullmatch(words).groups('')  # type: ignore[union-attr]
+        return f'{indent}{self._report(words)}'
+
+    def _report(self, english: str) -> str:
+        if _FIGURE.fullmatch(english):
+            number, _, unit = english.partition(' ')
+            return ' '.join(
+                filter(None, (number.replace('.', self._point), self._word('report', unit)))
+            )
+        if (known := _read('report', english)) is not None:
+            key, values = known
+            said = {name: self._place(name, value) for name, value in values.items()}
+            return str(self._strings['report'][key].format(**said))
+        held = _HELD.fullmatch(english)
+        if held is not None and held['reason'] in self._strings['reason']:
+            head = f'{self._report(held["what"])}: ' if held['what'] else ''
+            return head + self.failure(held['reason'], held['message'] or '')
+        parts = english.split(_AND)
+        if len(parts) > 1:
+            return _AND.join(map(self._report, parts))
+        task, _, reason = english.rpartition(' ')
+        if not task:
+            return self._word('reason', english)
+        word = self._word('reason', reason)
+        return english if word == reason else f'{task}: {word}'
+
+    def _place(self, name: str, value: str) -> str:
+        if name in _NESTED:
+            return self._report(value)
+        if name == 'reply':
+            return self.answer(value)
+        if name == 'limits':
+            return self.condition(value)
+        if name in ('reason', 'state'):
+            return self._word(name, value)
+        return self._report(value) if _FIGURE.fullmatch(value) else value
 
     def condition(self, words: str) -> str:
         """Say a condition, which is in English; its names and values stay."""
@@ -200,7 +262,7 @@ class PageWording(Wording):
 
     def answer(self, word: str) -> str:
         """Name an answer to a hold."""
-        return self._word('word', f'hold.{word}', word)
+        return self._word('word', f'hold.{word}', self._word('word', f'cell.{word}', word))
 
     def _messages(self, sentence: str) -> Iterator[str]:
         for part in sentence.split(_AND):
@@ -213,12 +275,7 @@ class PageWording(Wording):
         words = self._strings[group][key]
         if not isinstance(words, str):
             words = words['one' if values['number'] == '1' else 'other']
-        said = dict(values)
-        if 'reason' in said:
-            said['reason'] = self._word('reason', said['reason'])
-        if 'condition' in said:
-            said['condition'] = self.condition(said['condition'])
-        return str(words.format(**said))
+        return str(words.format(**self._in_words(values)))
 
     def _cell_state(self, name: str) -> str:
         if name in ('item', 'job'):
@@ -244,6 +301,10 @@ def _said(words: str, found: re.Match[str]) -> str:
 
 class EnglishWording(PageWording):
     """English as the page has it: without the words of programs, such as reasons of holds."""
+
+    def report(self, words: str) -> str:
+        """Say words of a report: they are in English."""
+        return words
 
     def wait(self, wait: Wait, task: str = '', reason: str = '') -> str:
         """Say what something waits for: in the node's sentence, if it is short and of no hold."""

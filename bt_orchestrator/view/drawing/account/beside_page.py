@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from bt_orchestrator.view.drawing.account.page import DEFINITIONS, STYLE
-from bt_orchestrator.view.drawing.account.tables import Column, TableCell, add_row, add_table
+from bt_orchestrator.view.drawing.account.page import DEFINITIONS, STYLE, heading, title_of
+from bt_orchestrator.view.drawing.account.tables import (
+    NAME,
+    Column,
+    TableCell,
+    add_row,
+    add_table,
+    reason_words,
+)
 from bt_orchestrator.view.drawing.documents.html import Html, document, program
 from bt_orchestrator.view.drawing.svg import Svg
+from bt_orchestrator.view.drawing.wording import ENGLISH, Wording
 from bt_orchestrator.view.report.account.losses import WORDS
 from bt_orchestrator.view.report.account.named_figures import By
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent
@@ -38,15 +46,15 @@ main { max-width: 1400px }
 .beside .losses small { display: block; color: var(--quiet) }
 .beside .losses b.open { color: var(--bad) }
 @media print {
-  @page { size: A4 landscape; margin: 10mm 12mm }
-  body { font-size: 7.5pt; line-height: 1.3 }
+  @page { size: A4 landscape; margin: 9mm 11mm }
+  body { font-size: 7pt; line-height: 1.2 }
   h1 { font-size: 15pt } h2 { margin: 7pt 0 4pt; padding-bottom: 2pt }
   h3 { font-size: 8.5pt } footer { margin-top: 6pt; padding-top: 4pt; font-size: 6.5pt }
-  .beside td, .beside th { padding-top: 1px; padding-bottom: 1px }
+  .beside td, .beside th { padding-top: 0; padding-bottom: 0 }
   .beside th { font-size: 7pt }
   .beside h2 { font-size: 7pt; margin-top: 5pt }
   .beside .kind { font-size: 6.5pt }
-  .beside .chart svg { height: 30px }
+  .beside .chart svg { height: 26px }
   .beside footer { margin-top: 3pt; padding-top: 2pt; font-size: 6pt }
   .beside footer p { display: inline } .beside footer p::after { content: " " }
   .beside .losses li { margin-bottom: 2px }
@@ -55,20 +63,19 @@ main { max-width: 1400px }
 """
 
 
-def beside_page(report: Beside, by: By | None) -> str:
+def beside_page(report: Beside, by: By | None, words: Wording = ENGLISH) -> str:
     """Return the page."""
-    period, cell = report.together.period, report.together.figures.times.cell
-    title = ', '.join(filter(None, (period.name, cell)))
-    return document(title, lambda page: _write(page, report, by), STYLE + _WIDE)
+    title = title_of(report.together, words)
+    return document(title, lambda page: _write(page, report, by), STYLE + _WIDE, words)
 
 
 def _write(page: Html, report: Beside, by: By | None) -> None:
     sheet = page.add('article', class_='account beside')
     period, cell = report.together.period, report.together.figures.times.cell
     sheet.add('p', f'Report of cell {cell}' if cell else 'Report', class_='kind')
-    sheet.add('h1', period.name[:1].upper() + period.name[1:])
+    heading(sheet, period.name)
     if by is None:
-        sheet.add('p', '; '.join(judged(report)), class_='sub')
+        sheet.quote('p', '; '.join(map(sheet.words.report, judged(report))), class_='sub')
     groups = report.groups(by)
     if len(report.columns) == 1:
         _one_column(sheet, groups, by)
@@ -86,7 +93,7 @@ def _one_column(sheet: Html, groups: tuple[Group, ...], by: By | None) -> None:
     if not groups or by is None:
         sheet.add('p', 'nothing to tell')
         return
-    heads = (Column(by.value), *(Column(row.title, 'number') for row in groups[0].rows))
+    heads = (Column(by.value, NAME), *(Column(row.title, 'number') for row in groups[0].rows))
     body = add_table(sheet, f'By {by.value}', heads)
     for group in groups:
         texts = (row.unit.words(row.together) or UNKNOWN for row in group.rows)
@@ -96,7 +103,7 @@ def _one_column(sheet: Html, groups: tuple[Group, ...], by: By | None) -> None:
 def _columns(sheet: Html, report: Beside, group: Group) -> None:
     heads = (Column(''), *(Column(title, 'number') for title in titles(report, group)))
     kind = 'named' if group.name else ''
-    body = add_table(sheet, group.name or 'Side by side', heads, kind)
+    body = add_table(sheet, group.name or 'Side by side', heads, kind, is_name=bool(group.name))
     if not group.name:
         _chart(body, group.rows[0] if group.rows[0].together is not None else group.rows[1])
     extremes = report.extremes()
@@ -107,7 +114,8 @@ def _columns(sheet: Html, report: Beside, group: Group) -> None:
             for column, kind in zip(extremes, ('best', 'worst'), strict=True):
                 at = report.columns.index(column) + 1
                 kinds[at] = Column(heads[at].title, f'number {kind}')
-        add_row(body, cells, kinds, 'is-left' if row.name == 'oee' else '')
+        look = 'is-left' if row.name == 'oee' else 'is-part' if row.title.startswith(' ') else ''
+        add_row(body, cells, kinds, look)
 
 
 def _chart(body: Html, row: Row) -> None:
@@ -147,8 +155,8 @@ def _causes(listed: Html, report: Beside, loss: Largest) -> None:
         listed.add('li', f'{words}: {duration(stop.us)} in {stop.times}')
     period = report.together.period
     for share in loss.reasons[:MOST_CAUSES]:
-        words = f'{period.reason_words(share.code)}: {duration(share.us)} in {share.times}'
-        listed.add('li', f'reason {words}')
+        name = reason_words(listed, period, share.code)
+        listed.add('li', f'reason {name}: {duration(share.us)} in {share.times}')
     clock = period.clock
     for held in loss.holds[:MOST_CAUSES]:
         line = listed.add('li', f'{clock(held.raised_us)}, {duration(held.lost_us)}: {held.words}')

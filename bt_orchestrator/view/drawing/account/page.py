@@ -18,6 +18,7 @@ from bt_orchestrator.view.drawing.account.tables import (
     waterfall,
 )
 from bt_orchestrator.view.drawing.documents.html import Html, document, program
+from bt_orchestrator.view.drawing.wording import ENGLISH, Wording
 from bt_orchestrator.view.report.account.account import Account
 from bt_orchestrator.view.report.account.figures import Figures
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, percent, rate
@@ -36,11 +37,15 @@ DEFINITIONS = (
 )
 
 
-def account_page(account: Account) -> str:
+def account_page(account: Account, words: Wording = ENGLISH) -> str:
     """Return the page."""
-    shown = account.figures
-    title = ', '.join(filter(None, (account.period.name, shown.times.cell)))
-    return document(title, lambda page: _write(page, account), STYLE)
+    return document(title_of(account, words), lambda page: _write(page, account), STYLE, words)
+
+
+def title_of(account: Account, words: Wording) -> str:
+    """Return the title of a page: its period and its cell."""
+    cell = account.figures.times.cell
+    return ', '.join(filter(None, (words.report(account.period.name), cell)))
 
 
 def _write(page: Html, account: Account) -> None:
@@ -69,10 +74,16 @@ def _write(page: Html, account: Account) -> None:
 def _head(sheet: Html, account: Account) -> None:
     period, cell = account.period, account.figures.times.cell
     sheet.add('p', f'Report of cell {cell}' if cell else 'Report', class_='kind')
-    sheet.add('h1', period.name[:1].upper() + period.name[1:])
+    heading(sheet, period.name)
     zone = f' ({period.zone})' if period.zone is not None else ''
     when = f'{period.when(period.begin_us)} to {period.when(period.end_us)}{zone}'
     sheet.add('p', when, class_='sub')
+
+
+def heading(sheet: Html, name: str) -> None:
+    """Write the name of a period as the heading."""
+    said = sheet.words.report(name)
+    sheet.quote('h1', said[:1].upper() + said[1:])
 
 
 def _tiles(sheet: Html, account: Account) -> None:

@@ -21,6 +21,7 @@ from bt_orchestrator.view.report.account.causes.flaws import (
 )
 from bt_orchestrator.view.report.account.figures import Bar, Figures
 from bt_orchestrator.view.report.account.losses import PARTS, WORDS, Step
+from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.stops import Held
 from bt_orchestrator.view.report.account.text import parts_of
 from bt_orchestrator.view.report.account.words import UNKNOWN, duration, is_seen, percent
@@ -32,7 +33,7 @@ class Column(NamedTuple):
 
     title: str
     kind: str = ''
-    """Class of its cells: number, time or bar; empty: text."""
+    """Class of its cells: number, time, bar or name; empty: words."""
 
 
 class TableCell(NamedTuple):
@@ -43,12 +44,16 @@ class TableCell(NamedTuple):
     """A second line."""
     drawing: str = ''
     """SVG; in place of a text."""
+    said: str = ''
+    """A second line with what a person said, or with a name."""
 
 
 MOST_LINE_STOPS = 40
 """Stops that are listed one by one: two sheets of paper are enough."""
 
 BAR = Column('', 'bar')
+NAME = 'name'
+"""Kind of a column with names, which are the same in every language."""
 
 
 def waterfall(sheet: Html, shown: Figures) -> None:
@@ -118,37 +123,46 @@ def classes(sheet: Html, shown: Figures) -> None:
 def reasons(sheet: Html, account: Account) -> None:
     """Write the Pareto of the reasons of stops."""
     shown, period = account.figures, account.period
-    columns = (Column(''), BAR, *_numbers('time', 'times', 'of all'))
+    columns = (Column('', NAME), BAR, *_numbers('time', 'times', 'of all'))
     title = f'Stops by reason, {percent(shown.not_classified)} of their time not classified'
     found = shares(shown.times.by_reason)
     body = add_table(sheet, title, columns)
     for one in found:
         reason = period.reasons.get(one.code)
         more = f'{one.code} {reason.group}'.strip() if reason is not None else ''
-        name = TableCell(period.reason_words(one.code), more)
+        name = TableCell(reason_words(body, period, one.code), said=more)
         drawn = TableCell('', drawing=bar(0, Fraction(one.us, found[0].us)))
         texts = (duration(one.us), str(one.times), percent(shown.of_stops(one.us)))
         kind = 'not-busy' if not one.code else _step(Step.AVAILABILITY)
         add_row(body, (name, drawn, *map(TableCell, texts)), columns, kind)
 
 
+def reason_words(sheet: Html, period: Period, code: str) -> str:
+    """Say a reason of the plant in the language of the page."""
+    said = period.reason_words(code, sheet.words.language)
+    return said if code else sheet.words.report(said)
+
+
 def line_stops(sheet: Html, account: Account) -> None:
     """Write the longest stops one by one, in their order, with their reasons."""
     period = account.period
     when = (Column('from', 'time'), Column('to', 'time'))
-    columns = (*when, Column('time', 'number'), Column('what'), Column('reason'))
+    columns = (*when, Column('time', 'number'), Column('what'), Column('reason', NAME))
     body = add_table(sheet, 'Stops one by one', columns)
     longest = sorted(account.figures.times.line_stops, key=lambda one: -one.us)[:MOST_LINE_STOPS]
     for stop in sorted(longest, key=lambda one: one.span.since_us):
         span, reason = stop.span, stop.reason
-        by = f'by {reason.who}' if reason is not None and reason.who else ''
+        who = reason.who if reason is not None else ''
+        by = body.words.report(f'by {who}') if who else ''
         said = ': '.join(filter(None, (by, reason.why if reason is not None else '')))
         cells = (
             TableCell(period.clock(span.since_us)),
             TableCell(period.clock(span.until_us)),
             TableCell(duration(stop.us)),
             TableCell(stop.about, f'stop {span.seq}'),
-            TableCell(period.reason_words('' if reason is None else reason.code), said),
+            TableCell(
+                reason_words(body, period, '' if reason is None else reason.code), said=said
+            ),
         )
         add_row(body, cells, columns)
 
@@ -174,7 +188,7 @@ def _hold(account: Account, held: Held) -> tuple[TableCell, ...]:
         TableCell(end),
         TableCell(duration(held.lost_us) if held.lost_us else UNKNOWN),
         TableCell(held.words, WORDS[held.loss].title if held.loss else ''),
-        TableCell(f'{held.answer} by {held.who}' if held.answer else UNKNOWN, held.reason),
+        TableCell(f'{held.answer} by {held.who}' if held.answer else UNKNOWN, said=held.reason),
     )
 
 
@@ -183,7 +197,7 @@ def made(sheet: Html, shown: Figures) -> None:
     if not shown.times.made:
         return
     titles = ('pace', 'good', 'nonconforming', 'rejected', 'by hand', 'outside')
-    columns = (Column('job'), Column('script'), *_numbers(*titles))
+    columns = (Column('job', NAME), Column('script', NAME), *_numbers(*titles))
     body = add_table(sheet, 'What was made', columns)
     for one in shown.times.made:
         pace = shown.paces.get(one.digest)
@@ -220,10 +234,10 @@ def measured(sheet: Html, shown: Figures) -> None:
     """Write the measured values of verdicts beside their bounds."""
     if not shown.times.measured:
         return
-    columns = (Column('value'), *_numbers(*MEASURED_TITLES))
+    columns = (Column('value', NAME), *_numbers(*MEASURED_TITLES))
     body = add_table(sheet, 'Measured values beside their bounds', columns)
     for one in shown.times.measured:
-        name = TableCell(measured_name(one), one.of.product)
+        name = TableCell(measured_name(one), said=one.of.product)
         add_row(body, (name, *map(TableCell, measured_texts(one))), columns)
 
 
@@ -245,7 +259,7 @@ def repairs(sheet: Html, shown: Figures) -> None:
     """Write the components that failed, with the means of their times."""
     if not shown.times.repairs:
         return
-    columns = (Column('component'), *_numbers('failures', 'down', 'MTBF', 'MTTR'))
+    columns = (Column('component', NAME), *_numbers('failures', 'down', 'MTBF', 'MTTR'))
     body = add_table(sheet, 'Components that failed', columns)
     for repair in shown.times.repairs:
         between = shown.mtbf_us(repair)
@@ -266,10 +280,12 @@ def _numbers(*titles: str) -> tuple[Column, ...]:
     return tuple(Column(title, 'number') for title in titles)
 
 
-def add_table(sheet: Html, title: str, columns: Iterable[Column], kind: str = '') -> Html:
-    """Begin a table below a heading; returns its body."""
+def add_table(
+    sheet: Html, title: str, columns: Iterable[Column], kind: str = '', *, is_name: bool = False
+) -> Html:
+    """Begin a table below a heading, or a name; returns its body."""
     part = sheet.add('section', class_=kind)
-    part.add('h2', title)
+    (part.quote if is_name else part.add)('h2', title)
     table = part.add('div', class_='scroll').add('table')
     head = table.add('thead').add('tr')
     for column in columns:
@@ -283,11 +299,14 @@ def add_row(
     """Write a row, as wide as its table."""
     row = body.add('tr', class_=kind)
     for cell, column in zip(cells, columns, strict=True):
-        place = row.add('td', cell.text, class_=column.kind)
+        write = row.quote if column.kind == NAME else row.add
+        place = write('td', cell.text, class_=column.kind)
         if cell.drawing:
             place.draw(cell.drawing)
         if cell.more:
             place.add('small', cell.more)
+        if cell.said:
+            place.quote('small', cell.said)
 
 
 # Bars of the waterfall and of a Pareto, one a row of a table.

@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 from zoneinfo import ZoneInfo
 
 from bt_orchestrator.view.drawing.svg import xml_text
+from bt_orchestrator.view.drawing.wording import ENGLISH, Wording
 
 _SVG = '{http://www.w3.org/2000/svg}'
 
@@ -18,11 +19,17 @@ _SVG = '{http://www.w3.org/2000/svg}'
 class Html:
     """An element that others are put into."""
 
-    def __init__(self, element: ET.Element) -> None:
+    def __init__(self, element: ET.Element, words: Wording = ENGLISH) -> None:
         self._element = element
+        self.words = words
+        """The language of its texts."""
 
     def add(self, name: str, text: str = '', **attributes: Any) -> Html:
-        """Add an element.
+        """Add an element with words, in the language of the page."""
+        return self.quote(name, self.words.report(text), **attributes)
+
+    def quote(self, name: str, text: str, **attributes: Any) -> Html:
+        """Add an element with a name, or with the words of a person, unchanged.
 
         In attribute names an underscore becomes a hyphen (`aria_label`); a trailing one is dropped
         (`class_`).
@@ -33,7 +40,7 @@ class Html:
         }
         child = ET.SubElement(self._element, name, named)
         child.text = xml_text(text) or None
-        return Html(child)
+        return Html(child, self.words)
 
     def say(self, text: str) -> Html:
         """Add text behind everything that is in it; returns the same element."""
@@ -52,13 +59,15 @@ class Html:
         self._element.append(drawing)
 
 
-def document(title: str, write: Callable[[Html], None], style: str = '') -> str:
+def document(
+    title: str, write: Callable[[Html], None], style: str = '', words: Wording = ENGLISH
+) -> str:
     """Return a whole page, which needs no other file.
 
     :param write: writes what is in it
     :param style: rules beyond those of all documents
     """
-    page = ET.Element('html', {'lang': 'en'})
+    page = ET.Element('html', {'lang': words.language})
     head = ET.SubElement(page, 'head')
     ET.SubElement(head, 'meta', {'charset': 'utf-8'})
     ET.SubElement(
@@ -68,7 +77,7 @@ def document(title: str, write: Callable[[Html], None], style: str = '') -> str:
     ET.SubElement(head, 'title').text = xml_text(title)
     ET.SubElement(head, 'style').text = STYLE + style
     body = ET.SubElement(page, 'body')
-    write(Html(ET.SubElement(body, 'main')))
+    write(Html(ET.SubElement(body, 'main'), words))
     text = ET.tostring(page, encoding='unicode', method='html', short_empty_elements=False)
     return f'<!doctype html>\n{text}\n'
 

@@ -8,7 +8,7 @@ from datetime import datetime, tzinfo
 from fractions import Fraction
 from typing import NamedTuple
 
-from bt_orchestrator.model.plant.shifts import MICRO_STOP_S, PlantReason
+from bt_orchestrator.model.plant.shifts import LANGUAGE, MICRO_STOP_S, PlantReason
 from bt_orchestrator.view.report.account.planned import US, Planned
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
 
@@ -108,10 +108,10 @@ class Period:
         moment = datetime.fromtimestamp(self.shown_us(us) / US, self.zone)
         return moment.astimezone(self.zone).isoformat()
 
-    def reason_words(self, code: str) -> str:
+    def reason_words(self, code: str, language: str = LANGUAGE) -> str:
         """Say a reason; one that is not in the plant's file by its code."""
         known = self.reasons.get(code)
-        return (known.said() if known is not None else code) or NOT_CLASSIFIED
+        return (known.said(language) if known is not None else code) or NOT_CLASSIFIED
 
     def shown_us(self, us: int) -> int:
         """Return what the clock showed at a moment."""

@@ -12,13 +12,21 @@ from starlette.responses import Response
 
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.extensions.page.web.account.watch import ShiftWatch
-from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem, attached
+from bt_orchestrator.extensions.page.web.endpoint import (
+    Endpoint,
+    Json,
+    Problem,
+    attached,
+    language_of,
+)
 from bt_orchestrator.extensions.page.web.seams import SeenCell
+from bt_orchestrator.extensions.page.web.wording import wordings
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports.doors.doors import Doors
 from bt_orchestrator.view.drawing.account.beside_page import beside_page
 from bt_orchestrator.view.drawing.account.page import account_page
+from bt_orchestrator.view.drawing.wording import Wording
 from bt_orchestrator.view.report.account.account import NothingToReport
 from bt_orchestrator.view.report.account.live import Live, live_plain
 from bt_orchestrator.view.report.account.losses import Loss
@@ -40,6 +48,10 @@ _REFUSALS = {
     404: 'the page knows no shifts: it was started without --shifts',
     503: 'there is no account now: the message says why',
 }
+_OF_DOCUMENTS = {**_REFUSALS, 422: 'there are no words in this language'}
+
+
+_LANGUAGE = {'language': f'of its words: {", ".join(wordings())}'}
 
 
 class _Cell(SeenCell, Protocol):
@@ -52,10 +64,10 @@ def endpoints(watch: ShiftWatch, cell: _Cell) -> tuple[Endpoint, ...]:
     async def shift(_: Request) -> Response:
         return Json(live_plain(_live(watch)))
 
-    async def report(_: Request) -> Response:
+    async def report(request: Request) -> Response:
         account = _live(watch).account
         name = f'{account.period.name.replace(" ", "-")}.html'
-        text = account_page(account)
+        text = account_page(account, _words(request))
         return Response(text.encode(), media_type='text/html', headers=attached(name))
 
     async def by(request: Request) -> Response:
@@ -72,7 +84,7 @@ def endpoints(watch: ShiftWatch, cell: _Cell) -> tuple[Endpoint, ...]:
         except (NothingToReport, JournalUnusable) as error:
             raise Problem(503, f'there is no account of the last days now: {error}') from error
         name = f'{report.together.period.name.replace(" ", "-")}.html'
-        text = beside_page(report, wanted)
+        text = beside_page(report, wanted, _words(request))
         return Response(text.encode(), media_type='text/html', headers=attached(name))
 
     async def measured(request: Request) -> Response:
@@ -94,7 +106,8 @@ def endpoints(watch: ShiftWatch, cell: _Cell) -> tuple[Endpoint, ...]:
             '/api/shift/report.html',
             report,
             'returns the same as a document, for a browser and for paper',
-            refusals=_REFUSALS,
+            query=_LANGUAGE,
+            refusals=_OF_DOCUMENTS,
             media='text/html',
         ),
         Endpoint(
@@ -109,8 +122,11 @@ def endpoints(watch: ShiftWatch, cell: _Cell) -> tuple[Endpoint, ...]:
             '/api/shift/days.html',
             days,
             f'returns the last {DAYS} days side by side, as `report --days {DAYS} --html` does',
-            query={'by': 'product, job or component: one of these in place of the line'},
-            refusals={**_REFUSALS, 400: 'by has to be product, job or component'},
+            query={
+                'by': 'product, job or component: one of these in place of the line',
+                **_LANGUAGE,
+            },
+            refusals={**_OF_DOCUMENTS, 400: 'by has to be product, job or component'},
             media='text/html',
         ),
         Endpoint(
@@ -121,6 +137,10 @@ def endpoints(watch: ShiftWatch, cell: _Cell) -> tuple[Endpoint, ...]:
             media='text/plain',
         ),
     )
+
+
+def _words(request: Request) -> Wording:
+    return wordings()[language_of(request, wordings(), 'en')]
 
 
 def _by(word: str) -> By:

@@ -253,6 +253,18 @@ def test_the_last_days_are_a_document(bench: ShiftBench) -> None:
     assert (answer.status, 'it has none at all' in answer.json['message']) == (503, True)
 
 
+def test_documents_are_in_the_language_that_is_asked_for(bench: ShiftBench) -> None:
+    bench.look()
+    browser = bench.browser()
+    days = browser.get('/api/shift/days.html?language=de').body.decode()
+    assert '<h2>Größte Verluste</h2>' in days
+    assert '<h2>Wo die Zeit blieb</h2>' in (
+        browser.get('/api/shift/report.html?language=de').body.decode()
+    )
+    refused = browser.get('/api/shift/days.html?language=fr')
+    assert (refused.status, 'de or en' in refused.json['message']) == (422, True)
+
+
 def test_the_targets_of_the_plant_are_beside_the_figures(
     start: Start, clock: Callable[[str], None]
 ) -> None:

@@ -3,26 +3,44 @@
 from __future__ import annotations
 
 import asyncio
+import html
 import re
+from dataclasses import replace
 
 import pytest
+from fakes.hand_made_shift import LINE, the_day
 from fakes.line import THREE, Line
 from fakes.long_line import LONG, long_line
 from fakes.page_parts import status_of
 
 from bt_orchestrator.extensions.page.web.scripts.endpoints import Drawings
 from bt_orchestrator.extensions.page.web.wording import wordings
+from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.plant.shifts import PlantReason
 from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.model.words import sentence
+from bt_orchestrator.model.words import AND, sentence
 from bt_orchestrator.script.orders.plain_order import bound
 from bt_orchestrator.script.parameter_uses import action_types
+from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
+from bt_orchestrator.view.drawing.account.beside_page import beside_page
+from bt_orchestrator.view.drawing.account.page import account_page
 from bt_orchestrator.view.drawing.line_state import Mark
+from bt_orchestrator.view.report.account.account import account, whole
+from bt_orchestrator.view.report.account.named_figures import By
+from bt_orchestrator.view.report.beside import beside
+from bt_orchestrator.view.report.reading import Reading
 
 GERMAN = wordings()['de']
+ENGLISH = re.compile(
+    r'\b(the|of|for|is|to|and|by|which|with|not|no|time|item|section|stop|fault|own|attempt'
+    r'|planned|made|lost|reason|good|answer|waiting|rejected|from|below|least|trend)\b'
+)
+SAID = 'cleared the jam'
+"""The remark of a person."""
 
 
 def test_english_is_that_of_the_code_without_words_of_programs() -> None:
@@ -208,3 +226,98 @@ def test_messages_of_behaviours_are_german(message: str, german: str) -> None:
 
 def test_english_messages_of_behaviours_have_no_words_of_programs() -> None:
     assert wordings()['en'].twig_message('failed: timeout', {}) == 'failed: took too long'
+
+
+def test_what_rejects_have_in_common_is_german() -> None:
+    facts = ('${results.weigh.measurement} at least 1', 'result_refused')
+    said = AND.join(
+        [
+            sentence('rejects', count=3, of=10, items='J/1, J/3, J/4'),
+            sentence('rejects_reason', reason=facts[1]),
+            sentence('rejects_verdict', wanted=facts[0]),
+        ]
+    )
+    assert GERMAN.message(said) == (
+        'Ausschuss 3 innerhalb von 10 Teilen: J/1, J/3, J/4; jedes Mal: das Ergebnis ist nicht, '
+        'wie es sein muss; jedes Mal erwartet: ${results.weigh.measurement} mindestens 1'
+    )
+
+
+@pytest.mark.parametrize(
+    ('english', 'german'),
+    [
+        ('OEE', 'OEE'),
+        ('56.8 %', '56,8 %'),
+        ('-0:08:30', '-0:08:30'),
+        ('22.0 s', '22,0 s'),
+        ('+3.1 points', '+3,1 Punkte'),
+        ('-', '-'),
+        ('- own fault', '- eigene Störung'),
+        ('    waiting for an answer', '    wartet auf Antwort'),
+        ('own fault, a2, TASK_A timeout', 'eigene Störung, a2, TASK_A: hat zu lange gedauert'),
+        ('a2, a3 not ready', 'a2, a3 nicht bereit'),
+        ('retry by ann', '„Noch einmal“ von ann'),
+        ('resume by ann', '„Fortsetzen“ von ann'),
+        ('paused (ann: lunch)', 'pausiert (ann: lunch)'),
+        ('the cell was stopped', 'die Zelle wurde gestoppt'),
+        (
+            'orders waited for 0:10:00: held in the queue',
+            'Aufträge warteten 0:10:00: in der Warteschlange angehalten',
+        ),
+        (
+            'section 2, work (TASK_A) of J/1 at a2 (/a2/do), attempt 1 of 1: timeout (jam)',
+            (
+                'Station 2, work (TASK_A) von J/1 an a2 (/a2/do), Versuch 1 von 1: '
+                'hat zu lange gedauert (jam)'
+            ),
+        ),
+        (
+            '05-18 07:00:00, 0:20:00: section 2, J/1: too_many_rejects (all of job J)',
+            '05-18 07:00:00, 0:20:00: Station 2, J/1: zu viel Ausschuss (immer Auftrag J)',
+        ),
+        (
+            'weigh at a2 result_refused (${results.weigh.x} at least 1), by the script',
+            (
+                'weigh an a2: das Ergebnis ist nicht, wie es sein muss '
+                '(${results.weigh.x} mindestens 1), durch das Skript'
+            ),
+        ),
+        (
+            'best Wed 05-20 (63.0 %), worst Mon 05-18 (56.8 %)',
+            'am besten Mi 05-20 (63,0 %), am schlechtesten Mo 05-18 (56,8 %)',
+        ),
+        ('WO-1', 'WO-1'),
+    ],
+)
+def test_words_of_a_report_are_german(english: str, german: str) -> None:
+    assert GERMAN.report(english) == german
+    assert wordings()['en'].report(english) == english
+
+
+REASONS = {'JAM': PlantReason('JAM', {'en': 'material jam', 'de': 'Materialstau'}, 'Material')}
+
+
+def test_a_german_report_has_no_english_words() -> None:
+    """Of a day with every loss, a stop of which has a reason; names and remarks stay."""
+    day, store = the_day(), MemoryStore('x')
+    (hold,) = (one for one in day.events if isinstance(one, e.HoldRaised) and one.hold == '1')
+    day.note('13:59', e.OperatorDecided(
+        answer='classify', code='JAM', stop=f'x:{hold.seq + 1}', who='ann', reason='',
+    ))  # fmt: skip
+    store.append(day.events)
+    reading = Reading(MemoryRecords(store), pytest.fail)
+    period = replace(whole(reading, 'J'), reasons=REASONS)
+    made = account(reading, replace(period, name='shift early of 2026-05-18'), LINE.cell)
+    days = [
+        (f'Mon 05-{number}', replace(period, name=f'2026-05-{number}')) for number in (18, 19, 20)
+    ]
+    report = beside(reading, days, LINE.cell)
+    sheets = [account_page(made, GERMAN)]
+    sheets += [beside_page(report, by, GERMAN) for by in (None, *By)]
+    for sheet in sheets:
+        assert '<html lang="de">' in sheet
+        text = re.sub(r'<style>.*?</style>', '', sheet, flags=re.DOTALL)
+        lines = map(html.unescape, re.findall(r'>([^<>]+)<', text))
+        assert not [line for line in lines if ENGLISH.search(line) and SAID not in line]
+    assert 'Materialstau' in sheets[0]
+    assert 'Materialstau' in sheets[1]

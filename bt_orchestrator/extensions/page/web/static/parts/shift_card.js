@@ -2,10 +2,9 @@
 
 import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { part, shownMoment } from '../core/store.js';
-import { about, difference, duration, number, ratio, seconds, t, tOr } from '../core/text.js';
+import { about, currentLanguage, difference, duration, number, ratio, seconds, t, tOr } from '../core/text.js';
 
-const REPORT = '/api/shift/report.html';
-const DAYS = '/api/shift/days.html';
+const sheet = (name) => `/api/shift/${name}.html?language=${currentLanguage()}`;
 const FACTORS = ['availability', 'performance', 'quality'];
 const MOST_LOSSES = 6;
 const SHORT_S = 2;
@@ -14,8 +13,8 @@ const SHORT_S = 2;
 export function shiftCard() {
   const name = h('h2', {});
   const when = h('span', { class: 'shift-when quiet' });
-  const report = h('a', { class: 'button', href: REPORT, download: '' }, t('shift.report'));
-  const days = h('a', { class: 'button', href: DAYS, download: '' }, t('shift.days'));
+  const report = h('a', { class: 'button', href: sheet('report'), download: '' }, t('shift.report'));
+  const days = h('a', { class: 'button', href: sheet('days'), download: '' }, t('shift.days'));
   const more = h('a', { class: 'button', href: '#/shift' }, t('shift.more_of_it'));
   const files = h('span', { class: 'shift-files' }, more, report, days);
   const target = h('span', { class: 'shift-target quiet' });

@@ -1,9 +1,10 @@
 /** The shift in detail: why items were not good, what was done again, who made and lost what. */
 import { get } from '../core/api.js';
+import { newestOnly } from '../core/asking.js';
 import { h, show, text } from '../core/dom.js';
 import { onPerson } from '../core/me.js';
 import { part, subscribe } from '../core/store.js';
-import { duration, number, ratio, t, tOr } from '../core/text.js';
+import { currentLanguage, duration, number, ratio, t, tOr } from '../core/text.js';
 import { stopList } from '../parts/stop_list.js';
 import { table } from '../parts/table.js';
 
@@ -51,28 +52,30 @@ export function mount(root) {
     stops.element,
     panels,
   );
+  const ask = newestOnly();
   let timer = 0;
 
-  async function read() {
-    days.href = `/api/shift/days.html?by=${by.value}`;
-    try {
-      const [account, rows] = await Promise.all([
-        get('/api/shift'),
-        get(`/api/shift/by/${by.value}`),
-      ]);
-      text(title, t('shift.title', { name: part('shift')?.shift ?? '' }));
-      text(made, yieldWords(account));
-      text(note, '');
-      parts.show(partRows(account));
-      causes.show(account.scrap_and_rework);
-      values.show(account.measured);
-      owners.replaceChildren(...ownerList(rows.groups));
-      show(panels, true);
-    } catch (refused) {
-      text(note, refused.message || t('jobs.silent'));
-      show(panels, false);
-    }
-    show(note, Boolean(note.textContent));
+  function read() {
+    days.href = `/api/shift/days.html?by=${by.value}&language=${currentLanguage()}`;
+    const both = ['/api/shift', `/api/shift/by/${by.value}`];
+    const fail = (refused) => say(refused.message || t('jobs.silent'));
+    return ask(() => Promise.all(both.map(get)), take, fail);
+  }
+
+  function take([account, rows]) {
+    text(title, t('shift.title', { name: part('shift')?.shift ?? '' }));
+    text(made, yieldWords(account));
+    parts.show(partRows(account));
+    causes.show(account.scrap_and_rework);
+    values.show(account.measured);
+    owners.replaceChildren(...ownerList(rows.groups));
+    say('');
+  }
+
+  function say(words) {
+    text(note, words);
+    show(note, Boolean(words));
+    show(panels, !words);
   }
 
   root.append(element);
