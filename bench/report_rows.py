@@ -1,4 +1,4 @@
-"""How long a report of a year takes, by the books of its journal."""
+"""How long a report of a year takes, by the books of its journal and without them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
-from fakes.hand_made_shift import the_day
+from fakes.hand_made_shift import LINE, the_day
 from fakes.kept_books import book_all
 
 from bench.rows import Row
@@ -30,17 +30,23 @@ BEGIN_S = 1_767_225_600.0
 
 _SCRIPT = '"event": "script.loaded"'
 
+MOST_WITHOUT_BOOKS = 1_000_000
+"""Events of a journal whose report is made from the events alone, too."""
+
 
 def report(rounds: int, events: int) -> Iterator[Row]:
     """Report a journal of a year: shift after shift of one hand-made shift, all through it."""
     with tempfile.TemporaryDirectory(prefix='bench_') as name:
         journal = Path(name) / 'year.sqlite3'
         number = write_year(journal, events)
+        cell = Path(name) / 'cell.yaml'
+        cell.write_text(LINE.text)
+        alone = _report(journal, cell) if number <= MOST_WITHOUT_BOOKS else None
         began = time.process_time()
         with closing(SqliteStore(journal)) as store:
             book_all(store, journal)
         books_s, size = time.process_time() - began, _size_of_books(journal)
-        runs = [_report(journal) for _ in range(rounds)]
+        runs = [_report(journal, cell) for _ in range(rounds)]
     notes = {
         'events': number,
         'report, CPU s': min(one.cpu_s for one in runs),
@@ -49,6 +55,8 @@ def report(rounds: int, events: int) -> Iterator[Row]:
         'making them, CPU s': books_s,
         'making them, events a second': number / books_s,
     }
+    if alone is not None:
+        notes |= {'without books, s': alone.seconds, 'without books, MB of memory': alone.mb}
     yield Row('report', [one.seconds for one in runs], notes)
 
 
@@ -58,13 +66,13 @@ class _Run(NamedTuple):
     mb: float
 
 
-def _report(journal: Path) -> _Run:
+def _report(journal: Path, cell: Path) -> _Run:
     """Run the verb in a process, as a user does."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     began = time.perf_counter()
     command = [sys.executable, '-m', 'bench.peak', '-m', 'bt_orchestrator', 'report']
     made = subprocess.run(
-        [*command, '--journal', str(journal), '--json'],
+        [*command, '--journal', str(journal), '--cell', str(cell), '--json'],
         capture_output=True,
         text=True,
         check=True,

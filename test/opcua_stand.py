@@ -57,17 +57,19 @@ def opcua_stand(
 def served(stand: StandCell, port: int = 0, plain: str = '') -> Iterator[OpcUaServer]:
     """Serve a cell that there is."""
     from fakes.opcua_access import access_in, with_login
-    from fakes.shipped import RECIPES, TREES
+    from fakes.shipped import REASONS, RECIPES, TREES
 
     from bt_orchestrator.extensions.opcua.server.bridge import Bridge, Sources
     from bt_orchestrator.extensions.opcua.server.server import OpcUaServer
+    from bt_orchestrator.script.shifts.shifts_file import read_reasons
 
     class WithLogin(OpcUaServer):
         @property
         def address(self) -> str:
             return with_login(super().address)
 
-    bridge = Bridge(stand.node.name, stand.open_door, Sources((TREES,), (RECIPES,)))
+    sources = Sources((TREES,), (RECIPES,), reasons=read_reasons(REASONS))
+    bridge = Bridge(stand.node.name, stand.open_door, sources)
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
         access = access_in(Path(folder), stand.node.name, port=port, insecure=True, plain=plain)
         server = WithLogin(bridge, access)

@@ -18,6 +18,7 @@ def simple_values() -> Iterator[str]:
         ('CurrentJob, NextJob, LastJob: ', simple.JOB),
         ('OldestHold: ', simple.HOLD),
         ('Manual: ', simple.GOAL),
+        ('Reasons: ', {**simple.REASONS, 'en, de, ...': simple.REASON_WORDS}),
     )
     rows = [
         (f'{where}`{name}`', f'{one.type.name}{"[]" if one.is_list else ""}', one.meaning)

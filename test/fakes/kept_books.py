@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import closing
 from pathlib import Path
 
 from bt_orchestrator.engine.runtime.writers import WritesAtOnce
 from bt_orchestrator.engine.runtime.writers import Writing as EndedWriting
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.keeping.books import Books
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
 from bt_orchestrator.view.report.account.bookkeeper import next_books
+from bt_orchestrator.view.report.account.course import Course
+from bt_orchestrator.view.report.account.fold import AccountFold, Begun, FromBooks
+from bt_orchestrator.view.report.account.planned import Planned
+from bt_orchestrator.view.report.account.steady_time import SteadyTime
+from bt_orchestrator.view.report.account.total import Total
+from bt_orchestrator.view.report.line_stops import GivenReasons
 
 
 def _no_damage(sentence: str) -> None:
@@ -53,3 +60,13 @@ class BooksAtOnce:
 
     def close(self) -> None:
         """Do nothing: it works only when it is asked."""
+
+
+def whole_fold(planned: Planned, events: Iterable[Event]) -> AccountFold:
+    """Return a fold without books, which knows the reasons of stops that some events tell."""
+    begin, reasons = planned.pieces[0][0], GivenReasons()
+    for event in events:
+        reasons.follow(event)
+    course, total = Course(is_whole=True, begin=begin), Total(reasons)
+    begun = Begun(course, total, begin, None, FromBooks(), lambda _: None, SteadyTime())
+    return AccountFold(planned, begun=begun)

@@ -187,25 +187,46 @@ def naive_stops(records: Records, planned: Sequence[tuple[int, int]]) -> list[Na
 
 
 def naive_code(stop: NaiveStop, records: Records) -> str:
-    """Return the reason of a stop; empty: it is not classified.
-
-    Of stops by `stop`, by a paused job and by a component out of service only what was said later.
-    """
+    """Return the reason of a stop; empty: it is not classified."""
     said = [one for one in records if one['event'] == 'operator.decided' and one.get('code')]
     named = [one for one in said if one.get('stop', '').endswith(f':{stop.seq}')]
     answers = [one for one in said if stop.hold and one.get('hold') == stop.hold]
     if named or answers:
         return str((named or answers)[-1]['code'])
-    for number, one in enumerate(records):
-        if one['event'] == 'hold.raised' and one['hold'] == stop.hold and number:
-            before = records[number - 1]
-            is_pause = one['reason'] == 'paused' and before.get('answer') == 'pause'
-            return str(before.get('code', '')) if is_pause else ''
-    aborts = [one for one in records if one.get('answer') == 'abort' and 'job' not in one]
-    is_abort = stop.loss == 'emergency' and aborts
-    return (
-        str([one for one in aborts if us(one) < stop.end][-1].get('code', '')) if is_abort else ''
-    )
+    codes = [
+        code_now(records[: number + 1])
+        for number, one in enumerate(records[:-1])
+        if stop.begin <= us(one) < stop.end and us(one) < us(records[number + 1])
+    ]
+    return next(filter(None, reversed(codes)), '')
+
+
+def code_now(past: Records) -> str:
+    """Return the reason of the decision for which the line stands after some records."""
+    loss, *about = why_it_stands(past, '') or ('',)
+    decisions = [one for one in past if one['event'] == 'operator.decided']
+    of_cell = [one for one in decisions if not {'job', 'component'} & one.keys()]
+    if loss in ('own_fault', 'operator') and about[-1] and not is_manual(past):
+        raised = next(n for n, one in enumerate(past) if one.get('hold') == about[-1] and n)
+        is_pause = past[raised].get('reason') == 'paused'
+        before = past[raised - 1]
+        return str(before.get('code', '')) if is_pause and before.get('answer') == 'pause' else ''
+    if loss == 'emergency':
+        return code_since(of_cell, ['abort'], ['start', 'clear'])
+    if loss == 'waiting':
+        first = next(iter((*out_of_service(past), *unready(past))), '')
+        of_it = [one for one in decisions if one.get('component') == first]
+        return code_since(of_it, ['out_of_service'], ['in_service'])
+    works = last(past, 'cell.state_changed', 'state') in BEGINS
+    if loss == 'operator' and works and not last(past, 'cell.stop_reason_changed', 'stop_reason'):
+        return code_since([one for one in decisions if 'job' in one], ['pause'], [])
+    return code_since(of_cell, ['stop'], ['start', 'clear']) if loss == 'operator' else ''
+
+
+def code_since(decisions: Records, words: Sequence[str], ends: Sequence[str]) -> str:
+    """Return the reason that came with the last of some commands; empty: it is over."""
+    found = [one for one in decisions if one['answer'] in (*words, *ends)]
+    return str(found[-1].get('code', '')) if found and found[-1]['answer'] in words else ''
 
 
 def why_it_stands(past: Records, next_event: str) -> tuple[Any, ...] | None:

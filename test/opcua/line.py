@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from cell_processes import CellProcesses, StartCell
+from fakes.shipped import REASONS
 from opcua.driver import Driver, Refused
 from opcua_process import OpcUaProcess
 from served_process import PASSWORD
@@ -112,11 +113,13 @@ class Line:
         """Start it; options are those of `CellProcesses`."""
         self._folder = folder
         self._stack = ExitStack()
-        options = ['--journal', str(folder / 'journal.sqlite3'), '--trust-local-doors']
+        self.journal = folder / 'journal.sqlite3'
+        reasons = ['--reasons', str(REASONS)]
+        options = ['--journal', str(self.journal), '--trust-local-doors', *reasons]
         self.cell: CellProcesses = start_cell(run_options=options, **cell)
         self.cell.connect()
         trees = ['--trees', str(self.cell.folder)]
-        self.server = OpcUaProcess(folder, '/bt_orchestrator', trees)
+        self.server = OpcUaProcess(folder, '/bt_orchestrator', [*trees, *reasons])
         self._stack.callback(self.server.close)
 
     def client(self, role: str = 'mes', name: str = '', endpoint: str = '') -> Client:

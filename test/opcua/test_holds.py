@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import pytest
 from cell_processes import small_script
 from opcua.conftest import StartLine
 from opcua.driver import Refused
-from opcua.line import ORDERS, RECEIVER, Client, job_order
+from opcua.line import ORDERS, RECEIVER, Client, Line, job_order
 from served_process import PASSWORD
 
 
@@ -79,3 +80,43 @@ def test_who_has_no_right_starts_nothing(start_line: StartLine) -> None:
     assert line.client('mes').status('StoreAndStart', job_order('WO-2')) == 1
     line.cell.watch.until_ended('WO-2')
     assert [one['job'] for one in line.cell.watch.seen('job.queued')] == ['WO-2']
+
+
+def test_stops_get_reasons_of_the_plant_at_once_and_later(start_line: StartLine) -> None:
+    line = start_line(fail=['worker.#1=abort'])
+    line.cell.script(small_script())
+    operator = line.client('operate')
+    codes, groups, german = operator.read(
+        *(f'Simple/Reasons/{n}' for n in ('Codes', 'Groups', 'de'))
+    )
+    assert dict(zip(codes, german, strict=True))['JAM'] == 'Materialstau'
+    assert dict(zip(codes, groups, strict=True))['LUNCH'] == ''
+    line.cell.run_small()
+    hold = line.cell.watch.until_held()
+    for method, given, code, word in (
+        ('CommandWithCode', ('pause', ''), 'LUNCH', 'pause'),
+        ('AnswerHoldWithCode', (hold.id, 'retry'), 'GRIPPER', 'retry'),
+        ('ComponentCommandWithCode', ('out_of_service', 'worker'), 'CLEANING', 'out_of_service'),
+    ):
+        done = operator.call('Simple', method, *given, 'seen', code)
+        assert (done['status'], done['outputs'][0]) == ('Good', True), done
+        decided = line.cell.watch.until('operator.decided', answer=word)
+        assert (decided['code'], decided['who']) == (code, 'operate')
+    wrong = operator.call('Simple', 'AnswerHoldWithCode', hold.id, 'retry', 'seen', 'GRIPER')
+    assert wrong['outputs'][0] is False
+
+    stop = _stop_of(line, hold.id)
+    assert stop['code'] == 'GRIPPER'
+    done = operator.call('Simple', 'ClassifyStop', stop['stop'], 'SENSOR', 'looked again')
+    assert done['outputs'][0] is True, done
+    later = _stop_of(line, hold.id)
+    assert (later['code'], later['by'], later['why']) == ('SENSOR', 'operate', 'looked again')
+
+
+def _stop_of(line: Line, hold: str) -> dict[str, Any]:
+    """Return the stop by a hold, as a report tells it."""
+    status, output, errors = line.cell.verb('report', '--journal', str(line.journal), '--json')
+    assert status == 0, errors
+    stops = json.loads(output)['line_stops']
+    found: dict[str, Any] = next(one for one in stops if one['hold'] == hold)
+    return found

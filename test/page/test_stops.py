@@ -15,18 +15,17 @@ from typing import Any
 
 import pytest
 from cell_processes import CellProcesses
-from fakes.shipped import REFERENCE_CELL, ROOT, TREES
+from fakes.shipped import REASONS, REFERENCE_CELL, TREES
 from page.browsing import Tab
 from page.conftest import Sit, StartPage
 
 SHIFTS = 'shifts: {all: {from: 00:00, to: 24:00}}\nzone: UTC\n'
-REASONS = ROOT / 'config' / 'shifts' / 'reasons.yaml'
 
 
 class Plant:
-    """A cell whose component_3a fails at its first task, with the files of a plant."""
+    """A cell with the files of a plant."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *faults: str) -> None:
         """Start it."""
         self.folder = folder
         self.journal = folder / 'journal.sqlite3'
@@ -35,7 +34,7 @@ class Plant:
         self.cell = CellProcesses(
             folder / 'cell',
             REFERENCE_CELL.read_text(),
-            fail=['component_3a.TASK_A#1=abort'],
+            fail=faults,
             speed=4,
             sim_options=['--result-timeout', '600'],
             run_options=[
@@ -64,8 +63,18 @@ class Plant:
 
 @pytest.fixture
 def plant(tmp_path: Path) -> Iterator[Plant]:
+    """Give a cell with the files of a plant, whose component_3a fails at its first task."""
+    yield from started(tmp_path, 'component_3a.TASK_A#1=abort')
+
+
+@pytest.fixture
+def sound_plant(tmp_path: Path) -> Iterator[Plant]:
     """Give a cell with the files of a plant."""
-    plant = Plant(tmp_path)
+    yield from started(tmp_path)
+
+
+def started(folder: Path, *faults: str) -> Iterator[Plant]:
+    plant = Plant(folder, *faults)
     try:
         yield plant
     finally:
@@ -159,6 +168,43 @@ def test_an_operator_classifies_stops_while_the_node_is_killed_twice(
     of_hold = [stop['code'] for stop in report['line_stops'] if stop['hold'] == '1']
     assert of_hold == ['GRIPPER']
     assert tab.data('twice') == '0'
+
+
+@pytest.mark.parametrize(('locale', 'width'), [('en-GB', 1280), ('de-DE', 390)])
+def test_one_press_pauses_and_its_reason_is_chosen_afterwards(
+    sound_plant: Plant, start_page: StartPage, sit: Sit, locale: str, width: int
+) -> None:
+    """A reason of the plant needs no words, and counts from the press on."""
+    cell = sound_plant.cell
+    tab = sit(
+        start_page(*sound_plant.page_options).port,
+        locale=locale,
+        viewport={'width': width, 'height': 844},
+    ).open()
+    tab.until_news()
+    tab.log_in('engineer')
+    cell.watch.submit('inspect_and_assemble', quantity=3)
+    cell.watch.until('task.started', section=1)
+    tab.page.locator('header [data-offer="cell.pause"]').click()
+    tab.until(lambda: tab.count('dialog[data-dialog="reason-afterwards"]'), 'the question')
+    cell.watch.until('hold.raised', reason='paused')
+    picture(tab, f'afterwards_{width}')
+    tab.page.locator('dialog [data-do="send"]').click()
+    tab.until(lambda: tab.count('dialog .field-warning:visible'), 'that a reason is missing')
+    choose(tab, 'reason-afterwards', 'LUNCH')
+    tab.confirm('reason-afterwards', '')
+    released = cell.watch.until('operator.decided', answer='resume')
+    assert released['code'] == 'LUNCH'
+    tab.until(lambda: tab.count('[data-hold]') == 1, 'the pause with a reason')
+    tab.page.locator('header [data-offer="cell.resume"]').click()
+    tab.confirm('cell.resume', 'lunch is over')
+    cell.watch.until('job.completed', job='WO-1')
+
+    pauses = [one for one in sound_plant.report()['line_stops'] if one['loss'] == 'operator']
+    pauses = [one for one in pauses if one['hold']]
+    assert {one['code'] for one in pauses} == {'LUNCH'}
+    assert pauses[0]['hold'] == released['hold']
+    assert tab.too_wide() == 0
 
 
 def test_the_screen_of_stops_is_in_german(plant: Plant, start_page: StartPage, sit: Sit) -> None:

@@ -190,15 +190,17 @@ class RequestHandler:
     async def _classify(self, asked: Asked) -> Answer:
         """Put the reason of a stop on record, if there is such a stop (7.10)."""
         check_sender(asked)
-        why_not = unknown_code(asked, self._reasons)
-        if why_not:
-            raise CommandRefused(why_not)
-        seq = stop_number(asked['stop'], self._engine.state.history)
         if self._stops is None:
             raise CommandRefused(
                 'this node keeps no journal, so a stop has no name that lasts; start it with '
                 '--journal FILE'
             )
+        why_not = unknown_code(asked, self._reasons)
+        if why_not:
+            raise CommandRefused(why_not)
+        if not asked['code'].strip():
+            raise CommandRefused('the code of the reason is empty; nothing was done')
+        seq = stop_number(asked['stop'], self._engine.state.history)
         if not await self._stops.has(seq):
             raise CommandRefused(
                 f'no stop of the line began with event {seq}; `report --json` and the page name '

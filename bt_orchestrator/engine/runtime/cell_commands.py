@@ -96,6 +96,12 @@ def _pause(state: CellState, asked: Asked) -> _Act:
 
 
 def _resume(state: CellState, asked: Asked) -> _Act:
+    """Release pauses; a reason of the plant is for the one that is named (7.10).
+
+    :raises CommandRefused: there are none, others have requested them, or a reason is for none
+    """
+    if asked.arguments.get('code') and asked.arguments.get('hold') is None:
+        raise CommandRefused('a reason of the plant is for one pause or hold: name it, --hold N')
     released = [hold.id for hold in _to_release(state, asked)]
     return _after_resume(state, released), (e.HoldReleased(hold=hold) for hold in released)
 

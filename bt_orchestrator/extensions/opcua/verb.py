@@ -25,6 +25,7 @@ from bt_orchestrator.cli.serving import add_server_options, server_log, users_of
 from bt_orchestrator.extensions.opcua.server.library import stack_log, why_plain
 from bt_orchestrator.extensions.opcua.server.nodesets import Access, AccessRefused
 from bt_orchestrator.model.keeping.journal_place import journal_place
+from bt_orchestrator.script.shifts.shifts_file import read_reasons
 
 if TYPE_CHECKING:
     from bt_orchestrator.extensions.opcua.server.trust import Listed
@@ -85,6 +86,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '(default: what the node tells of its last events)',
     )
     parser.add_argument(
+        '--reasons',
+        type=Path,
+        metavar='FILE',
+        help="file of the plant's reasons for stops (YAML), for the lists that clients offer",
+    )
+    parser.add_argument(
         '--nodesets',
         type=Path,
         metavar='DIR',
@@ -135,6 +142,7 @@ def _serve(args: argparse.Namespace, pki: Path, plain: str) -> None:
         trees=script_folders(args.trees),
         recipes=recipe_folders(args.recipes),
         nodesets=args.nodesets,
+        reasons={} if args.reasons is None else read_reasons(args.reasons),
         open_records=None if journal is None else partial(open_records, journal),
     )
     with StopSignals() as stop, server_log(ROOM), stack_log():

@@ -42,8 +42,12 @@ class Asked:
 
 
 def about_of(name: str, given: Mapping[str, Any]) -> Mapping[str, str]:
-    """Return the field of records that names the subject of a request, be it known or not."""
+    """Return the field of records that names the subject of a request, be it known or not.
+
+    The subject of a command to the cell is the hold that it names.
+    """
     kind, _, _ = name.partition('.')
+    kind = About.HOLD.value if kind == About.CELL.value else kind
     subject = given.get(kind)
     field = 'digest' if kind == About.SCRIPT.value else kind
     return {field: subject} if subject and isinstance(subject, str) else {}

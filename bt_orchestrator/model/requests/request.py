@@ -130,6 +130,11 @@ class Request:
         return self.about in about and not self.is_of_list and not self.is_manual
 
     @property
+    def takes_code(self) -> bool:
+        """Whether a reason of the plant may come with it (semantics 7.10)."""
+        return any(parameter.name == 'code' for parameter in self.parameters)
+
+    @property
     def takes_orders(self) -> bool:
         """Whether work orders are among its arguments."""
         return any(parameter.kind is Kind.ORDERS for parameter in self.parameters)

@@ -85,6 +85,7 @@ CELL: Mapping[Cause, Request] = {
         _OPERATORS,
         _HOLD,
         _EVERYONES,
+        CODE,
         is_limited=True,
         moves=True,
         needs_safety=True,

@@ -30,8 +30,8 @@ HELD = 12.0
 """When a task of the line is held."""
 
 
-def begun(folder: Path, until: float = HELD) -> RequestBench:
-    cell = RequestBench(folder)
+def begun(folder: Path, until: float = HELD, *, has_journal: bool = True) -> RequestBench:
+    cell = RequestBench(folder, has_journal=has_journal)
     orders = '{orders: [{script: boxes, quantity: 3, order: A}]}'
     assert cell.ask_named('queue.add', orders).accepted
     cell.pass_time(until)
@@ -120,3 +120,32 @@ def test_7_10_operators_classify_a_stop_while_it_stands(tmp_path: Path) -> None:
         assert cell.ask('stop.classify', by, stop=name, code='JAM') is may
     decided = cell.records('operator.decided')[-1]
     assert (decided.answer, decided.stop, decided.code) == ('classify', name, 'JAM')
+
+
+def test_7_10_resume_gives_the_reason_of_the_hold_that_it_names(tmp_path: Path) -> None:
+    cell = begun(tmp_path, until=2.0)
+    assert cell.ask('cell.pause')
+    (pause,) = cell.sim.state.pauses
+    assert not cell.ask('cell.resume', code='LUNCH')
+    assert 'name it, --hold N' in cell.records('operator.refused')[-1].message
+    assert cell.ask('cell.resume', hold=pause.id, code='LUNCH')
+    decided = cell.records('operator.decided')[-1]
+    assert (decided.answer, decided.hold, decided.code) == ('resume', pause.id, 'LUNCH')
+
+
+def test_7_10_a_classification_needs_a_code(tmp_path: Path) -> None:
+    cell = begun(tmp_path)
+    stop = next(one for one in cell.records('cell.stop_reason_changed') if one.stop_reason)
+    assert not cell.ask('stop.classify', stop=f':{stop.seq}', code='')
+    assert 'the code of the reason is empty' in cell.records('operator.refused')[-1].message
+
+
+def test_7_10_a_node_without_a_journal_classifies_nothing(tmp_path: Path) -> None:
+    cell = begun(tmp_path, has_journal=False)
+    for stop, code in ((':1', 'JAM'), ('other:12', 'TOOTH')):
+        assert not cell.ask('stop.classify', stop=stop, code=code)
+        assert cell.records('operator.refused')[-1].message == (
+            'this node keeps no journal, so a stop has no name that lasts; start it with '
+            '--journal FILE'
+        )
+    assert not any(one.answer == 'classify' for one in cell.records('operator.decided'))

@@ -95,6 +95,27 @@ def component_command_of(verb: str, component: str) -> Addressed:
     return Addressed(_request(About.COMPONENT, verb, 'a component'), {'component': component})
 
 
+def with_code(found: Addressed, code: str) -> Addressed:
+    """Return a request with a reason of the plant for the stop of the line (semantics 7.10).
+
+    :param code: of the reason; empty: none
+    :raises Unclear: the request takes none
+    """
+    if not code:
+        return found
+    if not found.request.takes_code:
+        raise Unclear(
+            [f'Code: expected none, for {found.request.word} has no reason of the plant']
+        )
+    return found._replace(arguments={**found.arguments, 'code': code})
+
+
+def classification_of(stop: str, code: str) -> Addressed:
+    """Return the request that gives a stop its reason."""
+    (classify,) = requests_about(About.STOP)
+    return Addressed(classify, {'stop': stop, 'code': code})
+
+
 def release_of(script: str) -> Addressed:
     """Return the request that releases a script."""
     (release,) = requests_about(About.SCRIPT)

@@ -7,7 +7,7 @@ import contextlib
 import logging
 import time
 from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
@@ -16,6 +16,7 @@ from bt_orchestrator.extensions.opcua.server.calls import Calls
 from bt_orchestrator.extensions.opcua.server.space import Space
 from bt_orchestrator.extensions.opcua.server.values import Values
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.plant.shifts import PlantReason
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import Records
 from bt_orchestrator.ports.doors.cell_client import CellClient
@@ -41,6 +42,8 @@ class Sources:
     """Folders in which recipes are looked up by name."""
     nodesets: Path | None = None
     """Folder of a site's own nodesets."""
+    reasons: Mapping[str, PlantReason] = field(default_factory=dict)
+    """Of the plant for stops, by code."""
     open_records: Callable[[], Records] | None = None
     """Opens the journal, to be read in the thread that calls it; None: the door tells the past."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -123,6 +124,12 @@ GOAL: Mapping[str, Shown] = {
     'EndTime': Shown(TIME, 'when it ended; null: it has not'),
 }
 
+REASONS: Mapping[str, Shown] = {
+    'Codes': Shown(TEXT, "codes of the plant's reasons for stops of the line", is_list=True),
+    'Groups': Shown(TEXT, 'group of each of Codes; empty: none', is_list=True),
+}
+REASON_WORDS = Shown(TEXT, 'words of each of Codes in this language', is_list=True)
+
 _NO_TIME = 0.0
 
 
@@ -153,6 +160,7 @@ class Simple:
         ):
             await space.object(f'{TOP}/{name}', meaning)
             await self._make(f'{name}/', shown)
+        await self._make_reasons()
         if self._takes_commands:
             await SimpleCommands(self._bridge).build(space, TOP)
 
@@ -160,6 +168,21 @@ class Simple:
         for name, one in shown.items():
             path = f'{TOP}/{prefix}{name}'
             await self._space.variable(path, one.type, one.meaning, is_list=one.is_list)
+
+    async def _make_reasons(self) -> None:
+        """Make the reasons of the plant: they come from a file, and never change."""
+        await self._space.object(f'{TOP}/Reasons', 'reasons of the plant for stops of the line')
+        reasons = self._bridge.sources.reasons.values()
+        languages = dict.fromkeys(name for one in reasons for name in one.words)
+        await self._make('Reasons/', {**REASONS, **dict.fromkeys(languages, REASON_WORDS)})
+        columns = {
+            'Codes': [one.code for one in reasons],
+            'Groups': [one.group for one in reasons],
+        }
+        columns |= {name: [one.said(name) for one in reasons] for name in languages}
+        for name, column in columns.items():
+            node = self._space.node(f'{TOP}/Reasons/{name}')
+            self._space.values.put(node, column, time.time(), is_own=True)
 
     def show(self, status: CellStatus) -> None:
         """Show a new status."""

@@ -11,11 +11,13 @@ from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.extensions.opcua.mes.plain_commands import (
     Unclear,
     answer_of,
+    classification_of,
     command_of,
     component_command_of,
     order_of,
     release_of,
     verbs,
+    with_code,
 )
 from bt_orchestrator.extensions.opcua.server import calls
 from bt_orchestrator.extensions.opcua.server.bridge import Bridge
@@ -38,6 +40,8 @@ ACCEPTED = Argument('Accepted', ua.VariantType.Boolean, 'the cell does it')
 MESSAGE = Argument('Message', TEXT, 'what was done, or why nothing was')
 FINDINGS = Argument('Findings', TEXT, 'every mistake of the order', is_list=True)
 REASON = Argument('Reason', TEXT, 'why, for the record')
+_STOP, _CODE = requests_about(About.STOP)[0].parameters
+CODE_GIVEN = Argument('Code', TEXT, f'{_CODE.meaning}, one of Reasons/Codes; empty: none')
 
 
 def _words(requests: Iterable[Request]) -> str:
@@ -78,6 +82,13 @@ RELEASE_SCRIPT = (
     Argument('Script', TEXT, requests_about(About.SCRIPT)[0].parameters[0].meaning),
     REASON,
 )
+CLASSIFY_STOP = (
+    Argument('Stop', TEXT, _STOP.meaning),
+    Argument('Code', TEXT, f'{_CODE.meaning}, one of Reasons/Codes'),
+    REASON,
+)
+WITH_CODE = 'WithCode'
+"""End of the name of a method that also takes a reason of the plant."""
 
 
 class SimpleCommands:
@@ -92,23 +103,34 @@ class SimpleCommands:
             f'{top}/SubmitOrder', self._submit, SUBMIT_ORDER, (ACCEPTED, MESSAGE, FINDINGS),
             'queues an order; its job starts when its turn comes',
         )  # fmt: skip
-        for name, read, arguments, does in (
-            ('Command', command_of, COMMAND, 'a command to the cell, or to a job'),
+        for name, read, arguments, does, about in (
+            (
+                'Command', command_of, COMMAND, 'a command to the cell, or to a job',
+                (About.CELL, About.JOB),
+            ),
             (
                 'ComponentCommand', component_command_of, COMPONENT_COMMAND,
-                'whether a component may get goals; this is no lockout',
+                'whether a component may get goals; this is no lockout', (About.COMPONENT,),
             ),
             (
                 'ReleaseScript', release_of, RELEASE_SCRIPT,
-                'lets jobs of a generated script start',
+                'lets jobs of a generated script start', (About.SCRIPT,),
             ),
             (
                 'AnswerHold', self._answer, ANSWER_HOLD,
-                'decides what becomes of something that is held',
+                'decides what becomes of something that is held', (About.HOLD,),
+            ),
+            (
+                'ClassifyStop', classification_of, CLASSIFY_STOP,
+                "says the plant's reason for a stop of the line; the last one counts", (),
             ),
         ):  # fmt: skip
-            call = partial(self._carry_out, name, read)
-            await space.method(f'{top}/{name}', call, arguments, (ACCEPTED, MESSAGE), does)
+            call, told = partial(self._carry_out, name, read), (ACCEPTED, MESSAGE)
+            await space.method(f'{top}/{name}', call, arguments, told, does)
+            if any(one.takes_code for one in requests_about(*about)):
+                path, call = f'{top}/{name}{WITH_CODE}', partial(self._with_code, name, read)
+                more = f'{does}; with a reason of the plant for the stop of the line'
+                await space.method(path, call, (*arguments, CODE_GIVEN), told, more)
         await space.method(
             f'{top}/Request', self._request, REQUEST, (ACCEPTED, MESSAGE, FINDINGS),
             'makes any request by its name; docs/requests.md lists them',
@@ -144,6 +166,14 @@ class SimpleCommands:
         except Unclear as error:
             return _told(Outcome(False, str(error)))
         return _told(await self._bridge.calls.ask(request, arguments, reason_of(reason, method)))
+
+    async def _with_code(
+        self, method: str, read: Callable[..., Addressed], *given: str
+    ) -> list[ua.Variant]:
+        *words, code = given
+        return await self._carry_out(
+            f'{method}{WITH_CODE}', lambda *plain: with_code(read(*plain), code.strip()), *words
+        )
 
     def _answer(self, hold: str, answer: str) -> Addressed:
         return answer_of(hold, answer, self._bridge.status.holds, CALLER.get().role)

@@ -12,7 +12,7 @@ from functools import lru_cache
 from bt_orchestrator.extensions.page.web.request_paths import ANY
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.job_control import JobFacts
-from bt_orchestrator.model.packml import UnitMode
+from bt_orchestrator.model.packml import Cause, UnitMode
 from bt_orchestrator.model.requests import (
     REQUESTS,
     About,
@@ -34,6 +34,9 @@ Offer = dict[str, object]
 
 _NOTHING: Mapping[str, object] = {}
 
+_OF_A_HOLD = ('hold', 'code')
+"""Arguments of `resume` where it is not about one hold."""
+
 
 def cell_offers(status: CellStatus) -> list[Offer]:
     """Return what can be asked of the cell."""
@@ -42,7 +45,8 @@ def cell_offers(status: CellStatus) -> list[Offer]:
 
 def _cell_offer(request: Request, status: CellStatus) -> Offer:
     shown = {'as_shown': status.seq} if request.name in _STATES_BELT else {}
-    return _offer(request, given=shown, without=('hold',))
+    without = _OF_A_HOLD if request.cause is Cause.UNHOLD else ()
+    return _offer(request, given=shown, without=without)
 
 
 _STATES_BELT = ('cell.clear', 'cell.production')

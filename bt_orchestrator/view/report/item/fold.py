@@ -8,6 +8,7 @@ from typing import Any
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import held_words
 from bt_orchestrator.model.jobs.counting import APPROVED, PIECE_REFUSED, PIECE_WAITS
+from bt_orchestrator.model.packml import VERBS, Cause
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.task_spans import TaskSpans
@@ -187,9 +188,12 @@ class ItemFold:
         self._decided_last = event
         is_mine = event.item == self.history.item
         of_hold = event.hold is not None and any(h.id == event.hold for h in self.history.holds)
-        of_cell = not is_mine and (event.job, event.item, event.component) == (None,) * 3
-        if is_mine or of_hold or (of_cell and event.hold is None and self._is_there):
-            self.history.decisions.append(_decision(event, of_cell=of_cell and not of_hold))
+        # `resume` is to the cell, also where it names a hold.
+        hold = None if event.answer == VERBS[Cause.UNHOLD] else event.hold
+        about = (event.job, event.item, event.component, event.stop, hold)
+        of_cell = not is_mine and not any(about)
+        if is_mine or of_hold or (of_cell and self._is_there):
+            self.history.decisions.append(_decision(event, of_cell=of_cell))
 
     def _restarted(self, event: e.OrchestratorStarted) -> None:
         if self._is_there:

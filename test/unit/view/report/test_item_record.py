@@ -87,7 +87,7 @@ def test_every_attempt_stands_there_with_its_wait_and_how_it_ended(told: ItemHis
 def test_who_answered_and_why_and_the_restart_are_told(told: ItemHistory) -> None:
     assert [(one.what, one.words) for one in entries(told, 'decision')] == [
         ('Ann, engineer, decided retry of hold 1', 'the part sat askew'),
-        ('Ben, engineer, decided resume for the whole cell', 'belt and gripper looked at'),
+        ('Ben, engineer, decided resume of hold 2', 'belt and gripper looked at'),
     ]
     assert [(one.what, one.seconds) for one in entries(told, 'hold')] == [
         ('hold 1, press', 41.0),

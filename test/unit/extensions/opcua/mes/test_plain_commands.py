@@ -10,6 +10,7 @@ from bt_orchestrator.extensions.opcua.mes.plain_commands import (
     command_of,
     order_of,
     verbs,
+    with_code,
 )
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
@@ -103,3 +104,11 @@ def test_every_hold_takes_remarks() -> None:
 def test_a_pause_is_released_by_its_id() -> None:
     found = answer_of('7', 'resume', [hold('7', 'resume')])
     assert (found.request.name, found.arguments) == ('cell.resume', {'hold': '7'})
+
+
+def test_a_code_goes_with_a_request_that_takes_one() -> None:
+    pause = command_of('pause', '')
+    assert with_code(pause, 'LUNCH').arguments == {'code': 'LUNCH'}
+    assert with_code(pause, '') == pause
+    with pytest.raises(Unclear, match='for release has no reason of the plant'):
+        with_code(command_of('release', 'WO-1'), 'LUNCH')

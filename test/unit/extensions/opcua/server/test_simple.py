@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+import asyncua
 import pytest
 from asyncua import ua
+from fakes import shipped
 from fakes.statuses import NOW_S, hold, job, status
 from opcua_reader import Reader, reading
 from opcua_stand import opcua_stand
@@ -16,8 +18,12 @@ from bt_orchestrator.extensions.opcua.server import simple
 from bt_orchestrator.extensions.opcua.server.simple_commands import (
     ANSWER_HOLD,
     COMMAND,
+    COMPONENT_COMMAND,
     SUBMIT_ORDER,
 )
+from bt_orchestrator.script.shifts.shifts_file import read_reasons
+
+REASONS = read_reasons(shipped.REASONS)
 
 
 class Scene(NamedTuple):
@@ -160,6 +166,59 @@ def test_commands_to_the_cell_and_to_jobs_are_on_record(scene: Scene) -> None:
     decided = {one.answer: one for one in scene.events('operator.decided')}
     assert decided['pause'].reason == 'no comment (OPC UA Command)'
     assert (decided['cancel'].job, decided['cancel'].reason) == ('WO-4', 'the customer said so')
+
+
+def test_reasons_of_the_plant_are_offered_in_each_language_of_their_file(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        told = {
+            name: await reader.value(f'Simple/Reasons/{name}') for name in ('Codes', 'de', 'en')
+        }
+        assert told['Codes'] == list(REASONS)
+        assert told['de'] == [one.words['de'] for one in REASONS.values()]
+        assert told['en'] == [one.words['en'] for one in REASONS.values()]
+        assert await reader.value('Simple/Reasons/Groups') == [
+            one.group for one in REASONS.values()
+        ]
+
+    reading(scene.url, look)
+
+
+def test_a_method_with_a_code_for_each_that_has_requests_with_one(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        for name, arguments in (
+            ('Command', COMMAND), ('ComponentCommand', COMPONENT_COMMAND),
+            ('AnswerHold', ANSWER_HOLD),
+        ):  # fmt: skip
+            method = reader.node(f'Simple/{name}WithCode')
+            declared = await (await method.get_child('0:InputArguments')).read_value()
+            assert [one.Name for one in declared] == [*(one.name for one in arguments), 'Code']
+        names = [(await one.read_browse_name()).Name for one in await top(reader).get_methods()]
+        assert 'ReleaseScriptWithCode' not in names
+
+    reading(scene.url, look)
+
+
+def test_a_code_goes_to_the_cell_and_one_that_nothing_takes_does_not(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        done = await reader.call('Simple/CommandWithCode', 'pause', '', 'lunch', 'LUNCH')
+        assert done[0] is True
+        assert "this node knows no reasons, and not 'LUNCH'" in done[1]
+        accepted, message = await reader.call('Simple/CommandWithCode', 'start', '', '', 'JAM')
+        assert (accepted, message) == (
+            False,
+            'Code: expected none, for start has no reason of the plant',
+        )
+        done = await reader.call('Simple/CommandWithCode', 'resume', '', 'lunch is over', ' ')
+        assert done[0] is True
+        accepted, message = await reader.call('Simple/ClassifyStop', ':1', 'JAM', '')
+        assert (accepted, 'keeps no journal' in message) == (False, True)
+
+    reading(scene.url, look)
+    assert not any(one.code for one in scene.events('operator.decided'))
+
+
+def top(reader: Reader) -> asyncua.Node:
+    return reader.node('Simple')
 
 
 def test_a_word_that_is_no_command_is_told_with_those_there_are(scene: Scene) -> None:

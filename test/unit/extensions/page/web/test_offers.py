@@ -48,7 +48,7 @@ def test_a_pause_is_resumed_by_the_cell_or_by_its_own_name() -> None:
     (hold,) = parts['cell']['holds']
     resume = offer(parts[f'hold/{hold}'], 'resume')
     assert (resume['path'], resume['body']) == ('/api/requests/cell.resume', {'hold': hold})
-    assert resume['parameters'] == []
+    assert [one['name'] for one in resume['parameters']] == ['code']
 
 
 def test_the_answers_of_a_hold_carry_their_path_and_words() -> None:

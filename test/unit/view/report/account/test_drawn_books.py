@@ -7,11 +7,13 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from random import Random
 
 import pytest
+from fakes.classified import with_codes
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
-from fakes.kept_books import book_all
+from fakes.kept_books import book_all, whole_fold
 from fakes.plan_operator import operate
 from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
@@ -53,6 +55,7 @@ MARKS = st.lists(st.integers(0, 24), min_size=4, max_size=4, unique=True).map(so
     share=st.integers(1, 9),
     most=st.sampled_from([7, 40, 100_000]),
     removed=st.integers(0, 9),
+    random=st.randoms(use_true_random=False),
 )
 def test_drawn_runs(
     plan: Plan,
@@ -63,6 +66,7 @@ def test_drawn_runs(
     share: int,
     most: int,
     removed: int,
+    random: Random,
 ) -> None:
     bench = ProductBench(plan)
     operate(bench, plan.moments)
@@ -70,9 +74,11 @@ def test_drawn_runs(
     if not events:
         return
     period = _period(events, marks, to_slots=on_slots or removed > 0)
-    events = [one for one in events if us_of(one.time) <= period.end_us]
-    if not events:
+    number = sum(us_of(one.time) <= period.end_us for one in events)
+    if not number:
         return
+    classified = with_codes(bench.run.records[:number], random)
+    events = [_slowly(from_record(one), stretch) for one in classified]
 
     def new_live() -> LiveAccount:
         return LiveAccount(lambda _: Now(period), None)
@@ -177,7 +183,7 @@ def _period(events: Sequence[e.Event], marks: Sequence[int], *, to_slots: bool) 
 
 
 def _by_events(events: Sequence[e.Event], period: Period) -> Times:
-    fold = AccountFold(period.planned, is_whole=True)
+    fold = whole_fold(period.planned, events)
     for event in events:
         if event.event in FOLLOWED:
             fold.follow(event)

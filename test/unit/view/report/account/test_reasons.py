@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from io import StringIO
@@ -12,11 +11,12 @@ from random import Random
 from typing import Any
 
 import pytest
+from fakes.classified import with_codes
 from fakes.day import Day
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.hand_made_shift import LINE, SCRIPT, started, stopped, succeeded, to
-from fakes.kept_books import book_all
+from fakes.kept_books import book_all, whole_fold
 from fakes.naive_account import naive_code, naive_stops
 from fakes.plan_operator import operate
 from fakes.plan_runs import ProductBench
@@ -27,7 +27,6 @@ from hypothesis import strategies as st
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest, from_record
 from bt_orchestrator.model.plant.shifts import PlantReason
-from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
@@ -35,16 +34,13 @@ from bt_orchestrator.view.drawing.account.beside_page import beside_page
 from bt_orchestrator.view.drawing.account.page import account_page
 from bt_orchestrator.view.report.account.account import Account, account, whole
 from bt_orchestrator.view.report.account.bookkeeper import has_stop
-from bt_orchestrator.view.report.account.course import FOLLOWED, Course
-from bt_orchestrator.view.report.account.fold import AccountFold, Begun, FromBooks
+from bt_orchestrator.view.report.account.course import FOLLOWED
 from bt_orchestrator.view.report.account.plain import account_plain, write_csv
 from bt_orchestrator.view.report.account.planned import Planned, us_of
-from bt_orchestrator.view.report.account.steady_time import SteadyTime
 from bt_orchestrator.view.report.account.text import account_text
-from bt_orchestrator.view.report.account.total import Total
 from bt_orchestrator.view.report.beside import beside
 from bt_orchestrator.view.report.beside_words import beside_plain, beside_text
-from bt_orchestrator.view.report.line_stops import GivenReasons, shares
+from bt_orchestrator.view.report.line_stops import shares
 from bt_orchestrator.view.report.reading import Reading
 
 REASONS = {
@@ -128,7 +124,7 @@ def codes(made: Account) -> dict[str, Any]:
     return {f'{stop["loss"]} {stop["hold"] or ""}'.strip(): stop['code'] for stop in stops}
 
 
-def test_each_way_to_give_a_reason(tmp_path: Path) -> None:
+def test_7_10_each_way_to_give_a_reason(tmp_path: Path) -> None:
     made = written(tmp_path / 'j', the_day())
     assert codes(made) == {
         'own_fault 1': 'JAM',
@@ -150,7 +146,23 @@ def test_each_way_to_give_a_reason(tmp_path: Path) -> None:
     assert plain['reasons'][1]['words'] == {'de': 'Stau', 'en': 'material jam'}
 
 
-def test_a_later_classification_counts_and_changes_no_other_figure(tmp_path: Path) -> None:
+def test_7_10_a_pause_that_was_given_its_reason_afterwards_is_of_one_reason(
+    tmp_path: Path,
+) -> None:
+    """One press pauses; the pause with a reason takes its place, and `resume` names the first."""
+    day = the_day()
+    raised = [e.HoldRaised(hold=one, reason='paused', owner='ann') for one in ('8', '9')]
+    queued = e.JobQueued(job='K', script='test', digest=digest(SCRIPT), quantity=5)
+    day.note('07:32', queued, e.JobStarted(job='K'), started('more', 'a2'))
+    day.note('07:34', decided('pause'), raised[0], stopped('operator'), to('Held'))
+    day.note('07:35', decided('pause', 'LUNCH'), raised[1])
+    day.note('07:35', decided('resume', 'LUNCH', hold='8'), e.HoldReleased(hold='8'))
+    day.note('07:39', decided('resume'), e.HoldReleased(hold='9'), stopped(''), to('Execute'))
+    found = codes(written(tmp_path / 'j', day))
+    assert (found['operator 8'], found['operator 9']) == ('LUNCH', 'LUNCH')
+
+
+def test_7_10_a_later_classification_counts_and_changes_no_other_figure(tmp_path: Path) -> None:
     before, day = written(tmp_path / 'before', the_day()), the_day()
     named = {stop.span.hold: stop.span.seq for stop in before.figures.times.line_stops}
     assert (named['1'], named['2']) == (seq_of(day, '1'), seq_of(day, '2'))
@@ -166,7 +178,7 @@ def test_a_later_classification_counts_and_changes_no_other_figure(tmp_path: Pat
     assert after.figures.availability == before.figures.availability
 
 
-def test_reasons_survive_retention_beside_the_books(tmp_path: Path) -> None:
+def test_7_10_reasons_survive_retention_beside_the_books(tmp_path: Path) -> None:
     day = the_day()
     classify(day, seq_of(day, '2'), 'LUNCH')
     day.note('08:00', e.JobHeld(job='Z'))
@@ -181,7 +193,7 @@ def test_reasons_survive_retention_beside_the_books(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize('is_booked', [False, True])
-def test_a_stop_is_known_by_its_name(tmp_path: Path, *, is_booked: bool) -> None:
+def test_7_10_a_stop_is_known_by_its_name(tmp_path: Path, *, is_booked: bool) -> None:
     day, path = the_day(), tmp_path / 'j'
     day.note('08:00', e.JobHeld(job='Z'))
     made = written(path, day, before=day.events[-1].seq if is_booked else 0)
@@ -193,30 +205,11 @@ def test_a_stop_is_known_by_its_name(tmp_path: Path, *, is_booked: bool) -> None
     assert len(names) == 6
 
 
-BY_HAND = ('pause', 'stop', 'abort', 'out_of_service')
-
-
-def with_codes(records: Sequence[Mapping[str, Any]], random: Random) -> list[dict[str, Any]]:
-    """Return a run whose decisions have reasons, some of them, and stops that get one later."""
-    run = [dict(one) for one in records]
-    for one in run:
-        may_have = one['event'] == 'operator.decided' and (
-            one['answer'] in BY_HAND or ('hold' in one and not is_remark(one['answer']))
-        )
-        if may_have and random.random() < 0.6:
-            one['code'] = random.choice('ABC')
-    stops = naive_stops(run, [(us_of(run[0]['time']), us_of(run[-1]['time']) + 1)])
-    for stop in random.choices(stops, k=len(stops)) if stops else ():
-        last = run[-1]
-        said = {'answer': 'classify', 'who': 'ann', 'reason': '', 'code': random.choice('ABC')}
-        place = {'seq': last['seq'] + 1, 'time': last['time'], 'event': 'operator.decided'}
-        run.append({**place, **said, 'stop': f'x:{stop.seq}'})
-    return run
-
-
 @examples(3, 300)
 @given(lines(), st.randoms(use_true_random=False))
-def test_a_second_opinion_finds_the_same_reasons_in_drawn_runs(plan: Plan, random: Random) -> None:
+def test_7_10_a_second_opinion_finds_the_same_reasons_in_drawn_runs(
+    plan: Plan, random: Random
+) -> None:
     bench = ProductBench(plan)
     operate(bench, plan.moments)
     if not bench.run.records:
@@ -224,13 +217,8 @@ def test_a_second_opinion_finds_the_same_reasons_in_drawn_runs(plan: Plan, rando
     records = with_codes(bench.run.records, random)
     events = [from_record(one) for one in records]
     begin, end = us_of(events[0].time), us_of(events[-1].time) + 1
-    reasons = GivenReasons()
-    for event in events:
-        reasons.follow(event)
     planned = Planned.of([(begin, end)])
-    course, total = Course(is_whole=True, begin=begin), Total(reasons)
-    begun = Begun(course, total, begin, None, FromBooks(), lambda _: None, SteadyTime())
-    fold = AccountFold(planned, begun=begun)
+    fold = whole_fold(planned, events)
     for event in events:
         if event.event in FOLLOWED:
             fold.follow(event)
@@ -240,9 +228,7 @@ def test_a_second_opinion_finds_the_same_reasons_in_drawn_runs(plan: Plan, rando
     assert list(mine) == [stop.seq for stop in naive]
     for stop in naive:
         reason = mine[stop.seq]
-        code, is_later = ('', False) if reason is None else (reason.code, reason.seq > 0)
-        if is_later or stop.hold or stop.loss not in ('operator', 'waiting'):
-            assert code == naive_code(stop, records), stop
+        assert (reason.code if reason is not None else '') == naive_code(stop, records), stop
     known = Counter(stop.reason.code if stop.reason else '' for stop in times.line_stops)
     summed = Counter({one.code: one.times for one in shares(times.by_reason)})
     assert summed == known

@@ -3,7 +3,7 @@
  *
  * The same command once more carries it to the record; it changes nothing while the first one
  * stands. Once the cell has gone on it would stop it again, so then it is not sent. A pause with a
- * reason takes the place of the one without.
+ * reason takes the place of the one without, whose stop has that reason too.
  */
 
 import { newTicket, send } from '../core/api.js';
@@ -18,8 +18,9 @@ import { at, t } from '../core/text.js';
 
 /** Ask why something was done. */
 export function askAfterwards(offer, title, doneAt) {
-  const reason = reasonField(offer.name, true);
   const code = hasReasons() ? codeField(offer) : null;
+  const chosen = () => code.read().value;
+  const reason = reasonField(offer.name, true, code && chosen);
   const record = h(
     'button',
     { type: 'button', class: 'primary', 'data-do': 'send', onclick: keep },
@@ -35,21 +36,19 @@ export function askAfterwards(offer, title, doneAt) {
     ],
     { name: 'reason-afterwards' },
   );
-  reason.focus();
+  dialog.element.querySelector('select, textarea').focus();
 
   async function keep() {
     if (!reason.isGiven()) return;
-    const words = reason.value();
-    const given = { reason: words, ...(code ? { code: code.read().value } : {}) };
+    const given = { reason: reason.value(), ...(code ? { code: chosen() } : {}) };
     dialog.close();
-    keepReason(offer.name, words);
+    keepReason(offer.name, reason.typed());
     const isOffered = part('cell')?.offers.some((one) => one.name === offer.name);
     const pause = isOffered ? myPause() : null;
     if (isOffered && !pause) return note('refused', t('ask.too_late'));
     const outcome = await send(offer, given, newTicket());
     // An offer that was gone is refused, with its reason on record.
-    if (pause && outcome.kind === 'accepted')
-      await send(pause.offers[0], { reason: words }, newTicket());
+    if (pause && outcome.kind === 'accepted') await send(pause.offers[0], given, newTicket());
     return outcome;
   }
 }

@@ -12,6 +12,11 @@ export function hasReasons() {
   return reasons().length > 0;
 }
 
+/** Tell whether a request takes one of them. */
+export function takesCode({ parameters }) {
+  return hasReasons() && parameters.some((one) => one.name === CODE);
+}
+
 /** A reason in the language of the viewer; one that is not in the plant's file by its code. */
 export function reasonWords(code) {
   const reason = reasons().find((one) => one.code === code);

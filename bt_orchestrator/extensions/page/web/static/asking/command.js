@@ -5,6 +5,7 @@ import { h, show } from '../core/dom.js';
 import { effectOf, wordOf } from '../core/requests.js';
 import { news, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
+import { CODE, takesCode } from './code_field.js';
 import { dialogButtons, openDialog } from './dialog.js';
 import { parameterForm } from './form.js';
 import { holdButton } from './hold_button.js';
@@ -37,7 +38,8 @@ class Command {
     this.said = said;
     this.done = done;
     this.form = parameterForm({ ...offer, body: { ...offer.body, ...known } });
-    this.reason = reasonField(offer.name, offer.why === 'first');
+    const chosen = takesCode(offer) ? () => this.form.sofar()?.[CODE] : null;
+    this.reason = reasonField(offer.name, offer.why === 'first', chosen);
     this.ahead = offer.foresee ? whatIf(offer.foresee) : null;
     this.answer = answerView();
     this.go = this.#sendButton();
@@ -113,7 +115,7 @@ class Command {
     );
     if (outcome.kind === 'accepted') {
       this.isAccepted = true;
-      keepReason(this.offer.name, values.reason);
+      keepReason(this.offer.name, this.reason.typed());
       this.dialog.close();
     }
     // The page keeps its answer to a ticket. What the journal does not have goes again under the

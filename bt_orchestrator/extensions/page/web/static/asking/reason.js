@@ -2,13 +2,21 @@
 
 import { children, h } from '../core/dom.js';
 import { t } from '../core/text.js';
+import { reasonWords } from './code_field.js';
 
 const LONGEST = 2000;
 const KEPT = 4;
 const KEY = 'bt_orchestrator.reasons';
 
-/** Make the field: an element, `value()`, and `isGiven()`, which shows where it is missing. */
-export function reasonField(request, isRequired) {
+/**
+ * Make the field: an element, `value()`, and `isGiven()`, which shows where it is missing.
+ * @param {string} request
+ * @param {boolean} isNeeded
+ * @param {(function(): string|undefined)|null} chosen the code of the plant's reason that is
+ *   chosen beside it, which is enough; null: none can be
+ */
+export function reasonField(request, isNeeded, chosen = null) {
+  const isRequired = isNeeded && !chosen;
   const field = h('textarea', {
     rows: 2,
     maxlength: LONGEST,
@@ -24,7 +32,8 @@ export function reasonField(request, isRequired) {
   const again = lately(request).map((words) =>
     h('button', { type: 'button', class: 'chip', onclick: () => choose(words) }, words),
   );
-  const label = t(isRequired ? 'ask.reason' : 'ask.reason_optional');
+  const kind = isRequired ? 'reason' : isNeeded ? 'reason_or_code' : 'reason_optional';
+  const label = t(`ask.${kind}`);
   const element = h('div', { class: 'field' }, h('label', {}, h('span', {}, label), field));
   children(element, element.firstChild, h('div', { class: 'chips' }, again), warning);
 
@@ -40,9 +49,10 @@ export function reasonField(request, isRequired) {
   return {
     element,
     focus: () => field.focus(),
-    value: () => field.value.trim(),
+    typed: () => field.value.trim(),
+    value: () => field.value.trim() || (isNeeded && chosen?.() ? reasonWords(chosen()) : ''),
     isGiven() {
-      const isFine = !isRequired || field.value.trim() !== '';
+      const isFine = !isNeeded || this.value() !== '';
       warning.hidden = isFine;
       if (!isFine) field.focus();
       return isFine;
