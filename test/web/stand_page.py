@@ -39,8 +39,9 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
     stand = StandCell(
         folder, MemoryStore(), sections=args.sections, faults=faults, speed=args.speed
     )
-    answer = stand.queue(*(_order(stand, number, args.quantity) for number in range(args.jobs)))
-    assert answer.accepted, answer
+    orders = [_order(stand, number, args.quantity) for number in range(args.jobs)]
+    answer = stand.queue(*orders) if orders else None
+    assert answer is None or answer.accepted, answer
     access = Access(
         write_users(folder / 'users.yaml', USERS),
         args.host,
