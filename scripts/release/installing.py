@@ -75,7 +75,7 @@ def _install(root: Path, python: Path, scratch: Path) -> Iterator[str]:
     interfaces = sorted(wheels.glob('*_interfaces-*.whl'))
     _do(whole / 'pip', 'install', '--quiet', f'{wheel}{EXTRAS}', *interfaces)
     _do(whole / 'pip', 'check')
-    _completes(_do(whole / 'bt-orchestrator', 'demo', '--keep', scratch / 'kept'))
+    _completes(_do(whole / 'bt-orchestrator', 'demo', cwd=scratch))
     yield 'wheels with every extra: a line runs'
 
 
