@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,10 @@ EXAMPLES = ROOT / 'docs' / 'examples'
 KEPT = ROOT / 'test' / 'data' / 'release_0_1_0' / 'programs'
 """The examples of the last version, which clients were written after."""
 
-RUN_BY = {'mes_order.js': node_program, 'mes_order.py': lambda: sys.executable}
+RUN_BY: Mapping[str, Callable[[], str]] = {
+    'mes_order.js': node_program,
+    'mes_order.py': lambda: sys.executable,
+}
 
 
 def examples() -> list[Path]:
