@@ -19,6 +19,7 @@ _OF_THE_MOMENT = frozenset(
     [
         'stamp',
         'uptime',
+        'stands',
         'state_times',
         'state_since',
         'expected_end_s',
