@@ -62,11 +62,13 @@ class Refused(OrchestratorError):
     def in_short(self) -> str:
         """The number of mistakes, and the first of them without their hints."""
         first = self.findings[:_TOLD]
-        places = [f'{one.file}:{one.line}:{one.column}: {one.what}' for one in first]
+        places = [
+            f'{finding.file}:{finding.line}:{finding.column}: {finding.what}' for finding in first
+        ]
         more = len(self.findings) - len(first)
         rest = [f'and {more} more'] if more else []
-        told = (textwrap.shorten(place, _LONGEST, placeholder=' …') for place in places)
-        return f'{self.count}: {"; ".join([*told, *rest])}'
+        texts = (textwrap.shorten(place, _LONGEST, placeholder=' …') for place in places)
+        return f'{self.count}: {"; ".join([*texts, *rest])}'
 
 
 class UnknownActionType(OrchestratorError):

@@ -54,8 +54,8 @@ class Extension(NamedTuple):
     @property
     def _packages_missing(self) -> str:
         lacking = [package for name, package in self.packages.items() if _is_missing(name)]
-        names = ' and '.join(re.split(r'[\[<>=]', one)[0] for one in lacking)
-        needed = ' '.join(f"'{one}'" for one in self.packages.values())
+        names = ' and '.join(re.split(r'[\[<>=]', package)[0] for package in lacking)
+        needed = ' '.join(f"'{package}'" for package in self.packages.values())
         ubuntu = f', or on Ubuntu: apt install {self.ubuntu}' if self.ubuntu else ''
         how = f'install what {self.what} needs with: pip install {needed}{ubuntu}'
         return names and f'{self.name}: {names} cannot be imported; {how}'

@@ -20,10 +20,15 @@ DESCRIPTION = """\
 Decide about something that is held; `status` lists the holds and what each of them offers.
 """
 
-WORDS = {one.word: one for one in requests_about(About.HOLD)}
+WORDS = {request.word: request for request in requests_about(About.HOLD)}
 """Answers, and remarks, which leave the hold unchanged."""
 
-_CODE = next(one for word in WORDS.values() for one in word.parameters if one.name == 'code')
+_CODE = next(
+    parameter
+    for word in WORDS.values()
+    for parameter in word.parameters
+    if parameter.name == 'code'
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

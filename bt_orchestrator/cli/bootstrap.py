@@ -240,12 +240,12 @@ def queue(simulation: Simulation, given: Sequence[Given]) -> None:
 
     :raises Refused: the cell did not accept all of them
     """
-    answers = simulation.submit(one.job for one in given)
+    answers = simulation.submit(order.job for order in given)
     refused = [
-        Finding(one.places.file, place.line, place.column, answer.message)
-        for one, answer in zip(given, answers, strict=True)
+        Finding(order.places.file, place.line, place.column, answer.message)
+        for order, answer in zip(given, answers, strict=True)
         if not answer.accepted
-        for place in [one.places.place('script')]
+        for place in [order.places.place('script')]
     ]
     if refused:
         raise Refused(refused)

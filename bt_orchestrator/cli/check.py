@@ -142,9 +142,9 @@ def _plant_lines(args: argparse.Namespace) -> list[str]:
     return lines
 
 
-def warn(found: Iterable[Finding]) -> None:
+def warn(findings: Iterable[Finding]) -> None:
     """Print warnings on the standard error."""
-    for warning in found:
+    for warning in findings:
         what = f'warning: {warning.what}'
         print(dataclasses.replace(warning, what=what), file=sys.stderr)
 
@@ -184,12 +184,12 @@ def _read(args: argparse.Namespace, types: ActionTypes) -> _Checked:
     cell, scripts = loaded
     paths = [find_script(name, folders) for name in names]
     given = [ReadScript(path, script) for path, script in zip(paths, scripts, strict=True)]
-    jobs = [one.job for one in bound[1]]
-    found = warnings(args.cell, cell, given, folders, types)
+    jobs = [order.job for order in bound[1]]
+    problems = warnings(args.cell, cell, given, folders, types)
     ordered = of_scripts(job.script for job in jobs if job.script not in scripts)
     kinds = chain(chain.from_iterable(of_recipe(recipe, cell) for recipe in recipes), ordered)
-    found += timeless(args.cell, cell, kinds)
-    return _Checked(cell, scripts, recipes, jobs, found, Pacing(cell, types, args.journal))
+    problems += timeless(args.cell, cell, kinds)
+    return _Checked(cell, scripts, recipes, jobs, problems, Pacing(cell, types, args.journal))
 
 
 def _lines(checked: _Checked) -> Iterator[str]:
@@ -224,8 +224,8 @@ def as_json(findings: Sequence[Finding]) -> dict[str, Any]:
 
 
 def _plain(findings: Sequence[Finding]) -> list[dict[str, Any]]:
-    told = ('file', 'line', 'column', 'what', 'hint')
-    return [{name: getattr(finding, name) for name in told} for finding in findings]
+    names = ('file', 'line', 'column', 'what', 'hint')
+    return [{name: getattr(finding, name) for name in names} for finding in findings]
 
 
 def summary(script: Script, cell: Cell, pace: ScriptPace) -> Iterator[str]:
@@ -248,10 +248,10 @@ def _pace_lines(pace: ScriptPace) -> Iterator[str]:
 
 def _recipe_line(recipe: Recipe, cell: Cell) -> str:
     """Say that a cell can do what a recipe wants."""
-    told = _plain_recipe(recipe, cell)
-    choice = f'{told["with_choice"]} of them in more than one way' if told['with_choice'] else ''
+    facts = _plain_recipe(recipe, cell)
+    choice = f'{facts["with_choice"]} of them in more than one way' if facts['with_choice'] else ''
     return (
-        f'{recipe.name}, version {recipe.version}: {counted(told["operations"], "operation")}, '
+        f'{recipe.name}, version {recipe.version}: {counted(facts["operations"], "operation")}, '
         f'cell {cell.name} can do each' + (f', {choice}' if choice else '')
     )
 

@@ -35,8 +35,8 @@ class CommandParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print how it is used, the mistake, and what was probably meant; end with 2."""
-        found = re.match(r'unrecognized arguments: (--?[\w-]+)', message)
-        hint = meant(found[1], self._option_string_actions) if found else ''
+        match = re.match(r'unrecognized arguments: (--?[\w-]+)', message)
+        hint = meant(match[1], self._option_string_actions) if match else ''
         super().error(f'{message}{hint}')
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

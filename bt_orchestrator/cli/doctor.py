@@ -114,8 +114,8 @@ def examine(args: argparse.Namespace) -> Iterator[Check]:
     yield reach(environment)
     yield security(environment)
     yield from machine.interface_packages()
-    cell, found = _cell(args.cell, is_shared=not isinstance(args.journal, Path))
-    yield from found
+    cell, checks = _cell(args.cell, is_shared=not isinstance(args.journal, Path))
+    yield from checks
     yield from _with_ros(args, cell)
 
 
@@ -174,7 +174,7 @@ LEFT_S = 60.0
 
 def _memory(cell: Cell, *, is_shared: bool) -> Check:
     """Say within which time a restart needs no answers of a person (semantics 9.2)."""
-    shortest = min(cell.components.values(), key=lambda one: one.result_timeout_s)
+    shortest = min(cell.components.values(), key=lambda component: component.result_timeout_s)
     if is_shared and shortest.result_timeout_s < LEFT_S:
         return warn(
             'result_timeout',

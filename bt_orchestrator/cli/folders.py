@@ -64,11 +64,11 @@ def shipped(*path: str) -> Path:
     :raises Refused: it is not installed
     """
     places = list(_shares(*path))
-    found = next((place for place in places if place.exists()), None)
-    if found is None:
+    file = next((place for place in places if place.exists()), None)
+    if file is None:
         what = f'the shipped file is not installed; looked in {", ".join(map(str, places))}'
         raise Refused([Finding('/'.join(path), 1, 1, what, 'install the package again')])
-    return found
+    return file
 
 
 def _shares(*path: str) -> list[Path]:

@@ -68,13 +68,13 @@ def _journal_here() -> Path:
     from bt_orchestrator.store.shared.mark import MARK
 
     marks = sorted(path.name for path in Path().glob(f'*{MARK}'))
-    found = [Path(name) for mark in marks if Path(name := mark.removesuffix(MARK)).exists()]
-    if len(found) != 1:
-        names = ', '.join(map(str, found)) or 'none'
+    journals = [Path(name) for mark in marks if Path(name := mark.removesuffix(MARK)).exists()]
+    if len(journals) != 1:
+        names = ', '.join(map(str, journals)) or 'none'
         raise argparse.ArgumentTypeError(
             f'expected one journal in {Path.cwd()}; found {names}; name it: --journal FILE'
         )
-    return _taken('journal', found[0])
+    return _taken('journal', journals[0])
 
 
 def _taken(what: str, path: Path) -> Path:

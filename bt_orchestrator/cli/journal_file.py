@@ -80,8 +80,8 @@ def journals_of(plant: Address) -> Sequence[tuple[str, Address]] | None:
     :raises JournalUnusable: the database cannot be read
     :raises ExtensionMissing: the extension is not installed
     """
-    found: Sequence[tuple[str, str]] | None = _postgres('overview').journals_of(plant)
-    return None if found is None else [(cell, Address(place)) for cell, place in found]
+    journals: Sequence[tuple[str, str]] | None = _postgres('overview').journals_of(plant)
+    return None if journals is None else [(cell, Address(place)) for cell, place in journals]
 
 
 def _postgres(module: str) -> ModuleType:

@@ -208,10 +208,10 @@ class _Version(argparse.Action):
         from importlib.metadata import PackageNotFoundError, version
 
         try:
-            found = version('bt_orchestrator')
+            release = version('bt_orchestrator')
         except PackageNotFoundError:
-            found = 'not installed'
-        print(f'{PROGRAM} {found}')
+            release = 'not installed'
+        print(f'{PROGRAM} {release}')
         parser.exit()
 
 

@@ -89,7 +89,7 @@ def run(args: argparse.Namespace) -> int:
     return new_cell(args, _servers(args), bootstrap.installed_types())
 
 
-def new_cell(args: argparse.Namespace, found: Iterable[FoundServer], types: ActionTypes) -> int:
+def new_cell(args: argparse.Namespace, servers: Iterable[FoundServer], types: ActionTypes) -> int:
     """Write the files and say what they hold.
 
     :raises WrongUse: name or number of sections cannot be
@@ -97,7 +97,7 @@ def new_cell(args: argparse.Namespace, found: Iterable[FoundServer], types: Acti
     """
     _check(args)
     folder: Path = args.output or Path(args.name)
-    plan = plan_cell(args.sections, found, types)
+    plan = plan_cell(args.sections, servers, types)
     schemas = _schemas()
     places = {file: _from(file, name) for file, name in SCHEMAS.items() if name in schemas}
     texts = (
@@ -173,9 +173,9 @@ def _summary(plan: Plan, folder: Path, files: Iterable[str], *, from_graph: bool
     for name in files:
         yield f'{folder / name} written'
     devices = [plan.conveyor, *plan.components]
-    found = sum(1 for device in devices if device.found)
+    count = sum(1 for device in devices if device.found)
     if from_graph:
-        yield f'{found} of {len(devices)} devices found on the ROS graph, the others are examples'
+        yield f'{count} of {len(devices)} devices found on the ROS graph, the others are examples'
     else:
         yield f'{len(devices)} devices, all of them examples; --from-graph takes those that run'
     yield f'next: cd {folder} && {PROGRAM} check {SCRIPT}'

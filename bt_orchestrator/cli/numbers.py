@@ -19,10 +19,10 @@ def moment(text: str) -> float:
     :raises ArgumentTypeError: it is no time
     """
     try:
-        found = datetime.fromisoformat(text)
-        if not EARLIEST <= found.year <= LATEST:
-            raise ValueError(f'{found.year} is no year of a line')
-        return found.timestamp()
+        instant = datetime.fromisoformat(text)
+        if not EARLIEST <= instant.year <= LATEST:
+            raise ValueError(f'{instant.year} is no year of a line')
+        return instant.timestamp()
     except ValueError as error:
         raise argparse.ArgumentTypeError(
             f'{text!r} is not a time; write 2026-05-17, or 2026-05-17T14:30, with +02:00 or '

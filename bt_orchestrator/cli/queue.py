@@ -61,7 +61,7 @@ def others(door: _Queue, status: CellStatus) -> list[JobStatus]:
     if status.queued <= len(listed):
         return []
     known, after = set(listed), listed[-1]
-    found: list[JobStatus] = []
+    jobs: list[JobStatus] = []
     while True:
         try:
             page = door.queue(after)
@@ -69,9 +69,9 @@ def others(door: _Queue, status: CellStatus) -> list[JobStatus]:
             # What began behind a job that has left the queue meanwhile, begins with the first one.
             page = door.queue(after := '')
         if not page.jobs:
-            return found
+            return jobs
         after = page.jobs[-1].id
-        found += [job for job in page.jobs if job.id not in known]
+        jobs += [job for job in page.jobs if job.id not in known]
         known.update(job.id for job in page.jobs)
 
 

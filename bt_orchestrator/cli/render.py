@@ -155,8 +155,10 @@ def kind_of(path: Path) -> str:
     """
     ending = path.suffix.lower()
     if ending not in ENDINGS:
-        found = f'{path.name} has the ending {ending}' if ending else f'{path.name} has no ending'
-        raise WrongUse(f'{found}; expected one of {", ".join(ENDINGS)}')
+        problem = (
+            f'{path.name} has the ending {ending}' if ending else f'{path.name} has no ending'
+        )
+        raise WrongUse(f'{problem}; expected one of {", ".join(ENDINGS)}')
     return ending[1:]
 
 
@@ -182,7 +184,7 @@ def saved_status(path: Path) -> CellStatus:
     :raises CannotRead: there is no such file, or it holds something else
     """
     try:
-        found = json.loads(read_ordinary(path, LARGEST_FILE))
+        plain = json.loads(read_ordinary(path, LARGEST_FILE))
     except OSError as error:
         raise CannotRead(f'cannot read {path}: {error.strerror}; check the path') from error
     except (RecursionError, ValueError) as error:
@@ -190,7 +192,7 @@ def saved_status(path: Path) -> CellStatus:
             f'{path} is not JSON: {error}; expected what status --json prints'
         ) from error
     try:
-        return read_status(found)
+        return read_status(plain)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise CannotRead(
             f'{path} holds no status of a cell ({error!r}); expected what status --json of this '

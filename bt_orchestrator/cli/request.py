@@ -82,13 +82,13 @@ def arguments_from(request: Request, words: Sequence[str]) -> dict[str, Any]:
     :param words: each as NAME=VALUE
     :raises WrongUse: says which word is wrong, and what was expected
     """
-    known = {one.name: one for one in request.parameters}
+    known = {parameter.name: parameter for parameter in request.parameters}
     texts: dict[str, list[str]] = {}
     for word in words:
         name, equals, _ = word.partition('=')
         parameter = known.get(name.partition('.')[0])
         if not equals or parameter is None:
-            expected = ', '.join(f'{one}=...' for one in known) or 'no arguments'
+            expected = ', '.join(f'{name}=...' for name in known) or 'no arguments'
             raise WrongUse(f'request {request.name}: expected {expected}; found {word!r}')
         texts.setdefault(parameter.name, []).append(word)
     return {name: _value(request, known[name], given) for name, given in texts.items()}
@@ -106,9 +106,9 @@ def _value(request: Request, parameter: Parameter, words: Sequence[str]) -> Any:
         return _ONE[parameter.kind](values[0])
     except (KeyError, ValueError) as error:
         expected = f'{parameter.name}={_FORMS[parameter.kind]}'
-        found = ' '.join(words)
+        text = ' '.join(words)
         raise WrongUse(
-            f'request {request.name}: expected {expected}; found {found!r} ({error})'
+            f'request {request.name}: expected {expected}; found {text!r} ({error})'
         ) from error
 
 

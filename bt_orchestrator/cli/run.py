@@ -95,10 +95,10 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     from bt_orchestrator.cli.journal_file import open_journal, open_standby
     from bt_orchestrator.ros.node import Parts, run_node
 
-    told = {name: getattr(args, name) for name, _ in described()}
-    told['trees'] = tuple(script_folders(args.trees))
-    told['recipes'] = tuple(recipe_folders(args.recipes))
-    defaults = NodeParameters(**told)
+    values = {name: getattr(args, name) for name, _ in described()}
+    values['trees'] = tuple(script_folders(args.trees))
+    values['recipes'] = tuple(recipe_folders(args.recipes))
+    defaults = NodeParameters(**values)
     ros_args = getattr(args, 'ros_args', ())
     parts = Parts(
         open_journal,
@@ -121,12 +121,12 @@ def _sinks(names: Sequence[str]) -> Sequence[EventSink]:
 
     :raises WrongUse: no package brings one of them
     """
-    found = of_others('sinks') if names else {}
-    unknown = [name for name in names if name not in found]
+    entry_points = of_others('sinks') if names else {}
+    unknown = [name for name in names if name not in entry_points]
     if unknown:
-        known = ', '.join(found) or 'none'
+        known = ', '.join(entry_points) or 'none'
         raise WrongUse(f'run: no installed package brings the output {unknown[0]}; found: {known}')
-    return [found[name].load()() for name in names]
+    return [entry_points[name].load()() for name in names]
 
 
 def tree_node_main() -> int:

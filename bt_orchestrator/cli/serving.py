@@ -47,8 +47,8 @@ def add_server_options(
 
 def users_of(args: argparse.Namespace) -> Path:
     """Return the file of users that is meant."""
-    found: Path = args.users or default_file(os.environ)
-    return found
+    path: Path = args.users or default_file(os.environ)
+    return path
 
 
 # The output of a server while it runs: one line for each login, command and error.

@@ -89,13 +89,13 @@ def _list(args: argparse.Namespace, users: UsersFile) -> int:
     content = users.content()
     roles = {name: user.role.value for name, user in content.users.items()}
     if args.json:
-        told = [{'name': name, 'role': role} for name, role in roles.items()]
+        entries = [{'name': name, 'role': role} for name, role in roles.items()]
         panels = [{'kind': kind, 'name': name} for kind, name in content.panels]
         keys = [
             {'name': name, 'role': key.role.value, 'door': key.door, 'public': key.public}
             for name, key in content.keys.items()
         ]
-        print(json.dumps({'users': told, 'panels': panels, 'keys': keys}))
+        print(json.dumps({'users': entries, 'panels': panels, 'keys': keys}))
         return 0
     width = max(map(len, roles), default=0)
     for name, role in roles.items():
@@ -221,6 +221,6 @@ def _password(name: str) -> str:
 
 def _expect(args: argparse.Namespace, count: int, what: str) -> list[str]:
     if len(args.what) != count:
-        found = ' '.join(args.what) or 'nothing'
-        raise WrongUse(f'user {args.action}: expected {what}, found {found}')
+        words = ' '.join(args.what) or 'nothing'
+        raise WrongUse(f'user {args.action}: expected {what}, found {words}')
     return list(args.what)

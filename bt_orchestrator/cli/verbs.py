@@ -99,7 +99,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
 }
 
 _MOVED: Mapping[tuple[str, ...], tuple[str, str]] = {
-    **{(one.word,): ('cell', one.word) for one in TABLE if one.cause},
+    **{(request.word,): ('cell', request.word) for request in TABLE if request.cause},
     **{(typed,): ('component', typed) for typed in ('out-of-service', 'in-service')},
     **{('queue', word): ('job', word) for word in words_about(About.JOB)},
     ('queue', 'stop-after'): ('cell', 'stop-after'),
@@ -182,9 +182,9 @@ def declare_actions(
     parser.epilog = f'{PROGRAM} {verb} ACTION --help says more about an action'
     actions = parser.add_subparsers(dest='command_parser', metavar='ACTION', required=True)
     for name, action in actions_of(verb).items():
-        one = actions.add_parser(name, help=action.effect.replace('%', '%%'))
+        action_parser = actions.add_parser(name, help=action.effect.replace('%', '%%'))
         if with_options:
-            action.add_arguments(one)
+            action.add_arguments(action_parser)
     return parser
 
 
@@ -202,13 +202,15 @@ def _place_of_action(words: Sequence[str], actions: Mapping[str, Action]) -> int
 
 
 def _options_with_value(actions: Iterable[Action]) -> set[str]:
-    found = set()
+    options = set()
     for action in (*actions, *actions_of('job').values()):  # old forms: queue --as ID requeue
         parser = CommandParser(add_help=False)
         action.add_arguments(parser)
         declared = parser._actions  # noqa: SLF001 - argparse has no other list of them
-        found |= {name for one in declared if one.nargs != 0 for name in one.option_strings}
-    return found
+        options |= {
+            name for option in declared if option.nargs != 0 for name in option.option_strings
+        }
+    return options
 
 
 def help_line(verb: str) -> str:
@@ -217,7 +219,7 @@ def help_line(verb: str) -> str:
 
 
 def _request(verb: str) -> Request:
-    return next(one for one in TABLE if one.word == verb.replace('-', '_'))
+    return next(request for request in TABLE if request.word == verb.replace('-', '_'))
 
 
 def module_of(verb: str) -> ModuleType:
@@ -240,4 +242,4 @@ def module_name(verb: str) -> str:
 
 
 def _extension(verb: str) -> Extension | None:
-    return next((one for one in EXTENSIONS if one.verb == verb), None)
+    return next((extension for extension in EXTENSIONS if extension.verb == verb), None)

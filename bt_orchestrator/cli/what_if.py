@@ -67,12 +67,12 @@ def run(args: argparse.Namespace) -> int:
     folders = script_folders(args.trees), recipe_folders(args.recipes)
     planning = PlanningProcess(*folders, any_path=True)
     with contextlib.closing(planning):
-        found = planning.what_if(moment, requests)
+        consequence = planning.what_if(moment, requests)
     if args.json:
-        print(json.dumps({**_plain(found), 'left_out': left_out}))
+        print(json.dumps({**_plain(consequence), 'left_out': left_out}))
     else:
-        print('\n'.join(lines(found, left_out)))
-    return 1 if found.refusals else 0
+        print('\n'.join(lines(consequence, left_out)))
+    return 1 if consequence.refusals else 0
 
 
 class _Collecting:
@@ -125,22 +125,22 @@ def _asked(text: str) -> Sequence[Asked]:
     return door.asked
 
 
-def lines(found: Consequence, left_out: int = 0) -> Iterator[str]:
+def lines(consequence: Consequence, left_out: int = 0) -> Iterator[str]:
     """Yield a prediction as text.
 
     :param left_out: how many jobs at the end of the queue are not in it
     """
-    yield from table(('job', 'ends in', 'would end in', 'change'), list(_rows(found)))
-    yield from (f'{job}: the end is unknown, {why}' for job, why in found.unknown.items())
-    yield from (f'would be refused: {refusal}' for refusal in found.refusals)
-    yield from found.notes
+    yield from table(('job', 'ends in', 'would end in', 'change'), list(_rows(consequence)))
+    yield from (f'{job}: the end is unknown, {why}' for job, why in consequence.unknown.items())
+    yield from (f'would be refused: {refusal}' for refusal in consequence.refusals)
+    yield from consequence.notes
     if left_out:
         last = f'the last {counted(left_out, "job")} of the queue'
         yield f'without {last}; a request about one of them is refused here, and not by the node'
 
 
-def _rows(found: Consequence) -> Iterator[tuple[str, ...]]:
-    for change in found.changes:
+def _rows(consequence: Consequence) -> Iterator[tuple[str, ...]]:
+    for change in consequence.changes:
         yield (
             change.job,
             _end(change.before, 'new'),
@@ -161,12 +161,12 @@ def _change(job: JobChange) -> str:
     return '=' if job.change == 'same' else f'{job.by_s:+.1f} s'
 
 
-def _plain(found: Consequence) -> dict[str, object]:
+def _plain(consequence: Consequence) -> dict[str, object]:
     """Return what JSON can carry."""
     return {
-        'before': [one._asdict() for one in found.before],
-        'after': [one._asdict() for one in found.after],
-        'refusals': list(found.refusals),
-        'unknown': dict(found.unknown),
-        'notes': list(found.notes),
+        'before': [job._asdict() for job in consequence.before],
+        'after': [job._asdict() for job in consequence.after],
+        'refusals': list(consequence.refusals),
+        'unknown': dict(consequence.unknown),
+        'notes': list(consequence.notes),
     }

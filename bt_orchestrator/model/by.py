@@ -165,8 +165,8 @@ def origin_with(program: str, ticket: str, remark: str = '') -> str:
 
 def ticket_in(origin: str) -> str:
     """Return the ticket in an origin; empty: there is none."""
-    found = _TICKET.search(origin)
-    return found[1] if found else ''
+    match = _TICKET.search(origin)
+    return match[1] if match else ''
 
 
 def without_ticket(origin: str) -> str:

@@ -115,12 +115,14 @@ class Setup:
         """The content of that field in a new message."""
         return type(next(iter(self.read_as.values())))()
 
-    def told(self, said: Any) -> str:
+    def told(self, reading: Any) -> str:
         """Return the value that the field tells; what is no value of the setup, as a text."""
         same = (
-            name for name, one in self.read_as.items() if (type(one), one) == (type(said), said)
+            name
+            for name, value in self.read_as.items()
+            if (type(value), value) == (type(reading), reading)
         )
-        return next(same, str(said))
+        return next(same, str(reading))
 
 
 @dataclass(frozen=True)

@@ -168,20 +168,20 @@ def message_words(state: CellState, hold: e.HoldRaised) -> tuple[Words, ...]:
     failed, task = state.tasks.get(key), state.task(key) or index_task(state.cell)
     if failed is None:
         return ()
-    said = Words('said', {'words': failed.message}) if failed.message else None
+    quote = Words('said', {'words': failed.message}) if failed.message else None
     otherwise = OR.join(answer for answer in hold.answers if answer != MARK_DONE)
     moved = 'placed' if task.qty_change == 1 else 'taken_out'
     question = Words(moved, {**facts, 'answers': otherwise}) if _is_open(failed, task) else None
-    return tuple(filter(None, (said, question, _wanted(state, key))))
+    return tuple(filter(None, (quote, question, _wanted(state, key))))
 
 
 def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
     """Return what an operator may answer about a held task now (semantics 3.5, 4.3, 7.1)."""
-    found = [answer for answer, obstacle in _obstacles(state, key, task) if obstacle is None]
+    choices = [answer for answer, obstacle in _obstacles(state, key, task) if obstacle is None]
     # The topic decides nothing, but what it says is the likelier truth (decision 0018).
     if state.tasks[key].topic_says == SUCCEEDED:
-        found.sort(key=lambda answer: answer != MARK_DONE)
-    return tuple(found)
+        choices.sort(key=lambda answer: answer != MARK_DONE)
+    return tuple(choices)
 
 
 def why_not_offered(state: CellState, key: e.TaskKey, task: Task) -> str:

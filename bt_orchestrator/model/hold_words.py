@@ -53,9 +53,9 @@ def why_words(reason: str, message: str, controller_said: str = '', topic_says: 
     :param controller_said: text of the controller's own result
     :param topic_says: end of a goal without a result, by the status topic
     """
-    said = [f'the controller says: {controller_said}'] if controller_said else []
+    quotes = [f'the controller says: {controller_said}'] if controller_said else []
     listed = [f'the status topic says: {topic_says}'] if topic_says else []
-    words = '; '.join(filter(None, map(one_line, (*said, message, *listed))))
+    words = '; '.join(filter(None, map(one_line, (*quotes, message, *listed))))
     return f'{reason} ({words})' if words else reason
 
 

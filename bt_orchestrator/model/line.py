@@ -54,10 +54,10 @@ def not_ready_words(why: str) -> str:
 
 def waits_for_service(state: CellState, component: str) -> Wait | None:
     """Say that a component is out of service (semantics 7.5); None: it is not."""
-    found = state.out_of_service.get(component)
-    if found is None:
+    outage = state.out_of_service.get(component)
+    if outage is None:
         return None
-    what = f'waiting for {component}, which is out of service ({found.reason})'
+    what = f'waiting for {component}, which is out of service ({outage.reason})'
     return Wait(what, WaitKind.OUT_OF_SERVICE, component)
 
 
@@ -66,8 +66,8 @@ def waits_for_readiness(state: CellState, component: str) -> Wait | None:
     topic, reading = state.cell.components[component].state, state.readings[component]
     if topic is None or reading.ready:
         return None
-    found = 'nothing is published there' if reading.value is None else f'it is {reading.value}'
-    return Wait(f'waiting for {topic}; {found}', WaitKind.READINESS, component)
+    finding = 'nothing is published there' if reading.value is None else f'it is {reading.value}'
+    return Wait(f'waiting for {topic}; {finding}', WaitKind.READINESS, component)
 
 
 # --- jobs -----------------------------------------------------------------------------------

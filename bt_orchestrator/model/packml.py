@@ -181,10 +181,10 @@ def refusal(state: PackmlState, cause: Cause) -> str | None:
     """Say why a command cannot be carried out in a state, and what can; None: it can."""
     if cause in TRANSITIONS[state] or cause in HOLD_ANYWHERE:
         return None
-    fitting = ' or '.join(one.value for one in PackmlState if cause in TRANSITIONS[one])
+    fitting = ' or '.join(other.value for other in PackmlState if cause in TRANSITIONS[other])
     if len(fitting.split(' or ')) > 2:
         fitting = 'another state'
-    possible = ', '.join(VERBS[one] for one in possible_in(state))
+    possible = ', '.join(VERBS[other] for other in possible_in(state))
     return f'the cell is {state.value}; {VERBS[cause]} is for {fitting}; possible now: {possible}'
 
 

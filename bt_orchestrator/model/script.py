@@ -107,7 +107,9 @@ class Task:
         """Every reference to what has to be known when it starts; not to its own results."""
         yield from references(self.args)
         for condition in self._conditions:
-            yield from (one for one in condition.references if not self.gives(one))
+            yield from (
+                reference for reference in condition.references if not self.gives(reference)
+            )
 
     def gives(self, reference: Reference) -> bool:
         """Tell whether a reference names one of its own results."""
@@ -120,7 +122,9 @@ class Task:
 
     @property
     def _conditions(self) -> Iterator[Condition]:
-        return (one for one in (self.condition, self.fails_unless) if one is not None)
+        return (
+            condition for condition in (self.condition, self.fails_unless) if condition is not None
+        )
 
     @cached_property
     def own_serial(self) -> Reference | None:
@@ -393,11 +397,11 @@ class Script:
     @cached_property
     def zones_of(self) -> Mapping[str, tuple[str, ...]]:
         """Names of the zones that each task is in, by task id."""
-        found: dict[str, tuple[str, ...]] = {}
+        zones: dict[str, tuple[str, ...]] = {}
         for zone in self.zones:
             for task in zone.tasks:
-                found[task] = (*found.get(task, ()), zone.name)
-        return found
+                zones[task] = (*zones.get(task, ()), zone.name)
+        return zones
 
     def work_out(self) -> None:
         """Work out all that is asked of it: it is kept, and goes along to another process."""
@@ -411,8 +415,8 @@ def _changes(tasks: SectionList, qty_change: int) -> bool:
 
 
 def _grouped(flags: tuple[Dependency, ...], end: str) -> Mapping[str, tuple[Dependency, ...]]:
-    found: dict[str, tuple[Dependency, ...]] = {}
+    groups: dict[str, tuple[Dependency, ...]] = {}
     for dependency in flags:
         task = getattr(dependency, end)
-        found[task] = (*found.get(task, ()), dependency)
-    return found
+        groups[task] = (*groups.get(task, ()), dependency)
+    return groups

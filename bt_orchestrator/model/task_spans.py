@@ -41,8 +41,8 @@ class TaskSpans:
             started = self._open.pop(event.key, None)
             return None if started is None else TaskSpan(started, event)
         elif isinstance(event, e.ClockStepped) and event.seconds:
-            for key, one in self._open.items():
-                self._open[key] = one.stamped(one.seq, one.time + event.seconds)
+            for key, span in self._open.items():
+                self._open[key] = span.stamped(span.seq, span.time + event.seconds)
         return None
 
     def open(self) -> Iterator[e.TaskStarted]:

@@ -204,15 +204,15 @@ def sentence(kind: str, **values: object) -> str:
 @lru_cache(maxsize=256)
 def facts_of(message: str) -> tuple[Words, ...]:
     """Return the facts of a message that was made of sentences; empty: it has no such sentence."""
-    parts, found = message.split(AND)[:_MOST_PARTS], list[Words]()
+    parts, facts = message.split(AND)[:_MOST_PARTS], list[Words]()
     while parts:
         runs = ((size, _read(AND.join(parts[:size]))) for size in range(_LONGEST, 0, -1))
-        said = Words('said', {'words': parts[0]})
-        size, known = next(((size, one) for size, one in runs if one), (1, said))
-        found.append(known)
+        quote = Words('said', {'words': parts[0]})
+        size, known = next(((size, words) for size, words in runs if words), (1, quote))
+        facts.append(known)
         del parts[:size]
     is_whole = message.count(AND) < _MOST_PARTS
-    return tuple(found) if is_whole and any(one.kind != 'said' for one in found) else ()
+    return tuple(facts) if is_whole and any(fact.kind != 'said' for fact in facts) else ()
 
 
 def _read(text: str) -> Words | None:
@@ -257,7 +257,7 @@ def _pieces(template: str) -> list[tuple[str, str | None]]:
 _PIECES = {
     kind: _pieces(text)
     for kind, text in sorted(
-        SENTENCES.items(), key=lambda one: -len(''.join(part for part, _ in _pieces(one[1])))
+        SENTENCES.items(), key=lambda entry: -len(''.join(part for part, _ in _pieces(entry[1])))
     )
     if kind != 'said'
 }

@@ -64,7 +64,7 @@ class JobChange(NamedTuple):
     @property
     def by_s(self) -> float | None:
         """Return how much later it ends; None: one of both ends is not known."""
-        before, after = (one and one.ends_s for one in (self.before, self.after))
+        before, after = (end and end.ends_s for end in (self.before, self.after))
         return None if before is None or after is None else after - before
 
     def is_late(self, job: ExpectedJob | None) -> bool:
@@ -91,7 +91,7 @@ class Consequence(NamedTuple):
     @property
     def changes(self) -> Iterator[JobChange]:
         """Yield every job without and with the requests, in the order of then."""
-        before, after = ({one.job: one for one in jobs} for jobs in (self.before, self.after))
+        before, after = ({end.job: end for end in jobs} for jobs in (self.before, self.after))
         for job in {**after, **before}:
             yield JobChange(job, before.get(job), after.get(job), self.due_s.get(job))
 

@@ -74,7 +74,7 @@ class Presence:
             )
 
     def announce(
-        self, cell: Cell, history: str, epoch: int, found: Callable[[str], object]
+        self, cell: Cell, history: str, epoch: int, report: Callable[[str], object]
     ) -> None:
         """Say from now on who is here, and call back with words for each other one that is.
 
@@ -90,7 +90,7 @@ class Presence:
             is_successive = epoch and other.epoch and other.history == history
             if is_new and not is_successive:
                 known.add(other.instance)
-                found(f'{name} also runs elsewhere: {where(other)}; stop one of the two')
+                report(f'{name} also runs elsewhere: {where(other)}; stop one of the two')
 
         self._publisher = publisher(self._node, Identity, f'~/{TOPIC}', LATCHED)
         subscribe(self._node, Identity, f'~/{TOPIC}', heard, _FROM_ALL)

@@ -60,9 +60,9 @@ def widen_buffers() -> None:
     A profile of Fast DDS could say it only where rmw_fastrtps takes the built-in transports: with
     a discovery range of LOCALHOST it makes its own.
     """
-    for one in _sockets():
-        if one.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) < WANTED_BYTES:
-            one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, WANTED_BYTES)
+    for sock in _sockets():
+        if sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) < WANTED_BYTES:
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, WANTED_BYTES)
 
 
 def _sockets() -> Iterator[socket.socket]:
@@ -71,6 +71,6 @@ def _sockets() -> Iterator[socket.socket]:
         with contextlib.suppress(OSError):  # it is none, or was closed meanwhile
             if not str(entry.readlink()).startswith('socket:'):
                 continue
-            with socket.socket(fileno=os.dup(int(entry.name))) as one:
-                if one.family == socket.AF_INET and one.type == socket.SOCK_DGRAM:
-                    yield one
+            with socket.socket(fileno=os.dup(int(entry.name))) as sock:
+                if sock.family == socket.AF_INET and sock.type == socket.SOCK_DGRAM:
+                    yield sock

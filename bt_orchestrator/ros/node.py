@@ -276,8 +276,8 @@ class TreeNode:
         """
         tell(STOPPING)
         first = stop.count
-        told = begin(self.orchestrator.carry_out(Shutdown()))
-        while not told.is_there and stop.count == first:  # for the journal's timeout at most
+        answer = begin(self.orchestrator.carry_out(Shutdown()))
+        while not answer.is_there and stop.count == first:  # for the journal's timeout at most
             self._spin_once(0.1)
         deadline = time.monotonic() + FAREWELL_S
         while (

@@ -221,10 +221,10 @@ class NodeParameters:
         :raises BadParameter: the message lists the choices
         """
         for name, words in described():
-            found = getattr(self, name)
-            if words.choices and found not in words.choices:
+            value = getattr(self, name)
+            if words.choices and value not in words.choices:
                 expected = ' or '.join(words.choices)
-                raise BadParameter(f'parameter {name}: expected {expected}, found {found!r}')
+                raise BadParameter(f'parameter {name}: expected {expected}, found {value!r}')
 
 
 @cache

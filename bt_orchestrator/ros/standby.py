@@ -245,8 +245,8 @@ class Standbys:
         self._heard = {
             key: entry for key, entry in self._heard.items() if now - entry[1] < REMEMBERED_S
         }
-        told = (self._told(status, at_s, now) for status, at_s in self._heard.values())
-        return changed(self._own, standbys=tuple(told))
+        standbys = (self._told(status, at_s, now) for status, at_s in self._heard.values())
+        return changed(self._own, standbys=tuple(standbys))
 
     def _told(self, status: StandbyStatus, at_s: float, now: float) -> StandbyStatus:
         if now - at_s < SILENT_S:

@@ -48,11 +48,11 @@ def declared(path: Path) -> Declared:
 
 def script_files(folders: Sequence[Path]) -> Iterator[Path]:
     """Yield the files in which a script is looked up by name: the first of each name."""
-    found: set[str] = set()
+    names: set[str] = set()
     for folder in folders:
         for path in sorted(_files(folder)):
-            if path.stem not in found:
-                found.add(path.stem)
+            if path.stem not in names:
+                names.add(path.stem)
                 yield path
 
 

@@ -188,14 +188,14 @@ class ScriptDraft:
         """Note that there may be tasks in something that could not be read."""
         self.note_unread_words(words(node))
 
-    def note_unread_words(self, found: Iterable[str]) -> None:
+    def note_unread_words(self, texts: Iterable[str]) -> None:
         """Note that there may be tasks, with these words in them, that could not be read."""
         self.tasks_are_complete = False
-        self._unread.update(found)
+        self._unread.update(texts)
 
-    def note_unread_id(self, found: Iterable[str]) -> None:
+    def note_unread_id(self, texts: Iterable[str]) -> None:
         """Note that the id of a task could not be read."""
-        ids = [word for word in found if word]
+        ids = [word for word in texts if word]
         self._unread.update(ids)
         self.has_lost_id |= not ids
 
@@ -218,7 +218,7 @@ class ScriptDraft:
 
     def is_repeated(self, task: TaskDraft) -> bool:
         """Tell whether a task is in a repeat (semantics 3.9)."""
-        return any(task is one for repeat in self.repeats for one in repeat.tasks)
+        return any(task is other for repeat in self.repeats for other in repeat.tasks)
 
     @property
     def lists(self) -> Iterator[SectionDraft]:
@@ -230,7 +230,7 @@ class ScriptDraft:
         """Tell whether a task runs after its section's turn is complete (semantics 3.8)."""
         number = 1 if task.section is None else task.section
         section = self.sections.get(number) or self.strays.get(number)
-        return section is not None and any(task is one for one in section.trailing)
+        return section is not None and any(task is other for other in section.trailing)
 
 
 def _is_verdict(name: str, kind: FieldType) -> bool:

@@ -148,8 +148,8 @@ class Fields:
         """Return the members of a list; none if it is absent."""
         node = self.value(key)
         if isinstance(node, ListNode):
-            again = (one.value for one in self._repeated(key))
-            more = (one.items for one in again if isinstance(one, ListNode))
+            again = (entry.value for entry in self._repeated(key))
+            more = (value.items for value in again if isinstance(value, ListNode))
             return tuple(chain(node.items, *more))
         if node is not None:
             self._wrong_kind(key, node)
@@ -194,7 +194,7 @@ class Fields:
                 yield fields
 
     def _repeated(self, key: str) -> tuple[Entry, ...]:
-        return tuple(one for one in self.node.repeated if one.key.text == key)
+        return tuple(entry for entry in self.node.repeated if entry.key.text == key)
 
     def _whole_mapping(self, key: str, node: MapNode) -> MapNode:
         """Return a mapping with what was written for the same key again."""

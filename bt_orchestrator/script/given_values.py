@@ -51,8 +51,8 @@ def _yaml(text: str) -> object:
     report = Report('arguments')
     node = compose(text, report)
     if report.findings or node is None:
-        told = '. '.join(f'{finding.what}; {finding.hint}' for finding in report.findings[:3])
-        raise CommandRefused(f'{_EXPECTED}; {told or "found nothing"}')
+        problems = '. '.join(f'{finding.what}; {finding.hint}' for finding in report.findings[:3])
+        raise CommandRefused(f'{_EXPECTED}; {problems or "found nothing"}')
     return as_data(node)
 
 
@@ -67,7 +67,7 @@ def given_results(text: str, action: ActionType) -> dict[str, Any]:
 
     :raises CommandRefused: says what was expected, and what was found
     """
-    fields = {name: one for name, one in action.result.fields.items() if name != TASK_RESULT}
+    fields = {name: field for name, field in action.result.fields.items() if name != TASK_RESULT}
     return _values(text, MessageType(action.result.name, fields), 'results')
 
 
@@ -92,8 +92,8 @@ def _values(text: str, fields: MessageType, what: str) -> dict[str, Any]:
     elif node is not None:
         raise CommandRefused(f'{what} are a mapping, {{field: value, ...}}; found {found(node)}')
     if report.findings:
-        told = [f'{finding.what}; {finding.hint}' for finding in report.findings[:_TOLD]]
-        raise CommandRefused(f'{what}: ' + '. '.join(told))
+        problems = [f'{finding.what}; {finding.hint}' for finding in report.findings[:_TOLD]]
+        raise CommandRefused(f'{what}: ' + '. '.join(problems))
     return values
 
 

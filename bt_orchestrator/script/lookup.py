@@ -66,7 +66,9 @@ def _is_below(path: Path, folders: Sequence[Path]) -> bool:
 def is_path(name_or_path: str) -> bool:
     """Tell whether a script is named by its path."""
     separators = [separator for separator in (os.sep, os.altsep) if separator]
-    return any(one in name_or_path for one in separators) or name_or_path.endswith(ENDINGS)
+    return any(separator in name_or_path for separator in separators) or name_or_path.endswith(
+        ENDINGS
+    )
 
 
 def _found(name: str, folders: Sequence[Path]) -> Path | None:
@@ -82,13 +84,13 @@ def _is_file(path: Path) -> bool:
 
 
 def _missing_path(path: Path) -> tuple[str, str]:
-    names = [one.name for one in scripts_in(path.parent)]
+    names = [file.name for file in scripts_in(path.parent)]
     near = did_you_mean(path.name, names, 'check the path')
     return f'there is no script file {quoted(str(path))}', near
 
 
 def _missing_name(name: str, folders: Sequence[Path], unlike_any: str) -> tuple[str, str]:
-    known = [one.stem for folder in folders for one in scripts_in(folder)]
+    known = [file.stem for folder in folders for file in scripts_in(folder)]
     looked = ', '.join(str(folder) for folder in folders) or 'no folder'
     what = f'there is no script {quoted(name)}: looked in {looked}'
     return what, did_you_mean(name, known, unlike_any)

@@ -40,7 +40,7 @@ def action_types(cell: Cell, types: ActionTypes) -> dict[str, ActionType]:
 
     :raises UnknownActionType: one is not installed
     """
-    return {name: types.action(one.type) for name, one in cell.components.items()}
+    return {name: types.action(component.type) for name, component in cell.components.items()}
 
 
 def misfitting_uses(

@@ -114,5 +114,5 @@ def _alike(name: str, known: tuple[str, ...]) -> list[str]:
 
 @lru_cache(maxsize=16)
 def _in_order(known: tuple[str, ...]) -> tuple[list[str], list[str]]:
-    lower = [one.lower() for one in known]
-    return sorted(lower), sorted(one[::-1] for one in lower)
+    lower = [word.lower() for word in known]
+    return sorted(lower), sorted(word[::-1] for word in lower)

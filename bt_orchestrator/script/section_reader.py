@@ -241,7 +241,7 @@ class SectionReader:
         other = self._draft.by_id.setdefault(task.id, task)
         if other is task or (task.section is not None and self._is_repeated):
             return
-        first, second = sorted((other, task), key=lambda one: one.fields.node.place)
+        first, second = sorted((other, task), key=lambda draft: draft.fields.node.place)
         if second.fields.has('id'):
             what = f'the id `{task.id}` is given twice'
             hint = f'rename one; the first is in line {first.line}'
@@ -270,4 +270,4 @@ def _has_word(node: Node, word: str) -> bool:
     if not isinstance(node, MapNode) or node.find('action'):
         return isinstance(node, MapNode) and node.find(word) is not None
     words = (entry.key.text for entry in node.entries)
-    return any(nearest(one, (word,), likeness=0.75) for one in words)
+    return any(nearest(key, (word,), likeness=0.75) for key in words)

@@ -31,12 +31,12 @@ _KEY = re.compile(r'([ {]*)["\']?([\w-]{1,64})["\']?[ ]*:(?=\s|$)')
 
 
 def refuse_strangers(
-    text: str, root: Node | None, found: Report, tables: Iterable[Table], what: str = ''
+    text: str, root: Node | None, report: Report, tables: Iterable[Table], what: str = ''
 ) -> None:
     """Refuse a text that is meant as something else.
 
     :param root: what it says as YAML; None: it is none, or the file is empty
-    :param found: what YAML itself forbids in it
+    :param report: what YAML itself forbids in it
     :param what: how to name what it is not, if not by the table
     :raises Refused: it is, and nothing in it is told
     """
@@ -46,12 +46,12 @@ def refuse_strangers(
     if other is not None:
         words = f'this is {other.name}, and {what or table.name} is expected'
         hint = _how_to_order(root, table, other) or 'check which file is named'
-        raise Refused([Finding(found.file, START.line, START.column, words, hint)])
+        raise Refused([Finding(report.file, START.line, START.column, words, hint)])
     kind = _stranger(text, root, tables)
     if kind is None:
         return
     words = f'this is not {what or table.name}, but {kind}'
-    raise Refused([Finding(found.file, START.line, START.column, words, table.hint)])
+    raise Refused([Finding(report.file, START.line, START.column, words, table.hint)])
 
 
 def _other_kind(root: Node | None, tables: tuple[Table, ...]) -> Table | None:

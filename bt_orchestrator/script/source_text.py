@@ -57,7 +57,9 @@ def _decoded(data: bytes, path: Path) -> str:
 def _neighbour(path: Path) -> str:
     """Offer the YAML file nearby that is most like the one asked for."""
     try:
-        names = sorted(one.name for one in path.parent.iterdir() if one.suffix in ENDINGS)
+        names = sorted(
+            neighbour.name for neighbour in path.parent.iterdir() if neighbour.suffix in ENDINGS
+        )
     except OSError:
         return f'there is no folder {path.parent} either'
     return did_you_mean(path.name, names, 'check the path')
@@ -88,9 +90,9 @@ class ReadOnce(Generic[T]):
 
         Those that are not among them are forgotten.
         """
-        found = {path: known for path in paths if (known := self._one(path)) is not None}
-        self._known = found
-        return [one.says for one in found.values() if one.says is not None]
+        files = {path: known for path in paths if (known := self._one(path)) is not None}
+        self._known = files
+        return [file.says for file in files.values() if file.says is not None]
 
     def _one(self, path: Path) -> _Known[T] | None:
         try:

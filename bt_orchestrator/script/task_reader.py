@@ -151,7 +151,7 @@ def written_options(fields: Fields) -> dict[str, Any]:
     Conditions and verdicts need to know the other tasks, and are read later.
     """
     options = {}
-    for key in filter(lambda one: one.sets and fields.has(one.name), fields.keys):
+    for key in filter(lambda key: key.sets and fields.has(key.name), fields.keys):
         value = _READS[key.kind](fields, key.name)
         if fields.is_sure(key.name):
             options[key.sets] = value

@@ -78,7 +78,7 @@ def _without_task_field(node: MapNode, report: Report) -> MapNode:
         return node
     what = f'the field `{TASK}` cannot be an argument: it is set from the name of the task'
     report.add(entry.key.place, what, 'remove it')
-    return MapNode(node.place, tuple(one for one in node.entries if one is not entry))
+    return MapNode(node.place, tuple(other for other in node.entries if other is not entry))
 
 
 def settable(type_: ActionType) -> MessageType:

@@ -103,11 +103,14 @@ class LookingBack:
         _refuse_unfit(state)
         forecast = CourseFold(job, span.begin_us, self._account(span), span.known_us)
         real = CourseFold(job, span.begin_us, self._account(span))
-        shown = [_Shifted(one, span.ahead_us) for one in watchers.real]
+        shown = [_Shifted(watcher, span.ahead_us) for watcher in watchers.real]
         for event in self._events(span):
             forecast.before(event)
             real.before(event)
-            _hand(event, (*(_Shifted(one, span.ahead_us) for one in watchers.forecast), *shown))
+            _hand(
+                event,
+                (*(_Shifted(watcher, span.ahead_us) for watcher in watchers.forecast), *shown),
+            )
         durations = self._usual_s(span) if usual else {}
         sinks = (_Shifted(forecast, -span.ahead_us), *watchers.forecast)
         forecast_end_us = self._run(span, state, durations, sinks) - span.ahead_us
@@ -130,13 +133,13 @@ class LookingBack:
 
         :raises NoForecast: it has not started, or its start is not kept any more
         """
-        found = list(self._reading.events(Wanted(job=job, events=_OF_A_JOB)))
-        start = next((event for event in found if isinstance(event, e.JobStarted)), None)
+        events = list(self._reading.events(Wanted(job=job, events=_OF_A_JOB)))
+        start = next((event for event in events if isinstance(event, e.JobStarted)), None)
         if start is None:
             raise NoForecast(
                 f'{self._name} knows no start of job {job}: history --job {job} shows what it has'
             )
-        last = found[-1]
+        last = events[-1]
         has_ended = last is not start
         if not has_ended:
             last = self._reading.first(Wanted(newest_first=True)) or start

@@ -35,11 +35,11 @@ class MadeBefore:
         :raises NotRead: one was not generated
         """
         known = [(choice, made) for choice, lost, made in self._made if lost == without]
-        missing = [one for one in choices if all(one != choice for choice, _ in known)]
+        missing = [recipe for recipe in choices if all(recipe != choice for choice, _ in known)]
         if missing:
-            self._lacking += [(one, without) for one in missing]
+            self._lacking += [(recipe, without) for recipe in missing]
             raise NotRead(f'the script of {missing[0].words} is not worked out here')
-        return [next(made for choice, made in known if choice == one) for one in choices]
+        return [next(made for choice, made in known if choice == recipe) for recipe in choices]
 
     @property
     def lacks(self) -> bool:
@@ -50,7 +50,7 @@ class MadeBefore:
         """Generate what was asked for in vain, and more."""
         lacking, self._lacking = [*self._lacking, *more], []
         if self._make is not None:
-            self._made += [(one, lost, self._make(one, lost)) for one, lost in lacking]
+            self._made += [(choice, lost, self._make(choice, lost)) for choice, lost in lacking]
 
     def close(self) -> None:
         """Nothing works."""

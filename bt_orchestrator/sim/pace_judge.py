@@ -54,7 +54,9 @@ class PaceJudge:
 
         :param new_store: makes an empty store, for each run
         """
-        components = {name: replace(one, faults=()) for name, one in cell.components.items()}
+        components = {
+            name: replace(component, faults=()) for name, component in cell.components.items()
+        }
         conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
         self._cell = replace(
             cell,
@@ -152,11 +154,11 @@ class _DrawnRobots(VirtualGateway):
 
     def drain(self) -> Sequence[Told]:
         """Return what is new; what ended well may have failed."""
-        told = super().drain()
-        for one in told:
-            if isinstance(one, VirtualGoal) and one.end is not None:
-                one.end = self._drawn(one.request, one.end)
-        return told
+        news = super().drain()
+        for entry in news:
+            if isinstance(entry, VirtualGoal) and entry.end is not None:
+                entry.end = self._drawn(entry.request, entry.end)
+        return news
 
     def _drawn(self, request: GoalRequest, end: GoalEnd) -> GoalEnd:
         task, is_judged = request.args.get(_DRAWN, ('', False))
@@ -230,7 +232,9 @@ def _with_tasks(script: Script, change: Callable[[Task], Task]) -> Script:
     """Return a script with changed tasks: no initialization, setups, values of orders, limits."""
     return replace(
         script,
-        sections={number: _section(one, change) for number, one in script.sections.items()},
+        sections={
+            number: _section(section, change) for number, section in script.sections.items()
+        },
         initialization=(),
         initialization_dependencies=(),
         params={},

@@ -89,7 +89,7 @@ class Proposing:
                     is_whole = False
                     break
                 runs[order] = self._run(order, change)
-            best = min(best, runs[order], key=lambda one: one.rank)
+            best = min(best, runs[order], key=lambda run: run.rank)
         return Proposal(
             tuple(self._jobs(present, best)),
             self._digest,
@@ -114,39 +114,39 @@ class Proposing:
             run.go_on(math.inf)
             ends_s = run.ends_s()
             unknown = {job: run.unknown(job) for job in run.state.jobs}
-        late_ms = sum(too_late_ms(ends_s[one], due_s) for one, due_s in self._due(ends_s))
+        late_ms = sum(too_late_ms(ends_s[job], due_s) for job, due_s in self._due(ends_s))
         changeover_ms = round(run.changeover_s * 1000)
         return _Run(
             len(unknown), late_ms, changeover_ms, change, order, ends_s, unknown, run.steps
         )
 
     def _due(self, ends_s: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-        for one in (*self._line, *self._queue):
-            if one.job.id in ends_s:
-                yield one.job.id, _due_s(one)
+        for job in (*self._line, *self._queue):
+            if job.job.id in ends_s:
+                yield job.job.id, _due_s(job)
 
     def _waiting(self, present: _Run) -> Iterator[Waiting]:
         """Yield the jobs of the queue, each with the time that it took as things are."""
         ends_s, before_s, work_s = present.ends_s, self._line_ends_s(present), dict[str, float]()
-        known = [one for one in self._queue if one.job.id in ends_s]
-        for one in sorted(known, key=lambda one: ends_s[one.job.id]):
-            name = one.job.id
-            work_s[name] = max(0.0, ends_s[name] - max(before_s, _start_s(one)))
+        known = [job for job in self._queue if job.job.id in ends_s]
+        for job in sorted(known, key=lambda job: ends_s[job.job.id]):
+            name = job.job.id
+            work_s[name] = max(0.0, ends_s[name] - max(before_s, _start_s(job)))
             before_s = ends_s[name]
-        for one in self._queue:
-            name = one.job.id
-            due_s = _due_s(one) if name in ends_s else math.inf
-            priority, is_free = one.job.terms.priority, not _stays(one)
+        for job in self._queue:
+            name = job.job.id
+            due_s = _due_s(job) if name in ends_s else math.inf
+            priority, is_free = job.job.terms.priority, not _stays(job)
             yield Waiting(
-                priority, is_free, due_s, _start_s(one), work_s.get(name, 0.0), self._needs(one)
+                priority, is_free, due_s, _start_s(job), work_s.get(name, 0.0), self._needs(job)
             )
 
     def _setups_of(self, run: RunOn) -> dict[tuple[str, str], str]:
         """Return the setups that the jobs on the line leave, as far as they are known."""
         setups = {
-            (component, setup): one.value
+            (component, setup): entry.value
             for component, known in run.state.setups.items()
-            for setup, one in known.items()
+            for setup, entry in known.items()
         }
         for job in self._line:
             setups |= {which: value for which, (value, _) in self._needs(job).items()}
@@ -163,25 +163,25 @@ class Proposing:
     def _needs(self, job: JobState) -> dict[tuple[str, str], tuple[str, float]]:
         """Return the values of setups that a job begins with, and the seconds of each change."""
         return {
-            (one.component, one.change.setup): (
-                one.change.value,
-                self._cell.components[one.component].duration_s(one.name),
+            (task.component, task.change.setup): (
+                task.change.value,
+                self._cell.components[task.component].duration_s(task.name),
             )
-            for one in job.job.script.initialization
-            if one.change is not None and one.change.implied and not one.change.on_demand
+            for task in job.job.script.initialization
+            if task.change is not None and task.change.implied and not task.change.on_demand
         }
 
     def _line_ends_s(self, present: _Run) -> float:
         """Return when the last job on the line ends, as far as that is known."""
         ends_s = present.ends_s
-        return max((ends_s.get(one.job.id, 0.0) for one in self._line), default=self._now_s)
+        return max((ends_s.get(job.job.id, 0.0) for job in self._line), default=self._now_s)
 
     def _jobs(self, present: _Run, best: _Run) -> Iterator[ProposedJob]:
         queue = [(at + 1, place, self._queue[at]) for place, at in enumerate(best.order, start=1)]
-        for place, new_place, one in (*((0, 0, one) for one in self._line), *queue):
-            name, terms = one.job.id, one.job.terms
+        for place, new_place, job in (*((0, 0, job) for job in self._line), *queue):
+            name, terms = job.job.id, job.job.terms
             ends_s, new_ends_s = (self._from_now(run.ends_s.get(name)) for run in (present, best))
-            stays = _stays(one) if place else ''
+            stays = _stays(job) if place else ''
             yield ProposedJob(
                 name, place, new_place, terms.priority, terms.due, ends_s, new_ends_s, stays
             )
@@ -285,7 +285,9 @@ class QueueOrders:
             for parts in product(*map(permutations, self._alike)):
                 self._guess(self._whole(sum(parts, ())))
         else:
-            free = min(self._begins(), key=lambda one: (self._guess(self._whole(one))[:3], one))
+            free = min(
+                self._begins(), key=lambda order: (self._guess(self._whole(order))[:3], order)
+            )
             self._improve(free)
             self._look_around()
         best = nsmallest(KEPT if self.count > FEW else FEW, self._guesses.values())
@@ -310,15 +312,15 @@ class QueueOrders:
         jobs = self._jobs
         yield [at for alike in self._alike for at in alike]
         yield [at for alike in self._alike for at in sorted(alike, key=lambda at: jobs[at].due_s)]
-        found, now_s = [], self._begins_s
+        order, now_s = [], self._begins_s
         for alike in self._alike:
             left = list(alike)
             while left:  # what is due before it could be ready is judged by its length
                 soonest = min(left, key=lambda at: max(jobs[at].due_s, now_s + jobs[at].work_s))
                 left.remove(soonest)
-                found.append(soonest)
+                order.append(soonest)
                 now_s += jobs[soonest].work_s
-        yield found
+        yield order
 
     def _improve(self, free: list[int]) -> None:
         """Move one job after the other to where it does best, as long as that helps."""
@@ -382,8 +384,8 @@ class QueueOrders:
                 late_ms += too_late_ms(now_s, job.due_s)
             return late_ms
         while waiting:
-            soonest = min(waiting, key=lambda one: one.start_s)
-            job = next((one for one in waiting if one.start_s <= now_s), soonest)
+            soonest = min(waiting, key=lambda job: job.start_s)
+            job = next((job for job in waiting if job.start_s <= now_s), soonest)
             waiting.remove(job)
             now_s = max(now_s, job.start_s) + job.work_s
             late_ms += too_late_ms(now_s, job.due_s)

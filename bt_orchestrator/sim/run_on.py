@@ -160,7 +160,7 @@ def _of_cell(state: Mapping[str, Any], now: str) -> dict[str, Any]:
         'cell_digest': now,
         'released': released,
         'setups': {
-            component: {setup: {'value': one['value']} for setup, one in setups.items()}
+            component: {setup: {'value': entry['value']} for setup, entry in setups.items()}
             for component, setups in state.get('setups', {}).items()
         },
     }
@@ -173,7 +173,9 @@ def _has_to_be_resumed(plain_state: Mapping[str, Any]) -> bool:
 
 
 def _without_faults(cell: Cell) -> Cell:
-    components = {name: replace(one, faults=()) for name, one in cell.components.items()}
+    components = {
+        name: replace(component, faults=()) for name, component in cell.components.items()
+    }
     conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
     piece = Approval.AUTOMATIC  # taken as approved
     return replace(cell, conveyor=conveyor, components=components, first_piece=piece)

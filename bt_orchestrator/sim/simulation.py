@@ -131,7 +131,9 @@ def _has_work(state: CellState, wait: PartWait) -> bool:
 def _endless(state: CellState) -> Iterator[PartWait]:
     """Name the goals in flight: when time stands still, nothing will end them."""
     for key, task in state.running.items():
-        found = state.task(key)
-        component = state.cell.conveyor.component.name if found is None else found.component
+        definition = state.task(key)
+        component = (
+            state.cell.conveyor.component.name if definition is None else definition.component
+        )
         what = f'{key} runs since {task.started:g} s and will never end'
         yield PartWait(component, Wait(what, WaitKind.COMPONENT, component, task=key.task))

@@ -224,12 +224,12 @@ class VirtualClient:
 
     def _tell_setups(self) -> None:
         """Tell those that changed."""
-        told = self._setups_told
-        if told is None:
+        readings = self._setups_told
+        if readings is None:
             return
         for setup, value in self._setups.items():
-            if value != told.get(setup):
-                told[setup] = value
+            if value != readings.get(setup):
+                readings[setup] = value
                 self._news.add(SetupReading(self._component.name, setup, value))
 
     def _denial(self, goal_id: str) -> GoalEnd:

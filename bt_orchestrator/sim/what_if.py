@@ -85,7 +85,7 @@ class EngineWhatIf:
             known_now_s = now.go_on(time.monotonic() + LONGEST_S)
         asked = self._after(requests)
         with closing(asked.run) as then:
-            rests = {one.rest_of: name for name, one in then.state.jobs.items() if one.rest_of}
+            rests = {job.rest_of: name for name, job in then.state.jobs.items() if job.rest_of}
             names_then = list(then.state.jobs)
             due_s |= self._due_s(then.state)
             known_then_s = then.go_on(time.monotonic() + LONGEST_S)
@@ -98,9 +98,9 @@ class EngineWhatIf:
         before = self._ends(names_now, now.ends_s(by_s))
         after = self._ends(names_then, then.ends_s(by_s))
         unknown = {
-            one.job: why_then[one.job] or 'the run without the requests was given up before'
-            for one in after
-            if one.ends_s is None
+            end.job: why_then[end.job] or 'the run without the requests was given up before'
+            for end in after
+            if end.ends_s is None
         }
         notes += _with_rests(rests, dict(before), dict(after))
         return Consequence(before, after, asked.refusals, unknown, tuple(notes), due_s)
@@ -114,13 +114,15 @@ class EngineWhatIf:
         given, wrong = draft_of(order)
         if given is None:
             return _with_mistakes(wrong)
-        found = self._checked(order, given, wrong)
-        if given.recipe is None or not any(_is_of_choice(one.field) for one in found.wrong):
-            return found
+        result = self._checked(order, given, wrong)
+        if given.recipe is None or not any(
+            _is_of_choice(mistake.field) for mistake in result.wrong
+        ):
+            return result
         # Without them another script is made, which tells what else is wrong.
         plain = replace(given, recipe=RecipeChoice(given.recipe.recipes))
         more = self._checked(order, plain, wrong)
-        return _with_mistakes(tuple(dict.fromkeys((*found.wrong, *more.wrong))))
+        return _with_mistakes(tuple(dict.fromkeys((*result.wrong, *more.wrong))))
 
     def _checked(
         self, order: Mapping[str, object], given: WorkOrder, wrong: tuple[WrongField, ...]
@@ -204,7 +206,7 @@ class EngineWhatIf:
             self._made.generate()
 
     def _due_s(self, state: CellState) -> dict[str, float]:
-        dues = {name: one.job.terms.due for name, one in state.jobs.items()}
+        dues = {name: job.job.terms.due for name, job in state.jobs.items()}
         return {name: due - self._moment.now_s for name, due in dues.items() if due is not None}
 
     def _ends(self, names: Sequence[str], ends_s: Mapping[str, float]) -> tuple[ExpectedJob, ...]:
@@ -231,7 +233,11 @@ class _Node:
     def publish(self, events: Sequence[e.Event]) -> None:
         """Note what the node refused itself."""
         refused = (event for event in events if isinstance(event, e.OperatorRefused))
-        self.not_anew |= {one.job: one.message for one in refused if one.who == WHO and one.job}
+        self.not_anew |= {
+            refusal.job: refusal.message
+            for refusal in refused
+            if refusal.who == WHO and refusal.job
+        }
 
     def hear(self, requests: Sequence[Asked]) -> None:
         """Carry out requests, and what the node does because of them."""
@@ -275,8 +281,10 @@ def _lost(run: RunOn) -> frozenset[str]:
 def _unlooked(state: CellState, requests: Sequence[Asked]) -> Iterator[str]:
     """Say which ids cannot be looked up: the content of sealed parts stays with the node."""
     added = (asked.arguments for asked in requests if asked.request.takes_orders)
-    given: Iterator[Any] = chain.from_iterable(cast('Any', one['orders']) for one in added)
-    names = [one.order for one in given if one.order and one.order not in state.order_ids]
+    given: Iterator[Any] = chain.from_iterable(
+        cast('Any', arguments['orders']) for arguments in added
+    )
+    names = [order.order for order in given if order.order and order.order not in state.order_ids]
     if names and state.order_ids.sealed:
         ids = listed(names, '')
         yield f'whether {ids} was used before is not known here: the node alone has the oldest ids'

@@ -95,15 +95,15 @@ class MemoryRecords(WithoutBooks):
         history, first, last = self.extent()
         before = last + 1 if wanted.before_seq is None else wanted.before_seq
         seqs = range(wanted.after_seq + 1, min(before, last + 1))
-        found: list[Record] = []
+        records: list[Record] = []
         for seq in reversed(seqs) if wanted.newest_first else seqs:
             (event,) = self._store.read(seq - 1, 1)
             if wanted.takes(event.event, getattr(event, 'job', None), event.time):
-                found.append(Record(seq, to_text(event)))
-                if len(found) == most:
-                    return RecordPage(history, first, found, (), wanted.past(seq), is_last=False)
+                records.append(Record(seq, to_text(event)))
+                if len(records) == most:
+                    return RecordPage(history, first, records, (), wanted.past(seq), is_last=False)
         end = seqs.start if wanted.newest_first else seqs.stop - 1
-        return RecordPage(history, first, found, (), wanted.past(end), is_last=True)
+        return RecordPage(history, first, records, (), wanted.past(end), is_last=True)
 
     def summaries(
         self,

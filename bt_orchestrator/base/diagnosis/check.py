@@ -28,22 +28,22 @@ class Check:
     """The remedy; only where the check is not ok."""
 
 
-def ok(name: str, found: str) -> Check:
+def ok(name: str, finding: str) -> Check:
     """Return a check that is as it should be."""
-    return Check(name, Verdict.OK, found)
+    return Check(name, Verdict.OK, finding)
 
 
-def warn(name: str, found: str, remedy: str) -> Check:
+def warn(name: str, finding: str, remedy: str) -> Check:
     """Return a check with a warning."""
-    return Check(name, Verdict.WARN, found, remedy)
+    return Check(name, Verdict.WARN, finding, remedy)
 
 
-def fail(name: str, found: str, remedy: str) -> Check:
+def fail(name: str, finding: str, remedy: str) -> Check:
     """Return a check that prevents a cell from running."""
-    return Check(name, Verdict.FAIL, found, remedy)
+    return Check(name, Verdict.FAIL, finding, remedy)
 
 
 def worst(checks: Iterable[Check]) -> Verdict:
     """Return the worst verdict of all; nothing is ok."""
-    found = {check.verdict for check in checks}
-    return next((v for v in (Verdict.FAIL, Verdict.WARN) if v in found), Verdict.OK)
+    verdicts = {check.verdict for check in checks}
+    return next((v for v in (Verdict.FAIL, Verdict.WARN) if v in verdicts), Verdict.OK)

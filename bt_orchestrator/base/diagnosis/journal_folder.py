@@ -42,14 +42,14 @@ def journal_folder(folder: Path) -> Check:
 def _tried(folder: Path, scratch: Path) -> Check:
     try:
         if not _lock_is_respected(scratch / 'journal.lock'):
-            found = f'{folder}: two processes get the same lock; two nodes could use one journal'
-            return fail(NAME, found, ELSEWHERE)
+            problem = f'{folder}: two processes get the same lock; two nodes could use one journal'
+            return fail(NAME, problem, ELSEWHERE)
     except OSError as error:
         return fail(NAME, f'{folder}: no locks there ({error.strerror})', ELSEWHERE)
     mode = _database_mode(scratch / 'journal.db')
     if mode != 'wal':
-        found = f'{folder}: SQLite cannot keep a write-ahead log there ({mode})'
-        return fail(NAME, found, ELSEWHERE)
+        problem = f'{folder}: SQLite cannot keep a write-ahead log there ({mode})'
+        return fail(NAME, problem, ELSEWHERE)
     return ok(NAME, f'{folder} can be written, locks work')
 
 

@@ -30,25 +30,25 @@ _PACKAGES: Mapping[str, tuple[bool, str]] = {
 
 def python(version: tuple[int, ...] = sys.version_info[:3]) -> Check:
     """Look at the version of Python."""
-    found = f'{".".join(map(str, version))} at {sys.executable}'
+    finding = f'{".".join(map(str, version))} at {sys.executable}'
     if version >= OLDEST_PYTHON:
-        return ok('python', found)
+        return ok('python', finding)
     oldest = '.'.join(map(str, OLDEST_PYTHON))
-    return fail('python', found, f'use Python {oldest} or newer')
+    return fail('python', finding, f'use Python {oldest} or newer')
 
 
 def py_trees() -> Check:
     """Look at the version of py_trees."""
     try:
-        found = metadata.version('py_trees')
+        version = metadata.version('py_trees')
     except metadata.PackageNotFoundError:
         remedy = 'install it: apt install ros-$ROS_DISTRO-py-trees'
         return fail('py_trees', 'not installed', remedy)
     oldest, next_one = PY_TREES
-    if oldest <= number(found) < next_one:
-        return ok('py_trees', found)
+    if oldest <= number(version) < next_one:
+        return ok('py_trees', version)
     wanted = f'{oldest[0]}.{oldest[1]} or newer, before {next_one[0]}.{next_one[1]}'
-    return warn('py_trees', found, f'not tried with this version; use {wanted}')
+    return warn('py_trees', version, f'not tried with this version; use {wanted}')
 
 
 def number(version: str) -> tuple[int, ...]:
@@ -66,14 +66,14 @@ def dot(path: str | None = None) -> Check:
 
     :param path: folders to look in instead of PATH
     """
-    found = shutil.which('dot', path=path)
-    if found is None:
+    program = shutil.which('dot', path=path)
+    if program is None:
         remedy = '`render --view tree` can write .dot files only; apt install graphviz'
         return warn('dot', 'not found on PATH', remedy)
-    said = subprocess.run([found, '-V'], capture_output=True, text=True, check=False)
-    if said.returncode:
-        return warn('dot', f'{found} ends with {said.returncode}', 'apt install graphviz')
-    return ok('dot', f'{said.stderr.strip() or said.stdout.strip()} at {found}')
+    process = subprocess.run([program, '-V'], capture_output=True, text=True, check=False)
+    if process.returncode:
+        return warn('dot', f'{program} ends with {process.returncode}', 'apt install graphviz')
+    return ok('dot', f'{process.stderr.strip() or process.stdout.strip()} at {program}')
 
 
 def interface_packages() -> Iterator[Check]:
@@ -106,7 +106,14 @@ def prefixes(environment: Mapping[str, str]) -> Check:
 
 def log_folder(environment: Mapping[str, str]) -> Check:
     """Look whether ROS 2 can write its logs, without which no node starts."""
-    name = next((one for one in ('ROS_LOG_DIR', 'ROS_HOME', 'HOME') if environment.get(one)), '')
+    name = next(
+        (
+            variable
+            for variable in ('ROS_LOG_DIR', 'ROS_HOME', 'HOME')
+            if environment.get(variable)
+        ),
+        '',
+    )
     if not name:
         remedy = 'set HOME or ROS_LOG_DIR to a folder that can be written'
         return fail('log folder', 'neither HOME nor ROS_LOG_DIR is set', remedy)
@@ -120,7 +127,7 @@ def log_folder(environment: Mapping[str, str]) -> Check:
 
 def _why_not_writable(folder: Path) -> str | None:
     """Say why nothing can be written below a folder that may have to be made first."""
-    there = next(one for one in (folder, *folder.parents) if one.exists())
+    there = next(path for path in (folder, *folder.parents) if path.exists())
     try:
         with tempfile.TemporaryFile(dir=there):
             return None

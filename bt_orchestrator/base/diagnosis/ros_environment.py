@@ -61,20 +61,20 @@ def reach(environment: Mapping[str, str]) -> Check:
     if environment.get(_SERVER):
         return ok(name, f'whoever the discovery server at {environment[_SERVER]} knows')
     if environment.get(_ONLY_LOCAL, '') == '1':
-        found = 'ROS_LOCALHOST_ONLY=1: this computer only, whatever the other variables say'
+        finding = 'ROS_LOCALHOST_ONLY=1: this computer only, whatever the other variables say'
         remedy = 'it is deprecated; unset it, and set ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
-        return warn(name, found, remedy)
+        return warn(name, finding, remedy)
     text = environment.get(_RANGE, '').strip() or 'SUBNET'
     if text not in RANGES:
         known = ', '.join(RANGES)
         remedy = f'set ROS_AUTOMATIC_DISCOVERY_RANGE to one of {known}; ROS 2 takes SUBNET now'
         return warn(name, f'{text!r} is not a range', remedy)
     peers = [peer for peer in environment.get(_PEERS, '').split(';') if peer]
-    found = f'{text}: {RANGES[text]}'
+    finding = f'{text}: {RANGES[text]}'
     if text == 'OFF':
         remedy = 'no action server can be found; set ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
-        return fail(name, found, remedy)
-    return ok(name, f'{found}, and {", ".join(peers)}' if peers else found)
+        return fail(name, finding, remedy)
+    return ok(name, f'{finding}, and {", ".join(peers)}' if peers else finding)
 
 
 def name_ros_wheels(environment: MutableMapping[str, str], prefix: str) -> None:
@@ -145,12 +145,12 @@ def _domains(ports: Iterator[int]) -> Iterator[int]:
 def other_domains(own: int, sockets: Path = Path('/proc/net/udp')) -> str:
     """Say in which other domains there are nodes on this computer; empty: none, or unknown."""
     try:
-        found = domains_in_use(sockets.read_text(encoding='ascii')) - {own}
+        domains = domains_in_use(sockets.read_text(encoding='ascii')) - {own}
     except OSError:
         return ''
-    if not found:
+    if not domains:
         return ''
-    numbers = ', '.join(map(str, sorted(found)))
+    numbers = ', '.join(map(str, sorted(domains)))
     return f'this shell is in domain {own}, and there are nodes on this computer in {numbers}'
 
 
@@ -170,11 +170,11 @@ def security(environment: Mapping[str, str]) -> Check:
     where = f'{_KEYSTORE}={keystore}' if keystore else f'{_KEYSTORE} is not set'
     if keystore and (Path(keystore) / 'enclaves').is_dir():
         return ok('security', f'{_ENABLE}=true, {where}')
-    found = f'{_ENABLE}=true, and {where}: there are no keys'
+    finding = f'{_ENABLE}=true, and {where}: there are no keys'
     remedy = f'make a keystore with `ros2 security`, or unset {_ENABLE}'
     if environment.get('ROS_SECURITY_STRATEGY', '') == 'Enforce':
-        return fail('security', found, remedy)
-    return warn('security', f'{found}, and so there is no security', remedy)
+        return fail('security', finding, remedy)
+    return warn('security', f'{finding}, and so there is no security', remedy)
 
 
 def secured(environment: Mapping[str, str]) -> str:
@@ -193,9 +193,9 @@ def secured(environment: Mapping[str, str]) -> str:
 def ros_says(error: Exception, environment: Mapping[str, str]) -> str:
     """Say what is wrong with the environment, else what ROS 2 says in its own words."""
     for look in (domain, reach, security):
-        found = look(environment)
-        if found.verdict is Verdict.FAIL:
-            return f'{found.name}: {found.found}; {found.remedy}'
+        check = look(environment)
+        if check.verdict is Verdict.FAIL:
+            return f'{check.name}: {check.found}; {check.remedy}'
     # It ends with the place in the sources of rcl.
     words = str(error).splitlines()[0].partition(', at /')[0] if str(error) else repr(error)
     return f'ROS 2 says: {words}{secured(environment)}'

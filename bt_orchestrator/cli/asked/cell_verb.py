@@ -17,11 +17,11 @@ what each command does in which state. The node refuses a command that is not po
 names those that are."""
 
 _OF_CELL = requests_about(About.CELL)
-_STOP_AFTERS = [one for one in _OF_CELL if one.word.startswith(STOP_AFTER)]
+_STOP_AFTERS = [request for request in _OF_CELL if request.word.startswith(STOP_AFTER)]
 
 
 def _add_stop_after(parser: argparse.ArgumentParser) -> None:
-    words = [one.word.removeprefix(STOP_AFTER) for one in _STOP_AFTERS]
+    words = [request.word.removeprefix(STOP_AFTER) for request in _STOP_AFTERS]
     each = map('{}: {}'.format, words, map(in_one_line, _STOP_AFTERS))
     parser.description = '. '.join(each)
     parser.add_argument('after', choices=words, help='after what')
@@ -33,7 +33,11 @@ def _stop_after(args: argparse.Namespace) -> int:
 
 
 ACTIONS: Mapping[str, Action] = {
-    **{one_word(one.word): of_request(one) for one in _OF_CELL if one not in _STOP_AFTERS},
+    **{
+        one_word(request.word): of_request(request)
+        for request in _OF_CELL
+        if request not in _STOP_AFTERS
+    },
     'stop-after': Action(
         _add_stop_after,
         _stop_after,

@@ -83,9 +83,9 @@ def _ended(status: CellStatus, before: ManualGoal | None) -> ManualGoal | None:
 
 
 def _words(goal: ManualGoal) -> str:
-    told = f' {json.dumps(dict(goal.results))}' if goal.results else ''
+    results = f' {json.dumps(dict(goal.results))}' if goal.results else ''
     why = f' ({goal.message})' if goal.message else ''
-    return f'{goal.task} at {goal.component}: {goal.state}{why}{told}'
+    return f'{goal.task} at {goal.component}: {goal.state}{why}{results}'
 
 
 def _plain(goal: ManualGoal) -> Mapping[str, object]:

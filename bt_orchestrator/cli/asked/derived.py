@@ -184,15 +184,18 @@ def add_answer_options(parser: argparse.ArgumentParser, request: Request) -> Non
     add_node_options(parser)
 
 
-def _by_kind(one: Parameter) -> dict[str, Any]:
-    name = one_word(one.name).upper()
-    if one.kind is Kind.YES_NO:
+def _by_kind(parameter: Parameter) -> dict[str, Any]:
+    name = one_word(parameter.name).upper()
+    if parameter.kind is Kind.YES_NO:
         return {'action': 'store_true'}
-    return {'metavar': name, **({'type': _whole(one)} if one.kind is Kind.WHOLE else {})}
+    return {
+        'metavar': name,
+        **({'type': _whole(parameter)} if parameter.kind is Kind.WHOLE else {}),
+    }
 
 
-def _whole(one: Parameter) -> Any:
-    low, high = one.span
+def _whole(parameter: Parameter) -> Any:
+    low, high = parameter.span
 
     def whole(text: str) -> int:
         digits = text.removeprefix('-') if low < 0 else text
@@ -213,12 +216,17 @@ def run_request(request: Request, args: argparse.Namespace) -> int:
 def given(request: Request, args: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments of a request that were typed."""
     values = {parameter: getattr(args, parameter.name) for parameter in request.parameters}
-    typed = {one: value for one, value in values.items() if not _is_none(one, value)}
+    typed = {
+        parameter: value for parameter, value in values.items() if not _is_none(parameter, value)
+    }
     return {
-        one.name: dict(value) if one.kind is Kind.VALUES else value for one, value in typed.items()
+        parameter.name: dict(value) if parameter.kind is Kind.VALUES else value
+        for parameter, value in typed.items()
     }
 
 
-def _is_none(one: Parameter, value: object) -> bool:
+def _is_none(parameter: Parameter, value: object) -> bool:
     """Tell whether nothing is meant: 0 is none where numbers begin with it."""
-    return value is None or (value in (0, '') and not one.is_required and one.span[0] == 0)
+    return value is None or (
+        value in (0, '') and not parameter.is_required and parameter.span[0] == 0
+    )

@@ -120,7 +120,7 @@ class DemoShow(Ignoring):
         if order.order in {job.id for job in self._status.jobs}:
             return str(order.order)
         answer = door.ask(ask('queue.add', By('', origin(), ''), orders=[for_node(order)]))
-        findings = [finding for one in answer.orders for finding in one.findings]
+        findings = [finding for order_answer in answer.orders for finding in order_answer.findings]
         if not answer.accepted:
             raise ProgramFailed('\n'.join([answer.message, *findings]))
         (queued,) = answer.orders
@@ -191,13 +191,13 @@ class Dialogue:
         """Yield what the person has to know: what came of the last key, and the keys."""
         yield from self._said
         if self._running is None and self._choices and self._keys is not None:
-            offered = (f'{number} {one.name}' for number, one in enumerate(self._choices, 1))
+            offered = (f'{number} {choice.name}' for number, choice in enumerate(self._choices, 1))
             yield f'press a key: {"   ".join(offered)}'
 
-    def _offer(self, found: tuple[Choice, ...]) -> None:
-        if found and found != self._choices:
+    def _offer(self, offer: tuple[Choice, ...]) -> None:
+        if offer and offer != self._choices:
             self._said.clear()  # it was about something else
-        self._choices = found
+        self._choices = offer
 
     def _carry_out(self, choice: Choice) -> None:
         words = shlex.split(choice.words)
@@ -225,4 +225,4 @@ def choices(status: CellStatus) -> tuple[Choice, ...]:
     offered: Sequence[Choice] = next_choices(status)
     if status.holds:
         offered = hold_choices(status.holds[0], status.unauthenticated_role)
-    return tuple(one for one in offered if one.is_complete and not one.who)
+    return tuple(choice for choice in offered if choice.is_complete and not choice.who)

@@ -229,7 +229,7 @@ def _sum_up(folder: DemoFolder, cell: Cell, job: str) -> int:
         records = [json.loads(record.text) for record in Reading(journal).each(Wanted())]
     events = (from_record(record) for record in records)
     # As the lines before it, the summary counts from the order on, and not from the node's start.
-    result = forecast(dropwhile(lambda one: not isinstance(one, JobQueued), events), cell)
+    result = forecast(dropwhile(lambda event: not isinstance(event, JobQueued), events), cell)
     print()
     for line in (*summary_lines(result), '', *detail_lines(result)):
         print(line)
@@ -251,8 +251,8 @@ def called_as() -> str:
         program = Path(sys.executable).with_name(PROGRAM)
     if not program.exists():
         return f'{shlex.quote(sys.executable)} -m bt_orchestrator'
-    found = shutil.which(PROGRAM)
-    if found is not None and Path(found).samefile(program):
+    executable = shutil.which(PROGRAM)
+    if executable is not None and Path(executable).samefile(program):
         return PROGRAM
     path = program.absolute()
     here = Path.cwd()

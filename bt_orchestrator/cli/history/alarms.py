@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--kind',
         action='append',
-        choices=[one.value for one in Kind],
+        choices=[kind.value for kind in Kind],
         help='alarms of this kind only; may be repeated',
     )
     parser.add_argument('--component', metavar='COMPONENT', help='of this component only')

@@ -167,9 +167,9 @@ def _iso(us: int) -> str:
 
 def jobs_meant(reading: Reading, args: argparse.Namespace) -> list[JobRecord]:
     """Read the jobs that may be meant; for items that are named, theirs alone."""
-    names = {one.rpartition('/')[0] for one in args.item or ()}
+    names = {item.rpartition('/')[0] for item in args.item or ()}
     job = args.job or (names.pop() if len(names) == 1 else None)
-    return [one for one in reading.jobs(job).jobs.values() if _is_wanted(one, args)]
+    return [record for record in reading.jobs(job).jobs.values() if _is_wanted(record, args)]
 
 
 def with_items(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[JobRecord]:

@@ -84,30 +84,34 @@ def forecast_text(reading: Reading, args: argparse.Namespace) -> str:
     looking = LookingBack(reading, cell, types, f'the journal {args.journal}')
     folds = [GanttFold(by_component=True) for _ in range(2)] if args.gantt else []
     watchers = Watchers(folds[:1], folds[1:])
-    found = looking.at(args.job, watchers, usual=args.usual_durations)
+    retrospect = looking.at(args.job, watchers, usual=args.usual_durations)
     if args.gantt:
-        return _chart(found, *folds)
+        return _chart(retrospect, *folds)
     if args.json:
-        return f'{json_of(retrospect_plain(found))}\n'
-    return ''.join(f'{line}\n' for line in retrospect_text(found))
+        return f'{json_of(retrospect_plain(retrospect))}\n'
+    return ''.join(f'{line}\n' for line in retrospect_text(retrospect))
 
 
-def _chart(found: Retrospect, forecast: GanttFold, real: GanttFold) -> str:
+def _chart(retrospect: Retrospect, forecast: GanttFold, real: GanttFold) -> str:
     """Draw both, one row a component.
 
     :raises WrongUse: it is too much for one chart
     """
-    assert found.forecast.end_us is not None
-    period = period_of(found)
-    ends = [End(period.shown_us(found.forecast.end_us) / US, is_forecast=True)]
-    if found.real.end_us is not None:
-        ends.append(End(period.shown_us(found.real.end_us) / US, is_forecast=False))
-    begin_s, until_s = (period.shown_us(one) / US for one in (found.begin_us, found.real.until_us))
+    assert retrospect.forecast.end_us is not None
+    period = period_of(retrospect)
+    ends = [End(period.shown_us(retrospect.forecast.end_us) / US, is_forecast=True)]
+    if retrospect.real.end_us is not None:
+        ends.append(End(period.shown_us(retrospect.real.end_us) / US, is_forecast=False))
+    begin_s, until_s = (
+        period.shown_us(time_us) / US
+        for time_us in (retrospect.begin_us, retrospect.real.until_us)
+    )
     end_s = max(ends[0].time_s, until_s)
     forecast.end(ends[0].time_s)
-    if found.real.end_us is None:
+    if retrospect.real.end_us is None:
         real.end(until_s)
     expected, was = forecast.past(begin_s, end_s), real.past(begin_s, end_s)
-    refuse_too_many(sum(len(row.tasks) for one in (expected, was) for row in one.rows))
-    title = f'job {found.job} from {period.when(found.begin_us)}: forecast, and what happened'
+    refuse_too_many(sum(len(row.tasks) for chart in (expected, was) for row in chart.rows))
+    begin = period.when(retrospect.begin_us)
+    title = f'job {retrospect.job} from {begin}: forecast, and what happened'
     return gantt_svg(was.under(expected, ends).named(title))

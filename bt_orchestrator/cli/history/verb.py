@@ -176,7 +176,7 @@ def histories(reading: Reading, journal: JournalPlace, items: Iterable[str]) -> 
 
     :raises NoItem: the journal does not have one of them
     """
-    found = []
+    item_histories = []
     for item in items:
         history = item_history(reading, item)
         if history is None:
@@ -185,8 +185,8 @@ def histories(reading: Reading, journal: JournalPlace, items: Iterable[str]) -> 
                 'kept any more; `bt-orchestrator history --job JOB --items` names the items of a '
                 'job'
             )
-        found.append(history)
-    return found
+        item_histories.append(history)
+    return item_histories
 
 
 def refuse_too_many(items: Sequence[str]) -> None:

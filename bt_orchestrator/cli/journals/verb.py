@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
 def _copy(args: argparse.Namespace) -> int:
     if isinstance(args.copy, Path) and not args.copy.is_file():
         raise WrongUse(f'journal copy: there is no journal {args.copy}; check the path')
-    tables = [('queued', ('seq', 'job')), *((one.name, one.columns) for one in TABLES)]
+    tables = [('queued', ('seq', 'job')), *((table.name, table.columns) for table in TABLES)]
     with (
         closing(open_journal(args.copy, 'FULL')) as source,
         closing(open_journal(args.journal, 'FULL')) as target,

@@ -38,7 +38,9 @@ def give_orders(args: argparse.Namespace, paths: Sequence[Path], **given: Any) -
     answer = _ask(args, [for_node(file.order) for file in files], given)
     if not answer.accepted:
         pairs = zip(answer.orders, files, strict=False)
-        answer = replace(answer, orders=tuple(_with_lines(one, file) for one, file in pairs))
+        answer = replace(
+            answer, orders=tuple(_with_lines(order_answer, file) for order_answer, file in pairs)
+        )
     return _show(answer, as_json=args.json)
 
 
@@ -85,9 +87,9 @@ def _found_by_node(
     if not answer.accepted and not answer.orders:
         lacks = 'mistakes that only the node can find are not listed here'
         print(f'{answer.message}; {lacks}', file=sys.stderr)
-    for one, file in zip(answer.orders, readable, strict=False):
+    for order_answer, file in zip(answer.orders, readable, strict=False):
         doubted = file.places.doubted | {('order',)}
-        yield from _in_file(one, replace(file.places, doubted=doubted))
+        yield from _in_file(order_answer, replace(file.places, doubted=doubted))
 
 
 def _not_to_be_queued(order: WorkOrder) -> WorkOrder:
@@ -102,8 +104,8 @@ def _with_lines(answer: OrderAnswer, file: OrderFile) -> OrderAnswer:
 
 def _in_file(answer: OrderAnswer, places: OrderPlaces) -> list[Finding]:
     """Return the node's findings about an order, in the order of its file."""
-    told = (pointed(text, places) for text in answer.findings)
-    return sorted(one for one in told if one is not None)
+    findings = (pointed(text, places) for text in answer.findings)
+    return sorted(finding for finding in findings if finding is not None)
 
 
 def _ask(args: argparse.Namespace, orders: list[WorkOrder], given: dict[str, Any]) -> Answer:

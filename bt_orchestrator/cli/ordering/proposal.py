@@ -48,62 +48,63 @@ def run(args: argparse.Namespace) -> int:
         moment = door.moment()
         left_out = max(0, door.queue(most=1).queued - QUEUE_SHOWN)
     with contextlib.closing(PlanningProcess()) as planning:
-        found = planning.propose(moment)
+        proposal = planning.propose(moment)
     if args.json:
-        print(json.dumps({**_plain(found), 'left_out': left_out}))
+        print(json.dumps({**_plain(proposal), 'left_out': left_out}))
     else:
-        print('\n'.join(lines(found, moment.now_s, left_out)), flush=True)
-    request = {'jobs': list(found.order), 'queue_digest': found.queue_digest}
-    if args.apply and found.is_new:
+        print('\n'.join(lines(proposal, moment.now_s, left_out)), flush=True)
+    request = {'jobs': list(proposal.order), 'queue_digest': proposal.queue_digest}
+    if args.apply and proposal.is_new:
         return ask_and_print(args, ARRANGE.name, as_json=args.json, **request)
-    if found.is_new and not args.json:
-        words = f'queue arrange {shlex.join([found.queue_digest, *found.order])} {WHY}'
+    if proposal.is_new and not args.json:
+        words = f'queue arrange {shlex.join([proposal.queue_digest, *proposal.order])} {WHY}'
         print(f'to apply it: {Shell(args.node).command(words)}')
     return 0
 
 
-def lines(found: Proposal, now_s: float, left_out: int = 0) -> Iterator[str]:
+def lines(proposal: Proposal, now_s: float, left_out: int = 0) -> Iterator[str]:
     """Yield a proposal as text.
 
     :param now_s: the moment that it is for
     :param left_out: how many jobs at the end of the queue are not in it
     """
     headers = ('job', 'place', 'now', 'priority', 'due in', 'would end in', 'now', 'late', 'now')
-    yield from table(headers, [_row(one, now_s) for one in found.jobs])
-    yield f'all jobs together: {found.new_late_s:.1f} s late; now {found.late_s:.1f} s'
-    if found.changeover_s or found.new_changeover_s:
+    yield from table(headers, [_row(job, now_s) for job in proposal.jobs])
+    yield f'all jobs together: {proposal.new_late_s:.1f} s late; now {proposal.late_s:.1f} s'
+    if proposal.changeover_s or proposal.new_changeover_s:
         yield (
-            f'changes of setups: {found.new_changeover_s:.1f} s; now {found.changeover_s:.1f} s'
+            f'changes of setups: {proposal.new_changeover_s:.1f} s; '
+            f'now {proposal.changeover_s:.1f} s'
         )
-    yield how_sure(found)
-    if not found.is_new:
+    yield how_sure(proposal)
+    if not proposal.is_new:
         yield 'the queue stays unchanged'
-    yield from (f'{one.job} stays: {one.stays}' for one in found.jobs if one.stays)
-    yield from (f'{job}: the end is unknown, {why}' for job, why in found.unknown.items())
+    yield from (f'{job.job} stays: {job.stays}' for job in proposal.jobs if job.stays)
+    yield from (f'{job}: the end is unknown, {why}' for job, why in proposal.unknown.items())
     if left_out:
         yield f'without the last {counted(left_out, "job")} of the queue, which keep their places'
 
 
-def how_sure(found: Proposal) -> str:
+def how_sure(proposal: Proposal) -> str:
     """Say what is known of better orders."""
     which = 'that keep priorities and the places that stay'
-    if found.orders == 1:
+    if proposal.orders == 1:
         return f'it is the only order {which}'
-    if found.is_best:
-        return f'it is the best of all {found.orders} orders {which}'
-    looked_at = counted(found.looked_at, 'order')
-    return f'it is the best of {looked_at} looked at, of {found.orders} {which}'
+    if proposal.is_best:
+        return f'it is the best of all {proposal.orders} orders {which}'
+    looked_at = counted(proposal.looked_at, 'order')
+    return f'it is the best of {looked_at} looked at, of {proposal.orders} {which}'
 
 
-def _row(one: ProposedJob, now_s: float) -> tuple[str, ...]:
-    due_s = None if one.due is None else one.due - now_s
+def _row(job: ProposedJob, now_s: float) -> tuple[str, ...]:
+    due_s = None if job.due is None else job.due - now_s
     return (
-        one.job,
-        *(str(place) if place else 'line' for place in (one.new_place, one.place)),
-        str(one.priority),
+        job.job,
+        *(str(place) if place else 'line' for place in (job.new_place, job.place)),
+        str(job.priority),
         '' if due_s is None else f'{due_s:.1f} s',
-        *('unknown' if ends is None else f'{ends:.1f} s' for ends in (one.new_ends_s, one.ends_s)),
-        *(_late(ends, due_s) for ends in (one.new_ends_s, one.ends_s)),
+        *('unknown' if ends is None else f'{ends:.1f} s' for ends in (job.new_ends_s, job.ends_s)),
+        *(_late(ends, due_s) for ends in (job.new_ends_s, job.ends_s)),
     )
 
 
@@ -113,12 +114,12 @@ def _late(ends_s: float | None, due_s: float | None) -> str:
     return f'{ends_s - due_s:.1f} s'
 
 
-def _plain(found: Proposal) -> dict[str, object]:
+def _plain(proposal: Proposal) -> dict[str, object]:
     """Return what JSON can carry."""
     return {
-        **found._asdict(),
-        'jobs': [job._asdict() for job in found.jobs],
-        'order': list(found.order),
-        'is_new': found.is_new,
-        'unknown': dict(found.unknown),
+        **proposal._asdict(),
+        'jobs': [job._asdict() for job in proposal.jobs],
+        'order': list(proposal.order),
+        'is_new': proposal.is_new,
+        'unknown': dict(proposal.unknown),
     }

@@ -116,20 +116,20 @@ class StopProcess:
         )
         self._asked[thread] = process
         thread.start()
-        found = await outcome
+        answer = await outcome
         del self._asked[thread]
-        if isinstance(found, str):
-            raise NotRead(f'the journal cannot be searched for stops: {found}')
-        return found
+        if isinstance(answer, str):
+            raise NotRead(f'the journal cannot be searched for stops: {answer}')
+        return answer
 
     def _look(self, process: ChildProcess, seq: int, outcome: Reply[bool | str]) -> None:
-        found: bool | str
+        answer: bool | str
         try:
-            found = bool(json.loads(_answer(process, str(seq).encode())))
+            answer = bool(json.loads(_answer(process, str(seq).encode())))
         except Exception as error:  # noqa: BLE001 - told to the person who classifies
-            found = str(error) or repr(error)
+            answer = str(error) or repr(error)
         if not self._closed:
-            self._soon(partial(outcome.give, found))
+            self._soon(partial(outcome.give, answer))
 
     def close(self) -> None:
         """End the processes that look."""

@@ -54,24 +54,24 @@ class PlanningProcess:
 
         :raises NotKept: the moment cannot be gone on from
         """
-        found: Consequence = self._ask('ask', moment, tuple(requests))
-        return found
+        consequence: Consequence = self._ask('ask', moment, tuple(requests))
+        return consequence
 
     def propose(self, moment: Moment) -> Proposal:
         """Propose an order of the queue.
 
         :raises NotKept: the moment cannot be gone on from
         """
-        found: Proposal = self._ask('propose', moment, within_s=PROPOSED_WITHIN_S)
-        return found
+        proposal: Proposal = self._ask('propose', moment, within_s=PROPOSED_WITHIN_S)
+        return proposal
 
     def check(self, moment: Moment, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order would be queued.
 
         :raises NotKept: the moment cannot be gone on from
         """
-        found: CheckedOrder = self._ask('check', moment, dict(order))
-        return found
+        checked_order: CheckedOrder = self._ask('check', moment, dict(order))
+        return checked_order
 
     def close(self) -> None:
         """End the process."""
@@ -82,10 +82,10 @@ class PlanningProcess:
             answer = self._process.ask(pickle.dumps((method, moment, what)), within_s)
         except ChildFailed as error:
             raise NotKept(f'nothing could be worked out: {error}') from error
-        worked, found = pickle.loads(answer)
+        worked, result = pickle.loads(answer)
         if not worked:
-            raise NotKept(f'nothing could be worked out: {found}')
-        return found
+            raise NotKept(f'nothing could be worked out: {result}')
+        return result
 
 
 class _Setup(NamedTuple):

@@ -27,14 +27,14 @@ def each_cell(
     :param choosing: options by which some cells have nothing to show: then the best status counts
     :raises WrongUse: a plant is named with an option that is of one cell
     """
-    if isinstance(args.journal, Path) or (found := journals_of(args.journal)) is None:
+    if isinstance(args.journal, Path) or (journals := journals_of(args.journal)) is None:
         return run(args)
     for option in one_only:
         if getattr(args, option):
             name = option.replace('_', '-')
             raise WrongUse(f'--{name} is of one cell: name it behind the database, /CELL')
     statuses = []
-    for cell, place in found:
+    for cell, place in journals:
         of_cell = argparse.Namespace(**{**vars(args), 'journal': place, 'of_cell': cell})
         if not says_json(args):
             print(f'== {cell}', flush=True)

@@ -135,8 +135,8 @@ def _period_with_reasons(args: argparse.Namespace) -> Callable[[float], Now]:
     reasons = with_reasons(args, plain).reasons
 
     def period(now: float) -> Now:
-        found = period_at(now)
-        return found._replace(period=replace(found.period, reasons=reasons))
+        period_now = period_at(now)
+        return period_now._replace(period=replace(period_now.period, reasons=reasons))
 
     return period
 

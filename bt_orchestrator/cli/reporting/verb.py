@@ -72,7 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_which_options(parser)
     parser.add_argument(
         '--by',
-        choices=[one.value for one in By],
+        choices=[kind.value for kind in By],
         help='what was made by product (recipe or script) or by job, or lost by component',
     )
     form = parser.add_mutually_exclusive_group()
@@ -204,27 +204,27 @@ def durations_text(
 
     :raises NotEditable: the cell file is written so that it cannot be changed piece by piece
     """
-    found = durations(reading, period, cell)
+    times = durations(reading, period, cell)
     if args.update_durations:
         assert cell is not None
-        told = _diff(found, args, cell, bootstrap.installed_types())
+        output = _diff(times, args, cell, bootstrap.installed_types())
     elif args.json:
-        told = iter([json.dumps(plain(found), ensure_ascii=False)])
+        output = iter([json.dumps(plain(times), ensure_ascii=False)])
     else:
-        told = lines(found)
-    return ''.join(f'{line}\n' for line in told)
+        output = lines(times)
+    return ''.join(f'{line}\n' for line in output)
 
 
 def _diff(
-    found: Durations, args: argparse.Namespace, cell: Cell, types: ActionTypes
+    times: Durations, args: argparse.Namespace, cell: Cell, types: ActionTypes
 ) -> Iterator[str]:
-    new = proposals(found, cell)
+    new = proposals(times, cell)
     if not new:
         yield f'# the durations of {args.cell} are what was measured; there is nothing to change'
         return
-    for task in found.tasks:
+    for task in times.tasks:
         if task.kind.name in new.get(task.kind.component, {}):
-            yield f'# {sentence(task, found)}'
+            yield f'# {sentence(task, times)}'
     name, text = str(args.cell), read_text(args.cell)
     after = with_durations(text, name, new)
     _check(parse_cell(after, name, types), new, name)

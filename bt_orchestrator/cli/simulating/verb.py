@@ -92,12 +92,12 @@ def change_lines(before: Run, after: Run) -> Iterator[str]:
 
 def plain_change(before: Run, after: Run) -> dict[str, Any]:
     """Return the comparison as data that JSON can carry."""
-    found = changes(before.forecast, after.forecast)
+    job_changes = changes(before.forecast, after.forecast)
     return {
         'ok': before.outcome is after.outcome is Outcome.FINISHED,
         'before': plain(before),
         'after': plain(after),
-        'changes': [{**one._asdict(), 'percent': one.percent} for one in found],
+        'changes': [{**change._asdict(), 'percent': change.percent} for change in job_changes],
         'findings': [],
     }
 
@@ -238,7 +238,7 @@ def _text(done: Run, args: argparse.Namespace) -> str:
 
 def _compare(args: argparse.Namespace, types: ActionTypes) -> int:
     cell, given = _order_files(args).jobs(types)
-    scripts = [one.job.script.name for one in given]
+    scripts = [order.job.script.name for order in given]
     changed = what_if_jobs(args.what_if, _order_files(args), types, scripts)
     before = run_jobs(cell, given, types, _options(args))
     after = run_jobs(*changed, types, _options(args))

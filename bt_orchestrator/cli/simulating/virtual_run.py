@@ -127,18 +127,18 @@ def run_jobs(
     :raises TooCostly: the run would take too much memory
     :raises JournalUnusable: the journal cannot be read
     """
-    scripts = [one.job.script for one in given]
+    scripts = [order.job.script for order in given]
     results = standing_results(options.results, scripts, cell, types)
     cell = with_faults(cell, options.faults, types)
     fold, gantt = ForecastFold(), GanttFold(by_component=options.rows == ROWS[1])
     with ExitStack() as stack:
-        cost = CostWatch(sum(one.job.quantity for one in given))
+        cost = CostWatch(sum(order.job.quantity for order in given))
         sinks: list[EventSink] = [fold, gantt, cost]
         if options.trace is not None:
             sinks.append(stack.enter_context(TraceFile(options.trace)))
         simulation = bootstrap.build_simulation(cell, types, sinks)
         stack.callback(simulation.close)
-        bootstrap.queue(simulation, [_in_time_of_run(one, options.begin) for one in given])
+        bootstrap.queue(simulation, [_in_time_of_run(order, options.begin) for order in given])
         log = WaitLog()
         operator = StandingAnswers(
             simulation, options.on_hold, options.answer_after_s, WHO, results

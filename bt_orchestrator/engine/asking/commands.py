@@ -125,14 +125,14 @@ def stop_number(name: str, history: str) -> int:
     :param history: of the journal
     :raises CommandRefused: it is none, or one of another journal
     """
-    found = _STOP_NAME.fullmatch(name)
-    if found is None:
+    match = _STOP_NAME.fullmatch(name)
+    if match is None:
         raise CommandRefused(f'a stop has a name as in {history}:123; found {name!r}')
-    if found['history'] != history:
+    if match['history'] != history:
         raise CommandRefused(
             f'the stop {name} is of another history than this journal, which is {history}'
         )
-    return int(found['seq'])
+    return int(match['seq'])
 
 
 @prepares(CELL[Cause.CLEAR], UNIT_MODES[UnitMode.PRODUCTION])
@@ -180,18 +180,24 @@ def _digest(asked: Asked, state: CellState, _: ActionTypes) -> dict[str, Any]:
     if _DIGEST.fullmatch(script):
         return {}
     waiting = {job.digest: job.job.script.name for job in state.queue if job.awaits_release}
-    found = [digest for digest, name in waiting.items() if name == script]
-    if len(found) == 1:
-        return {'script': found[0]}
-    told = [f'{name} ({digest})' for digest, name in waiting.items()]
-    what = 'several scripts are called' if found else 'no job in the queue waits for'
+    digests = [digest for digest, name in waiting.items() if name == script]
+    if len(digests) == 1:
+        return {'script': digests[0]}
+    scripts = [f'{name} ({digest})' for digest, name in waiting.items()]
+    what = 'several scripts are called' if digests else 'no job in the queue waits for'
     raise CommandRefused(
         f'{what} {script!r}; name the digest of one; jobs wait for '
-        f'{listing(told) if told else "no script"}'
+        f'{listing(scripts) if scripts else "no script"}'
     )
 
 
-@prepares(*(one for one in ANSWERS.values() if any(p.name == 'results' for p in one.parameters)))
+@prepares(
+    *(
+        request
+        for request in ANSWERS.values()
+        if any(p.name == 'results' for p in request.parameters)
+    )
+)
 def _results(asked: Asked, state: CellState, types: ActionTypes) -> dict[str, Any]:
     """Read the results that are given with an answer, as values of their types."""
     results = asked.arguments.get('results')

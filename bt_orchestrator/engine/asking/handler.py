@@ -297,7 +297,11 @@ def made_anew(job: JobState, now: Script, state: CellState) -> MadeAnew:
     cell, before = state.cell, job.anew
     needed = needed_by(job.job.script, cell)
     lacked = before.without if before is not None else ()
-    without = tuple(one for one in state.out_of_service if one in needed or one in lacked)
+    without = tuple(
+        component
+        for component in state.out_of_service
+        if component in needed or component in lacked
+    )
     back = () if without else tuple(sorted(needed_by(now, cell) - needed))
     # What the job lacks already was not in its last pace.
     known_s = before.before_s if before is not None and before.without else 0.0
@@ -308,8 +312,8 @@ def made_anew(job: JobState, now: Script, state: CellState) -> MadeAnew:
 
 def _per_item_s(script: Script, cell: Cell) -> float:
     """Return seconds from one item to the next; 0: not known."""
-    found = pace(script, cell)
-    return 0.0 if found is None else found.per_item_s
+    line_pace = pace(script, cell)
+    return 0.0 if line_pace is None else line_pace.per_item_s
 
 
 # The order for what a job on the line has not begun (semantics 7.6).

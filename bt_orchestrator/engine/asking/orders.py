@@ -144,16 +144,18 @@ def refused_orders(asked: Asked, orders: Orders, read: Sequence[Job | Refused]) 
     """Return what is put on record of orders that were read, some of them with mistakes."""
     pairs = list(zip(orders.orders, read, strict=True))
     each = tuple(
-        f'{one.id} {FITS}' if isinstance(one, Job) else f'{_name(order)} is {one.in_short}'
-        for order, one in pairs
+        f'{result.id} {FITS}'
+        if isinstance(result, Job)
+        else f'{_name(order)} is {result.in_short}'
+        for order, result in pairs
     )
-    ids = tuple(one.id if isinstance(one, Job) else order.order for order, one in pairs)
+    ids = tuple(result.id if isinstance(result, Job) else order.order for order, result in pairs)
     return RefusedRequest(asked.request.word, asked.sender, '; '.join(each), ids, each)
 
 
 def answer_to_refused(orders: Orders, read: Sequence[Job | Refused]) -> Answer:
     """Return the answer to the sender of the orders."""
-    findings = sum(len(one.findings) for one in read if isinstance(one, Refused))
+    findings = sum(len(result.findings) for result in read if isinstance(result, Refused))
     message = f'refused with {counted(findings, "finding")}'
     return Answer(
         accepted=False, message=message, orders=tuple(_each_refused(orders.orders, read))
@@ -163,12 +165,14 @@ def answer_to_refused(orders: Orders, read: Sequence[Job | Refused]) -> Answer:
 def _each_refused(
     orders: Iterable[AskedOrder], read: Iterable[Job | Refused]
 ) -> Iterator[OrderAnswer]:
-    told = Told()
-    for order, one in zip(orders, read, strict=True):
-        if isinstance(one, Job):
-            yield OrderAnswer(message=f'{one.id} {FITS}')
+    mistakes = Told()
+    for order, result in zip(orders, read, strict=True):
+        if isinstance(result, Job):
+            yield OrderAnswer(message=f'{result.id} {FITS}')
         else:
-            yield OrderAnswer(message=f'{_name(order)} is {one.count}', findings=told.of(one))
+            yield OrderAnswer(
+                message=f'{_name(order)} is {result.count}', findings=mistakes.of(result)
+            )
 
 
 def with_each(answer: Answer, jobs: Sequence[Job], state: CellState) -> Answer:
@@ -204,12 +208,12 @@ class Told:
 
     def of(self, refused: Refused) -> tuple[str, ...]:
         """Return the mistakes of one order."""
-        told = refused.findings[: self._left]
-        self._left -= len(told)
-        more = len(refused.findings) - len(told)
+        findings = refused.findings[: self._left]
+        self._left -= len(findings)
+        more = len(refused.findings) - len(findings)
         rest = [f'and {more} more; {ALL}'] if more and not self._said_that_more else []
         self._said_that_more |= more > 0
-        return (*map(str, told), *rest)
+        return (*map(str, findings), *rest)
 
 
 # Reads orders in this process, for an engine that need not meet deadlines.
@@ -254,7 +258,7 @@ class DeskHere:
     def reading(self, wanted: Wanted) -> Reading:
         """Return what becomes of orders in the state of now."""
         scripts = self._state.scripts
-        live = tuple(name for name, one in scripts.items() if one.dependencies)
-        sent = {name: pickle.dumps(one) for name, one in scripts.items()}
+        live = tuple(name for name, script in scripts.items() if script.dependencies)
+        sent = {name: pickle.dumps(script) for name, script in scripts.items()}
         ids = free_ids(wanted, self._state)
         return self._desk.answer(Question(wanted, ids, live, sent))

@@ -55,7 +55,7 @@ class RecipeOrders:
 
         A script that was released for the same is taken in its place (semantics 6.11).
         """
-        different = [one for at, one in enumerate(choices) if one not in choices[:at]]
+        different = [choice for at, choice in enumerate(choices) if choice not in choices[:at]]
         while True:
             without = frozenset(self._state.out_of_service)
             made = await self._generating.make(different, without)

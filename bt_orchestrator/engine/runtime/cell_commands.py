@@ -32,7 +32,7 @@ RESUME = VERBS[Cause.UNHOLD]
 """The ways in which a pause ends."""
 
 
-@decides(*(one for one in requests_about(About.CELL) if one.cause is not None))
+@decides(*(request for request in requests_about(About.CELL) if request.cause is not None))
 def _command(state: CellState, asked: Asked, _: float) -> Decided:
     """Command the cell, if its state allows it."""
     cause = asked.request.cause

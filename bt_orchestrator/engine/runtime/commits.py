@@ -244,11 +244,11 @@ class Breakdown:
             log.error('%s: %s, off the record', self._gateway.unsafe, self._cancel_all())
 
     def _cancel_all(self) -> str:
-        found = self._open()
-        for _, goal in found.values():
+        goals = self._open()
+        for _, goal in goals.values():
             goal.cancel()
-        self._asked.update(found)
-        number = len(found)
+        self._asked.update(goals)
+        number = len(goals)
         return f'{number} goal{"s are" if number != 1 else " is"} being cancelled'
 
     def _open(self) -> dict[str, tuple[e.TaskKey, Goal]]:

@@ -80,8 +80,8 @@ class Flights:
 
     def goal(self, uuid: str) -> Goal | None:
         """Return a goal in flight."""
-        found = self._goals.get(uuid)
-        return found[1] if found else None
+        flight = self._goals.get(uuid)
+        return flight[1] if flight else None
 
     @property
     def without_end(self) -> dict[str, tuple[e.TaskKey, Goal]]:

@@ -43,9 +43,9 @@ def of_end(state: CellState, key: e.TaskKey, goal: Goal, end: GoalEnd) -> e.Task
     """Return the event for the end of a goal (semantics 2.2, 2.3)."""
     task = state.running[key]
     assert task.goal is not None
-    said = {name: value for name, value in end.result.items() if name != TASK_RESULT}
-    results = without_longest(said, RESULT_BYTES)
-    left_out = tuple(name for name in said if name not in results)
+    fields = {name: value for name, value in end.result.items() if name != TASK_RESULT}
+    results = without_longest(fields, RESULT_BYTES)
+    left_out = tuple(name for name in fields if name not in results)
     if end.status is not GoalStatus.SUCCEEDED or end.result.get(TASK_RESULT, True) is False:
         return failed(state, key, goal, _reason(task, end), _words(task, end))
     reason, refused = _refusal(state, key, results)

@@ -108,15 +108,15 @@ def _as_may_be_recorded(command: OnRecord) -> OnRecord:
 
 def _check_texts(command: OnRecord) -> None:
     """Refuse a command with a text that is too long to record, or shows other than it says."""
-    said = {} if command.by is None else vars(command.by)
+    sender_texts = {} if command.by is None else vars(command.by)
     given = command.arguments if isinstance(command, Asked) else vars(command)
-    for name, text in {**given, **said}.items():
+    for name, text in {**given, **sender_texts}.items():
         longest = _LONGEST.get(name, NAME)
         if isinstance(text, str) and len(text) > longest:
             raise CommandRefused(
                 f'{name} has {len(text)} characters; expected at most {longest}; nothing was done'
             )
-    for name, text in said.items():
+    for name, text in sender_texts.items():
         fault = text_fault(text) if isinstance(text, str) else None
         if fault is not None:
             raise CommandRefused(
@@ -166,15 +166,15 @@ class Refusals:
 
     def record(self, refusals: Iterable[e.OperatorRefused], by: By | None) -> None:
         """Record refusals of a sender, or count them if there are too many."""
-        for one in map(_shortened, refusals):
-            sender, now = sender_of(one), self._ledger.steady
-            events = [*signature(by, self._ledger.state), one]
+        for refusal in map(_shortened, refusals):
+            sender, now = sender_of(refusal), self._ledger.steady
+            events = [*signature(by, self._ledger.state), refusal]
             size = sum(len(to_text(event).encode()) for event in events)
             if size <= self._allowances.left(sender, now):
                 self._allowances.use(sender, size, now)
                 self._ledger.record(events)
             else:
-                self._count(sender, one)
+                self._count(sender, refusal)
 
     def land(self) -> None:
         """Record the counts, if they are due."""
@@ -195,9 +195,9 @@ class Refusals:
         self._counted.setdefault(sender, _Counted(self._ledger.now)).add(refused)
 
 
-def sender_of(said: By | e.OperatorRefused) -> tuple[str, str]:
+def sender_of(source: By | e.OperatorRefused) -> tuple[str, str]:
     """Return the sender whose limits apply: name and origin, without the ticket of one command."""
-    return said.who, without_ticket(said.origin)
+    return source.who, without_ticket(source.origin)
 
 
 def _shortened(refused: e.OperatorRefused) -> e.OperatorRefused:
@@ -212,12 +212,12 @@ def _shortened(refused: e.OperatorRefused) -> e.OperatorRefused:
 
 
 def _told(counted: dict[tuple[str, str], _Counted]) -> Iterator[e.RequestRefused]:
-    for (who, origin), one in counted.items():
+    for (who, origin), tally in counted.items():
         yield e.RequestRefused(
             who=who,
             origin=origin,
-            count=one.commands.total(),
-            since=one.since,
-            commands=dict(one.commands),
-            message=one.message,
+            count=tally.commands.total(),
+            since=tally.since,
+            commands=dict(tally.commands),
+            message=tally.message,
         )

@@ -99,7 +99,9 @@ def _prepared(state: CellState, job: JobState) -> tuple[PassedTask, ...]:
     ended = [
         (task.id, state.tasks.get(TaskKey(job.job.id, None, None, task.id))) for task in tasks
     ]
-    return tuple(passed_task(id_, one) for id_, one in ended if one and one.phase is Phase.DONE)
+    return tuple(
+        passed_task(id_, task) for id_, task in ended if task and task.phase is Phase.DONE
+    )
 
 
 # Why the end of a job cannot be expected: somebody has to do something first.
@@ -139,7 +141,7 @@ class Unknown:
 
     def _of_those_before(self, job: JobState) -> str:
         """Say what keeps a job on the line before this one."""
-        before = takewhile(lambda one: one is not job, self._state.jobs.line.values())
+        before = takewhile(lambda other: other is not job, self._state.jobs.line.values())
         return next(filter(None, map(self._of_job, before)), '')
 
 
@@ -180,10 +182,10 @@ class TasksInFlight:
 
     @cached_property
     def _by_section(self) -> Mapping[int | None, Sequence[TaskKey]]:
-        found: dict[int | None, list[TaskKey]] = defaultdict(list)
+        keys: dict[int | None, list[TaskKey]] = defaultdict(list)
         for key in self._engine.state.running:
-            found[key.section].append(key)
-        return found
+            keys[key.section].append(key)
+        return keys
 
     def _of(self, keys: Iterable[TaskKey]) -> tuple[TaskStatus, ...]:
         running = self._engine.state.running

@@ -64,9 +64,9 @@ def _add(state: CellState, command: AddJobs, now: float) -> Decided:
     )
     records = [list(decided(ADD.word, command.by, job=name)) for name in command.names]
     events = [*chain.from_iterable(map(add, records, each))]
-    said = [_how(event) for event in events if isinstance(event, e.JobQueued)]
+    lines = [_how(event) for event in events if isinstance(event, e.JobQueued)]
     local = [AT_PANEL] if waits else []
-    return '\n'.join([*said, *local, *standing(state)]), events
+    return '\n'.join([*lines, *local, *standing(state)]), events
 
 
 AT_PANEL = 'the line is in local: a panel has to release what was queued'
@@ -104,12 +104,12 @@ def _requeue(state: CellState, command: RequeueJob, _: float) -> Decided:
     rest = replace(command.rest, quantity=job.cycles_left)
     events = orders.queue_rest(state, rest, command.job, command.anew, command.sharing)
     (queued,) = (event for event in events if isinstance(event, e.JobQueued))
-    said = [f'{command.job} {_ENDS}', _how_rest(queued)]
+    lines = [f'{command.job} {_ENDS}', _how_rest(queued)]
     waits_for = awaited_when_stopped(state, job)
     if waits_for:
-        said.append(items_wait_words(command.job, waits_for))
+        lines.append(items_wait_words(command.job, waits_for))
     stopped = _stop(state, job, command.by.deciding(job_control.REQUEUE.verb))
-    return '\n'.join([*said, *standing(state)]), [*stopped, *events]
+    return '\n'.join([*lines, *standing(state)]), [*stopped, *events]
 
 
 def _how_rest(queued: e.JobQueued) -> str:
@@ -148,8 +148,8 @@ def _run_next(state: CellState, asked: Asked, _: float) -> Decided:
         events.append(e.JobReleased(job=name))
     if job.awaits_start:
         events.append(e.JobMayStart(job=name))
-    said = [f'{name} is next', *_lacks(job), *standing(state)]
-    return '\n'.join(said), events
+    lines = [f'{name} is next', *_lacks(job), *standing(state)]
+    return '\n'.join(lines), events
 
 
 @decides(ARRANGE)
@@ -223,7 +223,7 @@ CONTROLS: Mapping[str, _Control] = {
 """By the command's word: the method, the answer, and the function that does it."""
 
 
-@decides(*(one for one in requests_about(About.JOB) if one.word in CONTROLS))
+@decides(*(request for request in requests_about(About.JOB) if request.word in CONTROLS))
 def _control(state: CellState, asked: Asked, _: float) -> Decided:
     word, name = asked.request.word, asked['job']
     method, answer, act = CONTROLS[word]

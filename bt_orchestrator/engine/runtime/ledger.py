@@ -37,11 +37,11 @@ class Delays:
     def left(self, key: TaskKey) -> float | None:
         """Return until when a task waits, on the steady clock; None: its delay is over."""
         not_before = self._state.tasks[key].not_before
-        found = self._found.get(key)
-        if found is None or found.not_before != not_before:
-            found = self._found[key] = _Delay(not_before, self._until(key, not_before))
+        delay = self._found.get(key)
+        if delay is None or delay.not_before != not_before:
+            delay = self._found[key] = _Delay(not_before, self._until(key, not_before))
             self._forget()
-        return None if has_come(found.until, self._clock.steady()) else found.until
+        return None if has_come(delay.until, self._clock.steady()) else delay.until
 
     def _until(self, key: TaskKey, not_before: float) -> float:
         decided = self._state.tasks[key]
@@ -86,9 +86,9 @@ class Tellings:
         asked = self._asked.get(key)
         if asked is None or asked[0] != attempt:
             asked = self._asked[key] = attempt, self._clock.steady() + TOLD_WITHIN_S
-            over = [one for one in self._asked if one.job not in self._state.jobs]
-            for one in over:
-                del self._asked[one]
+            over = [task for task in self._asked if task.job not in self._state.jobs]
+            for task in over:
+                del self._asked[task]
         return None if has_come(asked[1], self._clock.steady()) else asked[1]
 
 
@@ -103,8 +103,8 @@ class _Noticing(dict[type[Event], tuple[Notice, ...]]):
         self._notices = notices
 
     def __missing__(self, kind: type[Event]) -> tuple[Notice, ...]:
-        found = self[kind] = tuple(self._notices(kind))
-        return found
+        notices = self[kind] = tuple(self._notices(kind))
+        return notices
 
 
 class Ledger:

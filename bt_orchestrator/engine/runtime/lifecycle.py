@@ -251,23 +251,23 @@ class Starvation:
         :param unready: tasks that wait for their component while nothing else can go on
         """
         now = self._ledger.steady
-        found = find_starvation(self._ledger.state, unready) if unready else None
-        if found != self._waited_for:
-            self._waited_for, self._since = found, now
-        if found is None:
+        starvation = find_starvation(self._ledger.state, unready) if unready else None
+        if starvation != self._waited_for:
+            self._waited_for, self._since = starvation, now
+        if starvation is None:
             return None
         due = self._since + SUSPEND_AFTER_S
         if has_come(due, now):
-            return found
+            return starvation
         self._ledger.wake_at(due)
         return None
 
 
 def find_starvation(state: CellState, unready: Iterable[TaskKey]) -> Starved | None:
     """Return the end of the line that is waited for; of both, the sink (downstream first, 4.4)."""
-    found = [one for one in (_at_an_end(state, key) for key in unready) if one is not None]
-    blocked = [one for one in found if one.reason is StopReason.BLOCKED]
-    return next(iter([*blocked, *found]), None)
+    ends = [end for end in (_at_an_end(state, key) for key in unready) if end is not None]
+    blocked = [end for end in ends if end.reason is StopReason.BLOCKED]
+    return next(iter([*blocked, *ends]), None)
 
 
 def _at_an_end(state: CellState, key: TaskKey) -> Starved | None:

@@ -35,8 +35,10 @@ def page(state: CellState, overview: Overview, after: str = '', most: int = 0) -
     :raises CommandRefused: that job is not listed (any more)
     """
     jobs = _behind(state, after, min(most or QUEUE_PAGE, QUEUE_PAGE))
-    told = (told_of(job, overview) for job in jobs)
-    return list(fitting(told, PAGE_BYTES, lambda one: rough_size((one.params, one.details))))
+    entries = (told_of(job, overview) for job in jobs)
+    return list(
+        fitting(entries, PAGE_BYTES, lambda entry: rough_size((entry.params, entry.details)))
+    )
 
 
 def told_of(job: JobState, overview: Overview) -> ListedJob:

@@ -63,10 +63,10 @@ class ObservedDurations:
 
     def seconds(self) -> Mapping[str, Mapping[str, float]]:
         """Return the usual seconds of each task seen, by component and task constant."""
-        found: dict[str, dict[str, float]] = defaultdict(dict)
+        durations_s: dict[str, dict[str, float]] = defaultdict(dict)
         for (component, name), took_s in self._took_s.items():
-            found[component][name] = statistics.median(took_s)
-        return found
+            durations_s[component][name] = statistics.median(took_s)
+        return durations_s
 
     def usual_s(self, component: str, name: str) -> float | None:
         """Return the usual seconds of a task; None: it was not seen."""
@@ -91,19 +91,19 @@ def as_observed(cell: Cell, observed_s: Mapping[str, Mapping[str, float]]) -> Ce
     """
     ratios = [
         took_s / nominal_s
-        for name, one in cell.components.items()
+        for name, component in cell.components.items()
         for task, took_s in observed_s.get(name, {}).items()
-        if (nominal_s := one.duration_s(task))
+        if (nominal_s := component.duration_s(task))
     ]
     factor = statistics.median(ratios) if ratios else 1.0
     components = {
         name: replace(
-            one,
-            durations_s={task: factor * s for task, s in one.durations_s.items()}
+            component,
+            durations_s={task: factor * s for task, s in component.durations_s.items()}
             | dict(observed_s.get(name, {})),
-            default_duration_s=factor * one.default_duration_s,
+            default_duration_s=factor * component.default_duration_s,
         )
-        for name, one in cell.components.items()
+        for name, component in cell.components.items()
     }
     conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
     return replace(cell, conveyor=conveyor, components=components)

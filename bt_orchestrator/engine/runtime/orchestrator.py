@@ -116,10 +116,10 @@ class Orchestrator:
         gateway.listen(wake)
         up = clock.uptime()
         boot = up.boot if up is not None else ''
-        found = Found.of(self.state, store)
+        journal = Found.of(self.state, store)
         self._ledger.look_back()
         self._ledger.record(
-            take_over(self.state, found, boot, auto_resume=auto_resume, to_remote=to_remote)
+            take_over(self.state, journal, boot, auto_resume=auto_resume, to_remote=to_remote)
         )
 
     def ask(self, command: Command) -> Answer:

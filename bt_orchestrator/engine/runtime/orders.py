@@ -102,7 +102,7 @@ def change(
     """
     live = state.jobs[job.id]
     is_shared = state.jobs.users(live.digest) > 1
-    others = {n: one for n, one in state.scripts.items() if n != live.digest or is_shared}
+    others = {n: script for n, script in state.scripts.items() if n != live.digest or is_shared}
     why = contradiction(job.script, others, sharing)
     if why is None and not keeps_script:
         why = _other_recipe(job, state.recipe_digests)

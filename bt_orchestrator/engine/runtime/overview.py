@@ -60,8 +60,8 @@ class RosAccess(NamedTuple):
     def facts(self) -> dict[str, Any]:
         """Return the fields of a status about it."""
         boot, seconds = self.uptime()
-        told = {'signed_commands': self.signed_commands, 'boot': boot, 'uptime': seconds}
-        return {'unauthenticated_role': self.role, **told}
+        facts = {'signed_commands': self.signed_commands, 'boot': boot, 'uptime': seconds}
+        return {'unauthenticated_role': self.role, **facts}
 
 
 class Overview:
@@ -236,7 +236,9 @@ def description_of(cell: Cell, types: ActionTypes) -> CellDescription:
                 default_duration_s=component.default_duration_s,
                 tasks=tuple(type_.constants) if type_.has_task_field else (),
                 goal_fields={
-                    name: one.ros_name for name, one in type_.goal.fields.items() if name != TASK
+                    name: field.ros_name
+                    for name, field in type_.goal.fields.items()
+                    if name != TASK
                 },
             )
             for component in cell.components.values()

@@ -213,11 +213,11 @@ class Found(NamedTuple):
 
 
 def take_over(
-    state: CellState, found: Found, boot: str, *, auto_resume: bool, to_remote: bool = False
+    state: CellState, journal: Found, boot: str, *, auto_resume: bool, to_remote: bool = False
 ) -> Iterator[e.Event]:
     """Record the start of a new orchestrator, and what it found.
 
-    :param found: its journal
+    :param journal: its journal
     :param boot: boot id of its machine; empty: not known
     :param auto_resume: continue at once; otherwise start nothing until an operator has checked the
         line and releases the hold `restarted`, which is independent of other holds
@@ -226,9 +226,9 @@ def take_over(
     yield e.OrchestratorStarted(
         cell=state.cell.name,
         digest=digest(state.cell),
-        history=found.history,
-        restored=found.is_copy,
-        missing=found.missing,
+        history=journal.history,
+        restored=journal.is_copy,
+        missing=journal.missing,
         boot=boot,
         cell_definition=state.cell,
     )
@@ -244,13 +244,13 @@ def take_over(
     if auto_resume:
         yield from (e.HoldReleased(hold=hold.id) for hold in waits)
     unfinished = sentence('unfinished', jobs=len(state.jobs), goals=goals)
-    ends = {'seq': found.seq, 'time': found.time, 'words': unfinished}
-    if found.is_copy:
+    ends = {'seq': journal.seq, 'time': journal.time, 'words': unfinished}
+    if journal.is_copy:
         looked_at = sentence('restored', **ends)
-        besides = f'; {found.missing}' if found.missing else ''
+        besides = f'; {journal.missing}' if journal.missing else ''
         yield to_be_named(state, RESTORED, f'{looked_at}{besides}')
-    elif found.missing:
-        yield to_be_named(state, MISSING, sentence('missing', what=found.missing, **ends))
+    elif journal.missing:
+        yield to_be_named(state, MISSING, sentence('missing', what=journal.missing, **ends))
     elif state.jobs and not auto_resume and not waits and _would_go_on(state):
         yield to_be_named(state, RESTARTED, unfinished)
 

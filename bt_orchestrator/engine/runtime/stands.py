@@ -79,26 +79,26 @@ class Standstill:
         :param rest_s: of a past moment: when it came to rest; None: with the last event
         :param waits: returns who waits for what; called only where no goal runs
         """
-        engine, before, told = self._engine, self._seen, self.told
+        engine, before, report = self._engine, self._seen, self.told
         set_s, self._clock_set_s = self._clock_set_s, engine.state.clock_set_s
-        found = None
+        stands = None
         if not engine.state.running and (engine.broken or not engine.tree.is_due):
-            found = _cause(engine.state, engine.broken, waits)
-        if found is not None:
-            if before is not None and _same(before, found):
+            stands = _cause(engine.state, engine.broken, waits)
+        if stands is not None:
+            if before is not None and _same(before, stands):
                 since = before.since + self._clock_set_s - set_s
             else:
-                since, told = engine.state.time if rest_s is None else rest_s, None
-            found = changed(found, since=since)
-        self._seen = found
+                since, report = engine.state.time if rest_s is None else rest_s, None
+            stands = changed(stands, since=since)
+        self._seen = stands
         # Once told it stays told: the clock may have been set, and that not be on record yet.
-        is_told = found and (told is not None or now_s - found.since >= TOLD_AFTER_S)
-        self.told = found if is_told else None
+        is_told = stands and (report is not None or now_s - stands.since >= TOLD_AFTER_S)
+        self.told = stands if is_told else None
         return self.told
 
 
-def _same(one: Stands, other: Stands) -> bool:
-    return (one.cause, one.name) == (other.cause, other.name)
+def _same(stands: Stands, other: Stands) -> bool:
+    return (stands.cause, stands.name) == (other.cause, other.name)
 
 
 def _stands(
@@ -162,7 +162,7 @@ def _waiting(state: CellState, waits: Sequence[PartWait]) -> Stands:
     """Return the gravest of the waits: all others end when it does, or name another then."""
     if not waits:
         return _stands(StandCause.OTHER, 'nothing says what it waits for')
-    first = min(waits, key=lambda one: _RANK.get(one.wait.kind, len(_RANK)))
+    first = min(waits, key=lambda part_wait: _RANK.get(part_wait.wait.kind, len(_RANK)))
     wait = first.wait
     cause = _CAUSES.get(wait.kind, StandCause.OTHER)
     components: tuple[str, ...] = ()
@@ -170,8 +170,12 @@ def _waiting(state: CellState, waits: Sequence[PartWait]) -> Stands:
         components = (wait.name,)
     if wait.kind is WaitKind.READINESS:
         cause = _unready(state, wait.name)
-    same = [one for one in waits if (one.wait.kind, one.wait.name) == (wait.kind, wait.name)]
-    sections = tuple(one.section for one in same if one.section is not None)
+    same = [
+        part_wait
+        for part_wait in waits
+        if (part_wait.wait.kind, part_wait.wait.name) == (wait.kind, wait.name)
+    ]
+    sections = tuple(part_wait.section for part_wait in same if part_wait.section is not None)
     return _stands(cause, f'{first.part}: {wait.reason}', wait.name, sections, components)
 
 
@@ -204,12 +208,12 @@ def _unready(state: CellState, component: str) -> StandCause:
 def _idle(state: CellState) -> Stands:
     """Return what the first job of the queue waits for, or that there is none."""
     job = next(iter(state.jobs.first(QUEUE_SHOWN)), None)
-    found = list(obstacles(job)) if job is not None else []
-    if job is None or not found:
+    causes = list(obstacles(job)) if job is not None else []
+    if job is None or not causes:
         return _stands(StandCause.ORDER, 'there is no job; the cell waits for an order')
-    name, words = job.job.id, ' and '.join(text for _, text in found)
+    name, words = job.job.id, ' and '.join(text for _, text in causes)
     more = f'; {state.jobs.waiting - 1} more jobs wait' if state.jobs.waiting > 1 else ''
-    return _stands(found[0][0], f'{name} {words}{more}', name, components=job.unavailable)
+    return _stands(causes[0][0], f'{name} {words}{more}', name, components=job.unavailable)
 
 
 def obstacles(job: JobState) -> Iterator[tuple[StandCause, str]]:

@@ -119,12 +119,12 @@ class Attention:
 
     def _concern(self, event: e.TaskEvent) -> Concern:
         if event.key == e.MANUAL_KEY:
-            found: Concern | None = None
+            own_concern: Concern | None = None
         elif event.job is None:
-            found = self.sharing.move()
+            own_concern = self.sharing.move()
         else:
-            found = self.sharing.task(self._state.jobs[event.job].digest, event.task)
-        concern = Concern(self._all, self._all) if found is None else found
+            own_concern = self.sharing.task(self._state.jobs[event.job].digest, event.task)
+        concern = Concern(self._all, self._all) if own_concern is None else own_concern
         self._concerns[event.job, event.task] = concern
         return concern
 

@@ -65,11 +65,11 @@ class ActionLeaf(Waiter, Ticked):
 
     def _start_if_free(self, progress: TaskState | None) -> Status:
         subject = self.subject
-        found = before_attempt(subject.state, subject.key, subject.task, subject.recorder)
-        if isinstance(found, str):
-            return self._skip(found)
-        if found is not None:
-            self.note(found)
+        obstacle = before_attempt(subject.state, subject.key, subject.task, subject.recorder)
+        if isinstance(obstacle, str):
+            return self._skip(obstacle)
+        if obstacle is not None:
+            self.note(obstacle)
             return Status.RUNNING
         return self._start(1 if progress is None else progress.attempt + 1)
 

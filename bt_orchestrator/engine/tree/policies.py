@@ -94,10 +94,10 @@ class Conditional(Wrapper):
 
     def _found(self) -> str:
         try:
-            found = found_words(self.condition, self.subject.state.scope(self.subject.key))
+            words = found_words(self.condition, self.subject.state.scope(self.subject.key))
         except MissingResult as missing:
             return str(missing)
-        return f'found {found}'
+        return f'found {words}'
 
 
 class Rounds(Wrapper):

@@ -44,7 +44,9 @@ class Ticked(Behaviour):
     def tick(self) -> Iterator[Behaviour]:
         """Tick, and yield every active behaviour, children first."""
         self.run()
-        yield from (one for one in self.iterate() if one.status is not Status.INVALID)
+        yield from (
+            behaviour for behaviour in self.iterate() if behaviour.status is not Status.INVALID
+        )
 
     def tick_once(self) -> None:
         """Tick."""
@@ -125,10 +127,10 @@ class AtOnce(_Composite, composites.Parallel):
         for child in children:
             if child.status is SUCCESS and child.lasting:
                 continue
-            found = child.run()
-            if found is FAILURE and status is not FAILURE:
+            child_status = child.run()
+            if child_status is FAILURE and status is not FAILURE:
                 status, current = FAILURE, child
-            elif found is RUNNING and status is SUCCESS:
+            elif child_status is RUNNING and status is SUCCESS:
                 status = RUNNING
         self.current_child, self.status = current, status
         if status is FAILURE:

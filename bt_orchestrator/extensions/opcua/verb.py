@@ -185,27 +185,28 @@ def run_trust(pki: Path, given: Sequence[str], *, removes: bool) -> int:
             f'opcua trust: expected one thumbprint, found {" ".join(given)}; name one at a time'
         )
     try:
-        found = trust.remove(given[0]) if removes else trust.trust(given[0])
+        entry = trust.remove(given[0]) if removes else trust.trust(given[0])
     except NoSuchCertificate as error:
         raise WrongUse(f'opcua trust: {error}') from error
     done = (
         'is no longer trusted; its connections end' if removes else 'is trusted; connect it again'
     )
-    print(f'{found.thumbprint} {found.subject} {done}')
+    print(f'{entry.thumbprint} {entry.subject} {done}')
     return 0
 
 
-def _list(what: str, found: Sequence[Listed]) -> None:
-    if not found:
+def _list(what: str, entries: Sequence[Listed]) -> None:
+    if not entries:
         print(f'{what}: none')
         return
     print(f'{what}:')
-    for one in found:
+    for entry in entries:
         print(
-            f'  {one.thumbprint}  {one.since.astimezone():%Y-%m-%d %H:%M}  {_shown(one.subject)}'
+            f'  {entry.thumbprint}  {entry.since.astimezone():%Y-%m-%d %H:%M}  '
+            f'{_shown(entry.subject)}'
         )
-        until = one.certificate.not_valid_after_utc
-        print(f'    {_shown(one.uri)}, valid until {until:%Y-%m-%d}')
+        until = entry.certificate.not_valid_after_utc
+        print(f'    {_shown(entry.uri)}, valid until {until:%Y-%m-%d}')
 
 
 def _shown(text: str) -> str:

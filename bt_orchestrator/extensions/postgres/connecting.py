@@ -62,11 +62,11 @@ def place_of(address: str) -> Place:
 
     :raises JournalUnusable: it is no address of a plant's database
     """
-    found = _FORM.fullmatch(address)
+    match = _FORM.fullmatch(address)
     try:
-        if found is None:
+        if match is None:
             raise ValueError(f'found {_shown(address)}')
-        place = Place(found[1] + (found[3] or ''), unquote(found[2] or ''))
+        place = Place(match[1] + (match[3] or ''), unquote(match[2] or ''))
         conninfo_to_dict(place.address)
     except (ValueError, psycopg.ProgrammingError) as error:
         what = f"expected the address of a plant's database, {EXAMPLE}: {error}"

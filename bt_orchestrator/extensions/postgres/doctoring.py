@@ -143,12 +143,12 @@ def _cell(connection: Connection, place: Place) -> Check:
     if not place.cell:
         return fail(CELL, f'{place} names no cell', 'add /CELL to the address')
     try:
-        found = next((cell for cell in cells(connection) if cell.name == place.cell), None)
+        kept_cell = next((cell for cell in cells(connection) if cell.name == place.cell), None)
     except JournalUnusable:
-        found = None
-    if found is None:
+        kept_cell = None
+    if kept_cell is None:
         return ok(CELL, f'{place.cell} has no journal there yet; the first start makes it')
-    if found.kept_by == FEED:
+    if kept_cell.kept_by == FEED:
         return fail(
             CELL,
             f'{place.cell} is a copy that a feed writes, and may lack the newest events',
@@ -159,12 +159,13 @@ def _cell(connection: Connection, place: Place) -> Check:
         "SELECT holder, EXISTS (SELECT FROM pg_locks WHERE locktype = 'advisory' "
         f'AND classid = {LOCK} AND objid = cells.number AND database = '
         '(SELECT oid FROM pg_database WHERE datname = current_database())) '
-        f'FROM plant.cells WHERE number = {found.number}',
+        f'FROM plant.cells WHERE number = {kept_cell.number}',
     )
     led = f'led by {leader}' if is_led else f'led by no node now, last by {leader}'
     return ok(
         CELL,
-        f'{place.cell} has its journal there, history {found.history}; {led}, epoch {found.epoch}',
+        f'{place.cell} has its journal there, history {kept_cell.history}; {led}, '
+        f'epoch {kept_cell.epoch}',
     )
 
 

@@ -124,18 +124,18 @@ class Feed:
     def copy_tables(self, path: Path, done: Copied) -> None:
         """Copy what is new or changed in the other tables of a journal file."""
         assert self._current is not None
-        with side_tables(path) as found:
-            if found is None or found.history != self._current.history:
+        with side_tables(path) as tables:
+            if tables is None or tables.history != self._current.history:
                 return
             for table in TABLES:
-                now = found.checks(table)
+                now = tables.checks(table)
                 before = self._checks(self._current, table)
                 keys = changed(now, before)
                 gone = [key for key in before if key not in now] if table.is_mirrored else []
                 if keys or gone:
                     with self._connection.transaction():
                         self._remove(self._current, table, gone)
-                        self._write_rows(self._current, table, list(found.rows(table, keys)))
+                        self._write_rows(self._current, table, list(tables.rows(table, keys)))
                     self._known[self._current.number, table.name] = now
                     done.rows += len(keys)
 
@@ -184,7 +184,7 @@ class Feed:
         elif named[-1][1] != extent.history:  # it was restored, and no node has started yet
             named.append((extent.last_seq + 1, extent.history))
         if named[0][0] > extent.first_seq and (before := self._found(source, extent, known)):
-            named = [(extent.first_seq, before), *(one for one in named if one[1] != before)]
+            named = [(extent.first_seq, before), *(entry for entry in named if entry[1] != before)]
         ends: list[int | None] = [seq - 1 for seq, _ in named[1:]]
         for number, ((seq, history), last) in enumerate(zip(named, [*ends, None], strict=True)):
             yield _Part(history, seq if number else 1, last)

@@ -133,11 +133,13 @@ class PostgresStore(KeptJournal):
         holder = f'{gethostname()}, process {os.getpid()}'
         self._cell = cell = enter(connection, self._place.cell, JOURNAL, holder)
         self.epoch = cell.epoch
-        found = stretches(connection, cell)
+        cell_stretches = stretches(connection, cell)
         history = uuid4().hex
-        self._tables = (found[-1] if found else begin_stretch(connection, cell, history)).tables
+        self._tables = (
+            cell_stretches[-1] if cell_stretches else begin_stretch(connection, cell, history)
+        ).tables
         self._enter_tables(self._writer)
-        if not found:
+        if not cell_stretches:
             self._writer.ask('INSERT INTO history (one, id) VALUES (1, $1)', (history,))
             seal(self._writer)
         self._history = self._on_file = history_of(self._writer)
@@ -224,14 +226,14 @@ class PostgresStore(KeptJournal):
         :param last: the event before them
         :raises JournalFailed: other ones are
         """
-        found = self._checks_after(session, last)
+        checks = self._checks_after(session, last)
         if history_of(session).id != self.history:
             return False
-        if found and array_of(found) != columns[_CHECKS]:
+        if checks and array_of(checks) != columns[_CHECKS]:
             raise JournalFailed(f'other events than its own follow event {last}')
-        if found:
+        if checks:
             self._on_file, self._end = self._history, EVERY
-        return bool(found)
+        return bool(checks)
 
     def _checks_after(self, session: Session, seq: int) -> list[int]:
         """Return the checks of the events after one.
@@ -356,8 +358,8 @@ class PostgresStore(KeptJournal):
             "AND locktype = 'advisory' AND classid = $2 AND objid = $3",
             (self._writer.backend, LOCK, self._cell.number),
         )
-        found = session.ask('SELECT pg_try_advisory_lock($1, $2)', (LOCK, self._cell.number))
-        return bool(found.fetchone()[0])
+        answer = session.ask('SELECT pg_try_advisory_lock($1, $2)', (LOCK, self._cell.number))
+        return bool(answer.fetchone()[0])
 
     def _refuse_another(self, session: Session) -> None:
         query = 'SELECT 1 FROM plant.cells WHERE number = $1 AND epoch = $2 FOR SHARE'
@@ -478,7 +480,7 @@ def _new_rows(events: Sequence[Event]) -> Iterator[_New]:
 def _columns(new: Iterable[_New]) -> Sequence[str]:
     seqs, texts, ends, events, jobs, times = zip(*new, strict=True)
     checks = map(check_of_event, seqs, texts, ends)
-    return [array_of(one) for one in (seqs, texts, checks, ends, events, jobs, times)]
+    return [array_of(column) for column in (seqs, texts, checks, ends, events, jobs, times)]
 
 
 def _floor_of(session: Session) -> int:

@@ -90,8 +90,8 @@ class PostgresRecords(KeptRecords):
             return False
         with speaking_of(self._place):
             query = 'SELECT history FROM plant.cells WHERE cell = $1'
-            found = self._session.ask(query, (self._place.cell,)).fetchone()
-        return found is None or found[0] != self._copy.history
+            row = self._session.ask(query, (self._place.cell,)).fetchone()
+        return row is None or row[0] != self._copy.history
 
     def book_reasons(self, after_seq: int = 0, most: int = MOST) -> ReasonPage:
         """Return the reasons of stops; none where no program of today has written.
@@ -167,7 +167,7 @@ class Copy(NamedTuple):
 
 def lineage(stretch: Stretch, known: Mapping[str, Stretch]) -> Iterator[tuple[str, int | None]]:
     """Yield a stretch and those that it goes on from, with the last event that counts of each."""
-    by_number = {one.number: one for one in known.values()}
+    by_number = {other.number: other for other in known.values()}
     last: int | None = None
     while True:
         yield stretch.tables, last

@@ -253,7 +253,7 @@ def cell_named(connection: Connection, place: Place) -> Cell:
     for cell in known:
         if cell.name == place.cell:
             return cell
-    names = ', '.join(one.name for one in known) or 'none'
+    names = ', '.join(cell.name for cell in known) or 'none'
     raise JournalUnusable(
         f"expected a cell of the plant's database {place.of('')}, found {place.cell!r}; it has: "
         f'{names}'
@@ -266,14 +266,14 @@ def stretches(connection: Connection, cell: Cell) -> list[Stretch]:
     :raises JournalUnusable: one has tables of a newer program
     """
     query = f'{_STRETCH} WHERE cell = %s ORDER BY number'.encode()
-    found = [Stretch(*row) for row in connection.execute(query, (cell.number,))]
-    newest = max((one.version for one in found), default=0)
+    cell_stretches = [Stretch(*row) for row in connection.execute(query, (cell.number,))]
+    newest = max((stretch.version for stretch in cell_stretches), default=0)
     if newest > VERSION:
         raise CellRefused(
             f'the tables of the cell {cell.name} have version {newest}, this program knows '
             f'{VERSION}; use the newer program'
         )
-    return found
+    return cell_stretches
 
 
 def enter(connection: Connection, name: str, kept_by: str, holder: str) -> Cell:

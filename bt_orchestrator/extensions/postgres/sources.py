@@ -113,7 +113,7 @@ class DoorSource:
 
 def _file(path: Path) -> tuple[int, int]:
     try:
-        found = path.stat()
+        status = path.stat()
     except OSError as error:
         raise JournalUnusable(f'there is no journal {path}; check the path') from error
-    return found.st_dev, found.st_ino
+    return status.st_dev, status.st_ino

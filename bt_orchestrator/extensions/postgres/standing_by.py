@@ -92,8 +92,8 @@ class PostgresStandby:
             session = self._connected()
             if self._cell is not None:
                 lock = (LOCK, self._cell.number)
-                found = session.ask('SELECT pg_try_advisory_lock($1, $2)', lock)
-                if not found.fetchone()[0]:
+                answer = session.ask('SELECT pg_try_advisory_lock($1, $2)', lock)
+                if not answer.fetchone()[0]:
                     return None
             self._mark.sync()
             connection, self._connection, self._session = self._connection, None, None
@@ -152,10 +152,10 @@ class PostgresStandby:
         if cell is None:
             return None
         refuse_kept_otherwise(cell, JOURNAL)
-        found = stretches(connection, cell)
-        if not found:
+        cell_stretches = stretches(connection, cell)
+        if not cell_stretches:
             return None
-        connection.execute(f'SET search_path = {found[-1].tables}'.encode())
+        connection.execute(f'SET search_path = {cell_stretches[-1].tables}'.encode())
         return cell
 
     def _disconnect(self) -> None:

@@ -90,7 +90,9 @@ def component_in_service(event: e.ComponentInService, state: CellState) -> None:
     del state.out_of_service[event.component]
     for job in state.queue:
         if event.component in job.unavailable:
-            left = tuple(one for one in job.unavailable if one != event.component)
+            left = tuple(
+                component for component in job.unavailable if component != event.component
+            )
             state.jobs.lack(job.job.id, left)
             note_work(state, state.jobs.queued(job.job.id))
 
@@ -178,7 +180,7 @@ def operator_decided(event: e.OperatorDecided, state: CellState) -> None:
     A shutdown of the node is not stored: the next orchestrator continues.
     """
     about = (event.hold, event.job, event.item, event.component, event.digest)
-    if any(one is not None for one in about):
+    if any(subject is not None for subject in about):
         return
     wish = Wish(event.answer, event.who, event.reason, event.time, event.known)
     if event.answer in STAND:

@@ -31,8 +31,8 @@ def turn_completed(event: e.TurnCompleted, state: CellState) -> None:
 def cycle_completed(event: e.CycleCompleted, state: CellState) -> None:
     section = state.sections[event.section]
     assert section.cycle is not None
-    told = passed_tasks(state, event.section, section.cycle)
-    section.finished = Finished(event.job, event.item, section.cycle.beat, *told)
+    tasks = passed_tasks(state, event.section, section.cycle)
+    section.finished = Finished(event.job, event.item, section.cycle.beat, *tasks)
     section.cycle = None
     script = state.script(event.job)
     for task in script.sections[event.section].tasks:

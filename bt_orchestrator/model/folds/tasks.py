@@ -142,11 +142,11 @@ def task_succeeded(event: e.TaskSucceeded, state: CellState) -> None:
 
 def manual_asked(event: e.ManualAsked, state: CellState) -> None:
     """Forget what the component is set up for, and that its initialization is done."""
-    told = {name: vars(event)[name] for name in _TOLD_OF_MANUAL}
-    state.manual = ManualRun(asked=event.time, **told)
+    facts = {name: vars(event)[name] for name in _TOLD_OF_MANUAL}
+    state.manual = ManualRun(asked=event.time, **facts)
     state.tasks.pop(e.MANUAL_KEY, None)
     action = state.cell.components[event.component].action
-    for done in [one for one in state.done_once if one.startswith(f'{action} ')]:
+    for done in [key for key in state.done_once if key.startswith(f'{action} ')]:
         del state.done_once[done]
     forget_all(state, event.component)
     forget_skips(state, lambda job: not job.progress.started)

@@ -55,11 +55,11 @@ class Preparation:
         return any(max(self.sections[t]) > first for t in (task, *self._ancestors(task)))
 
     def _ancestors(self, task: str) -> set[str]:
-        found: set[str] = set()
+        ancestors: set[str] = set()
         pending = list(self.upstream[task])
         while pending:
-            one = pending.pop()
-            if one not in found:
-                found.add(one)
-                pending.extend(self.upstream[one])
-        return found
+            ancestor = pending.pop()
+            if ancestor not in ancestors:
+                ancestors.add(ancestor)
+                pending.extend(self.upstream[ancestor])
+        return ancestors

@@ -174,7 +174,7 @@ def refusal(method: Method, job: str, facts: JobFacts) -> str | None:
         fitting = ' or '.join(before.value for before in method.changes if before is not None)
         return f'{job} is {word.value}; {method.title} is for jobs that are {fitting}'
     if ending and method not in LEFT_WHILE_ENDING[ending]:
-        left_to_ask = ', '.join(one.title for one in LEFT_WHILE_ENDING[ending])
+        left_to_ask = ', '.join(other.title for other in LEFT_WHILE_ENDING[ending])
         what = f'{job} is {ending} already and ends when its last item has left the line'
         return f'{what}; only {left_to_ask} is left' if left_to_ask else what
     if method is ANOTHER and not facts.piece:
@@ -189,7 +189,7 @@ def not_approving(piece: str, role: Role, who: Approval) -> str | None:
     may = {Role.ENGINEER, *([Role.OPERATE] if who is Approval.OPERATE else [])}
     if not piece or role in may:
         return None
-    names = ' or '.join(sorted(one.value for one in may))
+    names = ' or '.join(sorted(approver.value for approver in may))
     what = f'waits for the approval of {piece}, its first piece, by {names}'
     return f'{what}; your role is {role.value}'
 

@@ -148,7 +148,7 @@ def all_counts(counts: Counts) -> dict[str, int]:
 
 def record_of(job: JobState) -> JobRecord:
     """Return what stays of a job that ended when its events are gone."""
-    names = [one.name for one in dataclasses.fields(Counts)]
+    names = [counter.name for counter in dataclasses.fields(Counts)]
     return JobRecord(
         job=job.job.id,
         script=job.job.script.name,

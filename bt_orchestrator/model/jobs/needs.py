@@ -118,9 +118,9 @@ def released_before(state: CellState, made_from: MadeFrom, script: str) -> Scrip
     kept = reversed(state.released_scripts.items())
     return next(
         (
-            one
-            for name, one in kept
-            if is_released(state, name) and made_from.says_the_same(one.made_from)
+            candidate
+            for name, candidate in kept
+            if is_released(state, name) and made_from.says_the_same(candidate.made_from)
         ),
         None,
     )

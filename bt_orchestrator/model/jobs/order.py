@@ -174,5 +174,5 @@ def compared_words(per_item_s: float, slower: float) -> str:
 
     :param slower: than before, as a part of the time before
     """
-    told = f' ({slower:+.0%})'.replace('%', ' %') if round(slower, 2) else ''
-    return f'{per_item_s:.1f} s per item{told}'
+    difference = f' ({slower:+.0%})'.replace('%', ' %') if round(slower, 2) else ''
+    return f'{per_item_s:.1f} s per item{difference}'

@@ -52,7 +52,7 @@ def with_changes(script: Script, cell: Cell) -> Script:
     wanted = _wanted(script)
     if not wanted:
         return script
-    changes = tuple(_change(one, cell, on_demand=late) for one, late in wanted.items())
+    changes = tuple(_change(wish, cell, on_demand=late) for wish, late in wanted.items())
     order = tuple(
         InitializationDependency(own.id, change.id)
         for change in changes
@@ -73,8 +73,8 @@ def _wanted(script: Script) -> dict[_Wanted, bool]:
         before: set[tuple[str, str]] = set()
         for task in script.sections[number].tasks:
             for setup, value in task.setup.items():
-                one = _Wanted(task.component, setup, value)
-                wanted[one] = wanted.get(one, True) and (task.component, setup) in before
+                wish = _Wanted(task.component, setup, value)
+                wanted[wish] = wanted.get(wish, True) and (task.component, setup) in before
                 before.add((task.component, setup))
             if task.change is not None:
                 before.add((task.component, task.change.setup))
@@ -106,8 +106,8 @@ def known(state: CellState, component: str, setup: str) -> str | None:
     """
     if _is_read(state, component, setup):
         return state.setups_told.get(component, {}).get(setup) or None
-    found = state.setups.get(component, {}).get(setup)
-    return None if found is None else found.value
+    entry = state.setups.get(component, {}).get(setup)
+    return None if entry is None else entry.value
 
 
 def _is_read(state: CellState, component: str, setup: str) -> bool:
@@ -123,20 +123,20 @@ def untold(state: CellState, task: Task) -> tuple[str, str] | None:
     """
     for setup, wanted in task.setup.items():
         if _is_read(state, task.component, setup):
-            told = known(state, task.component, setup)
-            if told != wanted:
-                return setup, told or ''
+            value = known(state, task.component, setup)
+            if value != wanted:
+                return setup, value or ''
     return None
 
 
 def missing_setup(state: CellState, task: Task) -> str | None:
     """Say which setup of its component keeps a task from its goal; None: it may be sent."""
     for setup, wanted in task.setup.items():
-        found = known(state, task.component, setup)
-        if found != wanted:
-            kind = 'setup_unknown' if found is None else 'setup_other'
+        value = known(state, task.component, setup)
+        if value != wanted:
+            kind = 'setup_unknown' if value is None else 'setup_other'
             names = {'component': task.component, 'setup': setup, 'wanted': wanted}
-            return sentence(kind, **names, found=found)
+            return sentence(kind, **names, found=value)
     return None
 
 
@@ -159,16 +159,16 @@ def why_needless(state: CellState, key: TaskKey, change: Task) -> str | None:
 def stays(state: CellState, job: JobState, before: Sequence[JobState], task: Task) -> bool:
     """Tell whether neither a job nor those before it change a setup before an implied change."""
     return not any(
-        one.component == task.component and _changes(one, task)
+        other.component == task.component and _changes(other, task)
         for earlier in (*before, job)
-        for one in _to_come(state, earlier, whole=earlier is not job)
-        if earlier is not job or one.id != task.id
+        for other in _to_come(state, earlier, whole=earlier is not job)
+        if earlier is not job or other.id != task.id
     )
 
 
-def _changes(one: Task, task: Task) -> bool:
+def _changes(other: Task, task: Task) -> bool:
     assert task.change is not None
-    return one.change is not None and one.change.setup == task.change.setup
+    return other.change is not None and other.change.setup == task.change.setup
 
 
 def _to_come(state: CellState, job: JobState, *, whole: bool) -> Iterator[Task]:
@@ -204,11 +204,11 @@ def note_told(state: CellState, component: str, setup: str, value: str | None) -
 
     :param value: None: the topic says nothing
     """
-    told = state.setups_told.setdefault(component, {})
+    setups = state.setups_told.setdefault(component, {})
     if value is None:
-        told.pop(setup, None)
+        setups.pop(setup, None)
         return
-    told[setup] = value
+    setups[setup] = value
     before = state.setups.get(component, {}).get(setup)
     is_other = before is not None and before.value != value
     if before is not None and is_other and not before.is_told:

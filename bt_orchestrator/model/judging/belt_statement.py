@@ -42,15 +42,15 @@ def parse_slots(words: Sequence[str]) -> Slots:
 
     :raises CommandRefused: says what was expected
     """
-    found: dict[int, str] = {}
+    items: dict[int, str] = {}
     for word in words:
         match = re.fullmatch(r'\s*(\d+)\s*=\s*(\S.*?)\s*', word)
         if match is None:
             raise CommandRefused(f'a slot is stated as N=ITEM or N={EMPTY}, found {word!r}')
-        if int(match[1]) in found:
+        if int(match[1]) in items:
             raise CommandRefused(f'slot {match[1]} is stated twice; state it once')
-        found[int(match[1])] = match[2]
-    return Slots(found)
+        items[int(match[1])] = match[2]
+    return Slots(items)
 
 
 def corrections(state: CellState, statement: Statement) -> Iterator[e.ItemRemoved]:
@@ -63,7 +63,7 @@ def corrections(state: CellState, statement: Statement) -> Iterator[e.ItemRemove
         _check_seq(state, statement.seq)
         return
     _check_complete(state, statement)
-    gone = [_gone(state, number, said) for number, said in statement.by_section.items()]
+    gone = [_gone(state, number, content) for number, content in statement.by_section.items()]
     for item in gone:
         if item is not None:
             yield e.ItemRemoved(job=item.job, item=item.id, section=item.section, how='by_hand')
@@ -96,8 +96,11 @@ def _check_seq(state: CellState, seq: int) -> None:
 
 
 def _check_complete(state: CellState, statement: Slots) -> None:
-    said, there = set(statement.by_section), set(state.sections)
-    for words, numbers in (('is not stated', there - said), ('does not exist', said - there)):
+    stated_slots, there = set(statement.by_section), set(state.sections)
+    for words, numbers in (
+        ('is not stated', there - stated_slots),
+        ('does not exist', stated_slots - there),
+    ):
         if numbers:
             slots = ', '.join(map(str, sorted(numbers)))
             raise CommandRefused(
@@ -106,27 +109,27 @@ def _check_complete(state: CellState, statement: Slots) -> None:
             )
 
 
-def _gone(state: CellState, section: int, said: str) -> ItemState | None:
+def _gone(state: CellState, section: int, content: str) -> ItemState | None:
     """Return the item that is in a slot by the state, but not by the statement.
 
     :raises CommandRefused: the statement names another item there
     """
     standing = _standing(state, section)
-    if said == standing or (said == EMPTY and standing is None):
+    if content == standing or (content == EMPTY and standing is None):
         return None
-    if said == EMPTY:
+    if content == EMPTY:
         return state.slot(section)
-    found = f'slot {section}: the cell believes {standing or EMPTY}, not {said}'
-    raise CommandRefused(f'{found}; {_remedy(state, said)}')
+    mismatch = f'slot {section}: the cell believes {standing or EMPTY}, not {content}'
+    raise CommandRefused(f'{mismatch}; {_remedy(state, content)}')
 
 
-def _remedy(state: CellState, said: str) -> str:
-    item = state.items.get(said)
+def _remedy(state: CellState, name: str) -> str:
+    item = state.items.get(name)
     if item is None:
         return 'no such item is on the line; take it off and say empty'
     if item.section and item.present:
-        return f'{said} belongs into slot {item.section}: put it there, or take it off'
-    held = next((hold for hold in state.holds.values() if _places(state, hold, said)), None)
+        return f'{name} belongs into slot {item.section}: put it there, or take it off'
+    held = next((hold for hold in state.holds.values() if _places(state, hold, name)), None)
     if held is not None:
         return f'if {held.task} did place it, answer hold {held.id} with mark_done first'
     return 'it is not on the belt for the cell; take it off and say empty'

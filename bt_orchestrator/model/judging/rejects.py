@@ -36,7 +36,7 @@ def count_reject(state: CellState, key: e.TaskKey) -> None:
         return
     count = state.reject_counts[_name(state, key.job)]
     reach = limit.of + 2 * state.cell.conveyor.sections  # no item on the line is further back
-    kept = [one for one in count.rejects if one.number > count.begun - reach]
+    kept = [reject for reject in count.rejects if reject.number > count.begun - reach]
     count.rejects = [*kept, Reject(item.counted, item.id, dict(_facts(state, key)))]
     item.counted = 0
 
@@ -67,7 +67,7 @@ def hold_of_run(state: CellState, key: e.TaskKey) -> Iterator[e.HoldRaised]:
             reason=TOO_MANY_REJECTS,
             message=_message(run, limit),
             answers=(VERBS[Cause.UNHOLD],),
-            items=tuple(one.item for one in run),
+            items=tuple(reject.item for reject in run),
         )
 
 
@@ -82,9 +82,9 @@ def _name(state: CellState, job: str) -> str:
 
 def _run(rejects: Sequence[Reject], limit: HoldAfter) -> Sequence[Reject]:
     """Return the first run of rejects, in the order of the line; empty: there is none."""
-    ordered = sorted(rejects, key=lambda one: one.number)
+    ordered = sorted(rejects, key=lambda reject: reject.number)
     for place, first in enumerate(ordered):
-        run = [one for one in ordered[place:] if one.number < first.number + limit.of]
+        run = [reject for reject in ordered[place:] if reject.number < first.number + limit.of]
         if len(run) >= limit.rejects:
             return run
     return ()
@@ -114,16 +114,16 @@ def _facts(state: CellState, key: e.TaskKey) -> Iterator[tuple[str, str]]:
 
 
 def _message(run: Sequence[Reject], limit: HoldAfter) -> str:
-    items = listed([one.item for one in run], '')
+    items = listed([reject.item for reject in run], '')
     words = [sentence('rejects', count=len(run), of=limit.of, items=items)]
-    return AND.join([*words, *_in_common([one.facts for one in run])])
+    return AND.join([*words, *_in_common([reject.facts for reject in run])])
 
 
 def _in_common(facts: Sequence[Mapping[str, str]]) -> Iterator[str]:
     first = facts[0]
-    common = {name for name in first if all(one.get(name) == first[name] for one in facts)}
+    common = {name for name in first if all(reject.get(name) == first[name] for reject in facts)}
     if 'task' not in common:
-        tasks = listed(list(dict.fromkeys(one['task'] for one in facts)), '')
+        tasks = listed(list(dict.fromkeys(reject['task'] for reject in facts)), '')
         yield sentence('rejects_tasks', tasks=tasks)
     for name in (name for name in _FACTS if name in common):
         yield sentence(f'rejects_{name}', **{name: first[name]})

@@ -30,8 +30,8 @@ def why_refused(task: Task, results: Mapping[str, Any], scope: Scope) -> str | N
     except MissingResult as missing:
         return str(missing)
     wanted = with_bounds(task.fails_unless, judged)
-    found = found_words(wanted, judged)
-    return sentence('refused_result', wanted=wanted.words, found=found)
+    values = found_words(wanted, judged)
+    return sentence('refused_result', wanted=wanted.words, found=values)
 
 
 def with_bounds(condition: Condition, scope: Scope) -> Condition:
@@ -58,7 +58,7 @@ def found_words(condition: Condition, scope: Scope) -> str:
         for comparison in condition.comparisons
         for reference in references(comparison.value)
     )
-    values = {f'${{{one}}}': as_text(look_up(one, scope)) for one in named}
+    values = {f'${{{name}}}': as_text(look_up(name, scope)) for name in named}
     if len(values) == 1:
         return next(iter(values.values()))
     return ', '.join(f'{name} = {value}' for name, value in values.items())
@@ -97,7 +97,7 @@ def why_duplicate(state: CellState, item: str, task: Task, serial: str) -> str:
     """
     if not serial or serial == state.items[item].serial or serial not in state.serials:
         return ''
-    here = [one.id for one in state.items.values() if one.serial == serial]
+    here = [other.id for other in state.items.values() if other.serial == serial]
     known, result = repr(serial), f'{".".join(task.identifies)}={serial}'
     if here:
         return sentence('serial_here', serial=known, item=here[0], result=result)
@@ -107,5 +107,5 @@ def why_duplicate(state: CellState, item: str, task: Task, serial: str) -> str:
 def lots_of(job: Job) -> dict[str, str]:
     """Return what goes into each item of a job; a lot without a value is left out."""
     scope = Scope(job.params, {'id': job.id, 'quantity': job.quantity}, {}, {})
-    found = ((name, as_text(resolve(lot, scope)).strip()) for name, lot in job.script.lots.items())
-    return {name: cut(lot, SERIAL) for name, lot in found if lot}
+    lots = ((name, as_text(resolve(lot, scope)).strip()) for name, lot in job.script.lots.items())
+    return {name: cut(lot, SERIAL) for name, lot in lots if lot}

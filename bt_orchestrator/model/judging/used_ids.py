@@ -164,11 +164,11 @@ class SealedIds:
         """
         self.text = text
         self.digest = digest_of(text)
-        told, *lines = text.splitlines()
+        header, *lines = text.splitlines()
         self._hashes = array('q', sorted(map(hash, lines)))
         self._runs = {
             prefix: (array('q', (run[0] for run in runs)), array('q', (run[1] for run in runs)))
-            for prefix, runs in json.loads(told).items()
+            for prefix, runs in json.loads(header).items()
         }
 
     def has(self, line: str) -> bool:

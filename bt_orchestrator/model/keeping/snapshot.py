@@ -49,7 +49,10 @@ def state_to_plain(state: CellState) -> dict[str, Any]:
     """
     writer = Writer()
     fields = writer.fields_of(state)
-    objects = [to_plain(one) if isinstance(one, Script) else one for one in writer.objects]
+    objects = [
+        to_plain(instance) if isinstance(instance, Script) else instance
+        for instance in writer.objects
+    ]
     return {'state': fields, 'objects': objects}
 
 
@@ -75,7 +78,8 @@ def text_of_state(
 def text_of_objects(objects: Iterable[Any]) -> str:
     """Return objects of a `Writer` as JSON, without the brackets of a list."""
     return ', '.join(
-        text_of(one) if isinstance(one, Script) else json.dumps(one) for one in objects
+        text_of(instance) if isinstance(instance, Script) else json.dumps(instance)
+        for instance in objects
     )
 
 
@@ -131,8 +135,11 @@ def _of_today(fields: Mapping[str, Any]) -> Mapping[str, Any]:
     """
     done = fields.get('done_once')
     if isinstance(done, list):  # action, constant and arguments in one text
-        told = (text.split(' ', 2) for text in done)
-        fields = {**fields, 'done_once': {f'{action} {name}': args for action, name, args in told}}
+        parts = (text.split(' ', 2) for text in done)
+        fields = {
+            **fields,
+            'done_once': {f'{action} {name}': args for action, name, args in parts},
+        }
     fields = {_RENAMED.get(name, name): value for name, value in fields.items()}
     if 'order_arrived' not in fields:
         return fields
@@ -220,7 +227,9 @@ def _how(kind: Any) -> Callable[[Writer, Any], Any]:
     member = _member(kind)
     if member in SCALARS:
         return lambda _, value: _in_order(origin, list(value))
-    return lambda writer, value: [writer.write(member, one) for one in _in_order(origin, value)]
+    return lambda writer, value: [
+        writer.write(member, element) for element in _in_order(origin, value)
+    ]
 
 
 def _how_class(kind: type) -> Callable[[Writer, Any], Any]:
@@ -244,10 +253,10 @@ def _how_class(kind: type) -> Callable[[Writer, Any], Any]:
 def _how_mapping(key: Any, member: Any) -> Callable[[Writer, Any], Any]:
     if key is str:
         return lambda writer, value: {
-            name: writer.write(member, one) for name, one in value.items()
+            name: writer.write(member, element) for name, element in value.items()
         }
     return lambda writer, value: [
-        [writer.write(key, k), writer.write(member, one)] for k, one in value.items()
+        [writer.write(key, k), writer.write(member, element)] for k, element in value.items()
     ]
 
 
@@ -295,18 +304,20 @@ class Reader:
 
     def _read_mapping(self, key: Any, member: Any, value: Any) -> dict[Any, Any]:
         pairs = value.items() if key is str else value
-        return {self.read(key, k): self.read(member, one) for k, one in pairs}
+        return {self.read(key, k): self.read(member, element) for k, element in pairs}
 
     def _read_fields(self, kind: type, value: Mapping[str, Any]) -> Any:
         hints = hints_of(kind)
-        return kind(**{name: self.read(hints[name], one) for name, one in value.items()})
+        return kind(
+            **{name: self.read(hints[name], field_value) for name, field_value in value.items()}
+        )
 
     def _object(self, kind: type, place: int) -> Any:
         if place not in self._objects:
             plain = self._plain[place]
             is_script = kind is Script
-            found = from_plain(kind, plain) if is_script else self._read_fields(kind, plain)
-            self._objects[place] = found
+            instance = from_plain(kind, plain) if is_script else self._read_fields(kind, plain)
+            self._objects[place] = instance
         return self._objects[place]
 
 

@@ -82,14 +82,14 @@ def get_stuck_together(scripts: Iterable[Script]) -> bool:
     operations: list[Operations] = []
     for script in scripts:
         if script.dependencies:
-            operations.append(Operations(script, sum(len(one.all) for one in operations)))
-    if len(operations) < 2 or any(gets_stuck(Precedence([one])) for one in operations):
+            operations.append(Operations(script, sum(len(entry.all) for entry in operations)))
+    if len(operations) < 2 or any(gets_stuck(Precedence([entry])) for entry in operations):
         return False
     return gets_stuck(Precedence(operations))
 
 
 def _flags_in(circle: tuple[Stand, ...]) -> tuple[str, ...]:
-    return tuple(one.wait.name for one in circle if one.wait.kind is WaitKind.FLAG)
+    return tuple(stand.wait.name for stand in circle if stand.wait.kind is WaitKind.FLAG)
 
 
 # The circle of waits in a deadlocked line, in the words of the running line.
@@ -205,9 +205,9 @@ def remedy(script: Operations, flags: Collection[str]) -> str:
     most = max(1, script.sink - script.source)  # no circle lacks more items than that
     for flag in script.flags.values():
         if flag.flag in flags:
-            found = _smallest(script, flag, most)
-            if found is not None:
-                more, changed = found
+            change = _smallest(script, flag, most)
+            if change is not None:
+                more, changed = change
                 words, most = _in_words(changed, flag), more - 1
     return words
 
@@ -240,8 +240,14 @@ def _smallest(script: Operations, flag: Dependency, most: int) -> tuple[int, Dep
     if not does(most):
         return None
     least = 1 + bisect_left(range(1, most), True, key=does)
-    tried = ((more, one) for more in range(least, most + 1) for one in _changes(flag, more))
-    return next(((more, one) for more, one in tried if _frees(script, one)), None)
+    tried = (
+        (more, dependency)
+        for more in range(least, most + 1)
+        for dependency in _changes(flag, more)
+    )
+    return next(
+        ((more, dependency) for more, dependency in tried if _frees(script, dependency)), None
+    )
 
 
 def _changes(flag: Dependency, more: int) -> Iterator[Dependency]:

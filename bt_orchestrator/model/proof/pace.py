@@ -50,13 +50,13 @@ class Limit:
         return float(self.per_item_us / 1_000_000)
 
     def __str__(self) -> str:
-        told = _named(['index move' if one == INDEX else one for one in self.tasks], ' + ')
+        text = _named(['index move' if task == INDEX else task for task in self.tasks], ' + ')
         if self.only_one:
-            return f'{told}, never two at once ({self.only_one})'
+            return f'{text}, never two at once ({self.only_one})'
         if self.flags:
             word = 'flag' if len(self.flags) == 1 else 'flags'
-            told += f' ({word} {_named(self.flags)})'
-        return f'{told}, for {self.items} items' if self.items > 1 else told
+            text += f' ({word} {_named(self.flags)})'
+        return f'{text}, for {self.items} items' if self.items > 1 else text
 
 
 def _named(names: Sequence[str], between: str = ', ') -> str:
@@ -92,12 +92,12 @@ class Pace:
     @property
     def period(self) -> str:
         """Say how long it is, and how sure that is."""
-        told = f'{self.per_item_s:.1f} s per item'
+        text = f'{self.per_item_s:.1f} s per item'
         if self.least.per_item_us != self.limit.per_item_us:
-            told = f'{self.least.per_item_s:.1f} to {told}, depending on conditions'
+            text = f'{self.least.per_item_s:.1f} to {text}, depending on conditions'
         if self.not_counted:
-            told += f' or longer ({", ".join(self.not_counted)} not counted)'
-        return told
+            text += f' or longer ({", ".join(self.not_counted)} not counted)'
+        return text
 
     def __str__(self) -> str:
         return f'pace: {self.period}, limited by {self.limit}'
@@ -155,34 +155,36 @@ class PacedLine:
             line = Precedence([self._operations.changed(changed)])
         circle = slowest_circle(self._belt + 1, self._arcs(line, us))
         alone = (_alone(name, tasks, us) for name, tasks in self._contested.items())
-        return max([_circle(circle, us, self._belt), *alone], key=lambda one: one.per_item_us)
+        return max([_circle(circle, us, self._belt), *alone], key=lambda limit: limit.per_item_us)
 
     def durations(self, cell: Cell) -> Durations:
         """Return how long everything takes with a good item."""
-        found = {INDEX: _us(self._move, cell) if self._moves else 0}
+        durations_us = {INDEX: _us(self._move, cell) if self._moves else 0}
         for task in self._tasks:
-            found[task.id] = _us(task, cell) if task.runs_for.includes(rejected=False) else 0
-        return found
+            durations_us[task.id] = (
+                _us(task, cell) if task.runs_for.includes(rejected=False) else 0
+            )
+        return durations_us
 
     def _arcs(self, line: Precedence, us: Durations) -> list[Arc]:
         """Return the relations as arcs between operations and the belt; their length is beats."""
         belt = self._belt
-        arcs = [_arc(one, us) for relations in line.after.values() for one in relations]
+        arcs = [_arc(relation, us) for relations in line.after.values() for relation in relations]
         arcs += [Arc(turn.number, belt, 0, 0) for turn in line.turns]
         arcs.append(Arc(belt, belt, us[INDEX], 1, (INDEX,)))
-        for one in line.operations:
-            if one.at_rest:
-                arcs.append(Arc(belt, one.number, us[INDEX], 1, (INDEX,)))
-            elif one.follows_move:
-                arcs.append(Arc(belt, one.number, 0, 1))
+        for operation in line.operations:
+            if operation.at_rest:
+                arcs.append(Arc(belt, operation.number, us[INDEX], 1, (INDEX,)))
+            elif operation.follows_move:
+                arcs.append(Arc(belt, operation.number, 0, 1))
         return arcs
 
 
-def _arc(one: Relation, us: Durations) -> Arc:
-    weight = sum(us[task] for task in one.tasks)
-    beats = one.items + one.after.section - one.before.section
-    flag = '' if one.dependency is None else one.dependency.flag
-    return Arc(one.before.number, one.after.number, weight, beats, one.tasks, flag)
+def _arc(relation: Relation, us: Durations) -> Arc:
+    weight = sum(us[task] for task in relation.tasks)
+    beats = relation.items + relation.after.section - relation.before.section
+    flag = '' if relation.dependency is None else relation.dependency.flag
+    return Arc(relation.before.number, relation.after.number, weight, beats, relation.tasks, flag)
 
 
 def _circle(arcs: Sequence[Arc], us: Durations, belt: int) -> Limit:
@@ -238,7 +240,7 @@ def contested(script: Script, move: Task) -> Mapping[str, Sequence[str]]:
         users[task.component][task.id] = place
         for zone in script.zones_of.get(task.id, ()):
             users[f'zone {zone}'][task.id] = place
-    return {name: list(found) for name, found in users.items() if _may_meet({*found.values()})}
+    return {name: list(tasks) for name, tasks in users.items() if _may_meet({*tasks.values()})}
 
 
 def _places(script: Script) -> Iterator[tuple[Task, Place]]:

@@ -48,8 +48,8 @@ class Precedence:
 
 def _of_cycles(scripts: Sequence[Operations]) -> Iterator[Relation]:
     """Yield the relations that a section ends each cycle before it begins the next."""
-    for one, following in product(scripts, repeat=2):
-        for section, end in one.ends.items():
+    for script, following in product(scripts, repeat=2):
+        for section, end in script.ends.items():
             if section in following.begins:
                 yield Relation(end, following.begins[section], 1)
 
@@ -61,21 +61,21 @@ def _of_flags(scripts: Sequence[Operations]) -> Iterator[Relation]:
     first `initial` takings need no addition. Each item belongs to one script.
     """
     shared = [
-        (one, other, flag)
-        for one, other in product(scripts, repeat=2)
-        for flag in one.flags
+        (script, other, flag)
+        for script, other in product(scripts, repeat=2)
+        for flag in script.flags
         if flag in other.flags
     ]
-    for one, other, flag in shared:
-        wants, taking = one.flags[flag], other.flags[flag].downstream
+    for script, other, flag in shared:
+        wants, taking = script.flags[flag], other.flags[flag].downstream
         room = wants.capacity - wants.initial
-        if room or one is other:
-            up = one.of_task[wants.upstream]
+        if room or script is other:
+            up = script.of_task[wants.upstream]
             yield Relation(other.of_task[taking], up, room, (taking,), wants)
-    for one, other, flag in shared:
-        wants, adding = one.flags[flag], other.flags[flag].upstream
-        if wants.initial or one is other:
-            down = one.of_task[wants.downstream]
+    for script, other, flag in shared:
+        wants, adding = script.flags[flag], other.flags[flag].upstream
+        if wants.initial or script is other:
+            down = script.of_task[wants.downstream]
             yield Relation(other.of_task[adding], down, wants.initial, (adding,), wants)
 
 
@@ -143,9 +143,9 @@ class Operations:
 
     def changed(self, dependency: Dependency) -> Operations:
         """Return a copy with other counts of one flag."""
-        found = copy(self)
-        found.flags = {**self.flags, dependency.flag: dependency}
-        return found
+        operations = copy(self)
+        operations.flags = {**self.flags, dependency.flag: dependency}
+        return operations
 
     def _add_list(self, tasks: SectionList) -> None:
         section = tasks.section

@@ -49,7 +49,7 @@ def quicker(line: PacedLine, cell: Cell) -> Quicker | None:
         return None
     us = line.durations(cell)
     limit = line.limit(us)
-    task = max((one for one in limit.tasks if one != INDEX), key=us.__getitem__, default=None)
+    task = max((name for name in limit.tasks if name != INDEX), key=us.__getitem__, default=None)
     if task is None:
         return None
     then = line.limit({**us, task: 0})
@@ -86,6 +86,6 @@ def roomier(line: PacedLine, cell: Cell) -> Roomier | None:
     limit = line.limit(us)
     flags = [line.flags[name] for name in limit.flags] if len(limit.flags) <= FLAGS_TRIED else []
     larger = [replace(flag, capacity=flag.capacity + 1) for flag in flags]
-    tried = [Roomier(one.flag, one.capacity, line.limit(us, one)) for one in larger]
-    best = min(tried, key=lambda one: one.then.per_item_us, default=None)
+    tried = [Roomier(flag.flag, flag.capacity, line.limit(us, flag)) for flag in larger]
+    best = min(tried, key=lambda trial: trial.then.per_item_us, default=None)
     return best if best is not None and best.then.per_item_us < limit.per_item_us else None

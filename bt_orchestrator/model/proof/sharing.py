@@ -26,19 +26,19 @@ def examine(new: Mapping[str, Script], live: Mapping[str, Script]) -> Sharing:
 
 
 def contradiction(
-    new: Script, known: Mapping[str, Script], found: Sharing | None = None
+    new: Script, known: Mapping[str, Script], sharing: Sharing | None = None
 ) -> str | None:
     """Say why a script cannot share its flags with those of other jobs.
 
     :param known: by digest
-    :param found: an earlier result of `examine`; used if it covers all of them
+    :param sharing: an earlier result of `examine`; used if it covers all of them
     """
     if not new.dependencies:
         return None
     name = digest(new)
     others = {other: script for other, script in known.items() if script.dependencies}
-    if found is not None and {name, *others} <= found.among:
-        return found.why_not.get(name)
+    if sharing is not None and {name, *others} <= sharing.among:
+        return sharing.why_not.get(name)
     others.pop(name, None)
     return _disagreement(new, others) or _circle(new, others)
 

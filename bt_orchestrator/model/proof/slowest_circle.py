@@ -32,15 +32,15 @@ def slowest_circle(nodes: int, arcs: Sequence[Arc]) -> list[Arc]:
     :param nodes: how many; they are numbered from 0
     """
     # Arcs in an order in which a way that seldom turns back is followed to its end at once.
-    forth = sorted((arc for arc in arcs if arc.start <= arc.end), key=lambda one: one.start)
-    back = sorted((arc for arc in arcs if arc.start > arc.end), key=lambda one: -one.start)
+    forth = sorted((arc for arc in arcs if arc.start <= arc.end), key=lambda arc: arc.start)
+    back = sorted((arc for arc in arcs if arc.start > arc.end), key=lambda arc: -arc.start)
     ordered, far = (*forth, *back), [0] * nodes
     slowest: list[Arc] = []
     scale = 1
     while slower := _slower(ordered, ratio(slowest), far):
         slowest = slower
         before, scale = scale, ratio(slowest).denominator
-        far = [one * scale // before for one in far]
+        far = [distance * scale // before for distance in far]
     return slowest
 
 
@@ -67,8 +67,8 @@ def _slower(arcs: Sequence[Arc], than: Fraction, far: list[int]) -> list[Arc]:
         for start, end, gain, arc in gains:
             if far[start] + gain > far[end]:
                 far[end], reached_by[end], changed = far[start] + gain, arc, True
-        if found := list(_circles(reached_by)):
-            return max(found, key=ratio)
+        if circles := list(_circles(reached_by)):
+            return max(circles, key=ratio)
     return []
 
 

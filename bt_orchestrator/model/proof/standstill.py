@@ -50,7 +50,10 @@ def _knots(line: Precedence) -> set[Operation]:
     """Return operations that must follow themselves for the same item, and their successors."""
     order: TopologicalSorter[Operation] = TopologicalSorter()
     for operation in line.operations:
-        order.add(operation, *(one.before for one in line.before[operation] if not one.items))
+        order.add(
+            operation,
+            *(relation.before for relation in line.before[operation] if not relation.items),
+        )
     knots = set(line.operations)
     with suppress(CycleError):
         order.prepare()
@@ -74,16 +77,16 @@ def _follow(line: Precedence, beat: int, knots: Collection[Operation]) -> dict[O
         if operation.follows_move
     ]
     heapq.heapify(pending)
-    found: dict[Operation, int] = {}
+    first_items: dict[Operation, int] = {}
     while pending:
         item, operation = heapq.heappop(pending)
-        if operation in found:
+        if operation in first_items:
             continue
-        found[operation] = item
+        first_items[operation] = item
         for relation in line.after[operation]:
-            if relation.after not in found:
+            if relation.after not in first_items:
                 heapq.heappush(pending, (item + relation.items, relation.after))
-    return found
+    return first_items
 
 
 def _last_beat(line: Precedence, first_never: Mapping[Operation, int]) -> int:

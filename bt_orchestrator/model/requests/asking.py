@@ -62,7 +62,7 @@ def ask(name: str, by: By, /, **arguments: object) -> Asked:
     request = of_name(name)
     if request is None:
         kind, _, _ = name.partition('.')
-        near = [one.name for one in TABLE if one.about.value == kind] or REQUESTS
+        near = [request.name for request in TABLE if request.about.value == kind] or REQUESTS
         raise BadArguments(f'there is no request {cut(name, 60)!r}; one of {", ".join(near)}')
     known = {parameter.name: parameter for parameter in request.parameters}
     given = {key: value for key, value in arguments.items() if value is not None}
@@ -105,7 +105,7 @@ def _is_of(kind: Kind, value: object) -> bool:
     if not isinstance(value, _TYPES[kind]):
         return False
     if kind is Kind.TEXTS:
-        return isinstance(value, (list, tuple)) and all(isinstance(one, str) for one in value)
+        return isinstance(value, (list, tuple)) and all(isinstance(text, str) for text in value)
     return not (kind is Kind.WHOLE and isinstance(value, bool))
 
 
@@ -124,7 +124,10 @@ def refusal(request: Request, by: By, given: Collection[str] = ()) -> str | None
     ]
     for name, roles in (
         (request.name, request.roles),
-        *((f'{request.name} with {one.name}', one.roles or request.roles) for one in restricted),
+        *(
+            (f'{request.name} with {parameter.name}', parameter.roles or request.roles)
+            for parameter in restricted
+        ),
     ):
         if by.role not in roles:
             return _not_allowed(name, roles, by)
@@ -135,15 +138,17 @@ def refusal(request: Request, by: By, given: Collection[str] = ()) -> str | None
 
 def _not_allowed(name: str, roles: Collection[Role], by: By) -> str:
     may = ' or '.join(role.value for role in Role if role in roles)
-    said = (
+    message = (
         f'{name} is for the role {may}, and {by.named} has the role {by.role.value} '
         f'({by.known.value}); nothing was done'
     )
     if by.claims:
-        said += f'; the role {by.claims} does not count, since the node does not trust that door'
+        message += (
+            f'; the role {by.claims} does not count, since the node does not trust that door'
+        )
     if by.known is Known.ROS:
-        said += (
+        message += (
             '; the parameter unauthenticated_role of the node is the role of everybody in the '
             'ROS domain who does not sign, and view where signed_commands is required'
         )
-    return said
+    return message

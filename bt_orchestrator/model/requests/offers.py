@@ -59,9 +59,9 @@ def of_job(facts: JobFacts) -> tuple[Request, ...]:
     """Return the requests that can be made of a job now."""
     places = (MOVE, NEXT) if facts.word in QUEUED else ()
     fitting = (
-        one
-        for one in requests_about(About.JOB)
-        if one.method is not None and refusal(one.method, '', facts) is None
+        request
+        for request in requests_about(About.JOB)
+        if request.method is not None and refusal(request.method, '', facts) is None
     )
     return (*places, *fitting)
 
@@ -73,7 +73,7 @@ def of_hold(answers: Iterable[str]) -> tuple[Request, ...]:
 
 def possible_answers() -> tuple[str, ...]:
     """Return every answer that decides about a task or an item."""
-    return tuple(word for word, one in _ANSWERING.items() if one.about is not About.CELL)
+    return tuple(word for word, request in _ANSWERING.items() if request.about is not About.CELL)
 
 
 def answering(hold: Hold, answer: str) -> Addressed:
@@ -81,18 +81,18 @@ def answering(hold: Hold, answer: str) -> Addressed:
 
     :raises KeyError: the hold does not offer it
     """
-    known = {one.word: one for one in (*of_hold(hold.answers), *_REMARKS)}
+    known = {offer.word: offer for offer in (*of_hold(hold.answers), *_REMARKS)}
     request = known[answer]
     is_of_item = request.about is About.ITEM
     return Addressed(request, {'item': hold.item or ''} if is_of_item else {'hold': hold.id})
 
 
 _ABOUT_HOLDS = requests_about(About.HOLD)
-_REMARKS = tuple(one for one in _ABOUT_HOLDS if one.is_remark)
+_REMARKS = tuple(request for request in _ABOUT_HOLDS if request.is_remark)
 _ANSWERING: Mapping[str, Request] = {
-    one.word: one
-    for one in (*_ABOUT_HOLDS, *requests_about(About.ITEM), CELL[Cause.UNHOLD])
-    if not one.is_remark
+    request.word: request
+    for request in (*_ABOUT_HOLDS, *requests_about(About.ITEM), CELL[Cause.UNHOLD])
+    if not request.is_remark
 }
 
 
@@ -114,13 +114,14 @@ def may_make(request: Request, role: Role | None) -> bool:
 
 def allowed(answers: Iterable[str], role: Role | None) -> list[str]:
     """Return the answers to a hold that a role may give."""
-    return [one.word for one in of_hold(answers) if may_make(one, role)]
+    return [request.word for request in of_hold(answers) if may_make(request, role)]
 
 
 def roles_of(answers: Iterable[str]) -> dict[str, list[str]]:
     """Return the roles that may give each of the answers to a hold."""
     return {
-        one.word: [role.value for role in Role if role in one.roles] for one in of_hold(answers)
+        request.word: [role.value for role in Role if role in request.roles]
+        for request in of_hold(answers)
     }
 
 
@@ -174,7 +175,7 @@ def worthwhile_for_cell(status: CellStatus) -> Iterator[Request]:
     if status.unit_mode is UnitMode.MANUAL:
         yield UNIT_MODES[UnitMode.PRODUCTION]
         return
-    yield from (one for control, one in CONTROLS.items() if control is not status.control)
+    yield from (request for control, request in CONTROLS.items() if control is not status.control)
     if status.control is Control.LOCAL and status.state in MANUAL_FROM:
         yield UNIT_MODES[UnitMode.MANUAL]
 
@@ -231,4 +232,4 @@ def worthwhile_for_job(now: JobNow) -> tuple[Request, ...]:
         job_control.RESUME.verb: now.is_cell_stopped,
         job_control.REQUEUE.verb: not facts.unavailable and not now.has_back,
     }
-    return tuple(one for one in of_job(facts) if not nothing_new.get(one.word, False))
+    return tuple(request for request in of_job(facts) if not nothing_new.get(request.word, False))

@@ -13,7 +13,8 @@ from bt_orchestrator.model.packml import VERBS, Cause
 
 _CAUSES: Mapping[str, Cause] = {word: cause for cause, word in VERBS.items()}
 _METHODS: Mapping[str, Method] = {
-    one.verb: one for one in (*job_control.METHODS, job_control.REQUEUE, job_control.ANOTHER)
+    method.verb: method
+    for method in (*job_control.METHODS, job_control.REQUEUE, job_control.ANOTHER)
 }
 
 

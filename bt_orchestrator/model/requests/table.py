@@ -400,7 +400,7 @@ TABLE: tuple[Request, ...] = (
 REQUESTS: Mapping[str, Request] = {request.name: request for request in TABLE}
 """By name."""
 
-_ALSO = {f'{one.about.value}.{word}': one for one in TABLE for word in one.also}
+_ALSO = {f'{request.about.value}.{word}': request for request in TABLE for word in request.also}
 
 
 def of_name(name: str) -> Request | None:
@@ -415,12 +415,14 @@ def of_word(about: About, word: str) -> Request | None:
 
 def requests_about(*about: About) -> tuple[Request, ...]:
     """Return the requests about some kinds of subjects, in the order of the table."""
-    return tuple(one for one in TABLE if one.about in about)
+    return tuple(request for request in TABLE if request.about in about)
 
 
 def words_about(about: About) -> tuple[str, ...]:
     """Return every word that stands for a request."""
-    return tuple(word for one in requests_about(about) for word in (one.word, *one.also))
+    return tuple(
+        word for request in requests_about(about) for word in (request.word, *request.also)
+    )
 
 
 def is_remark(word: str) -> bool:

@@ -190,8 +190,8 @@ class CellState:
 
     def phase(self, key: TaskKey) -> Phase | None:
         """Return where a task stands; None: new."""
-        found = self.tasks.get(key)
-        return found.phase if found else None
+        task = self.tasks.get(key)
+        return task.phase if task else None
 
     @property
     def move(self) -> TaskState | None:

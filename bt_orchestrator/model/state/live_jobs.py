@@ -114,7 +114,7 @@ class LiveJobs(dict[str, 'JobState']):
         mixed, of = self._mixed, self._urgency
         at = bisect_right(self._ranked, urgency, mixed, key=of)
         late = (name for name in self._ranked[:mixed] if of(name) > urgency)
-        behind = next((one for one in (*late, *self._ranked[at : at + 2]) if one != but), None)
+        behind = next((name for name in (*late, *self._ranked[at : at + 2]) if name != but), None)
         place = self.place(behind) if behind is not None else len(self._order) + 1
         return place - 1 if 0 < self.place(but) < place else place
 
@@ -150,13 +150,13 @@ class LiveJobs(dict[str, 'JobState']):
 
     def before(self, name: str) -> Iterator[JobState]:
         """Yield the jobs in front of one; those that may not start are passed (semantics 6.6)."""
-        for one in self.line.values():
-            if one.job.id == name:
+        for job in self.line.values():
+            if job.job.id == name:
                 return
-            yield one
+            yield job
         key = self._keys[name]
         allowed = self._allowed[: self._at(self._allowed, name)]
-        ending = (one for one in self._ending if self._keys[one] < key)
+        ending = (other for other in self._ending if self._keys[other] < key)
         for queued in sorted((*ending, *allowed), key=self._keys.__getitem__):
             yield self[queued]
 

@@ -16,13 +16,13 @@ def queue_digest(jobs: LiveJobs) -> str:
 
     What passes by itself is no part of it, such as the wait for a start.
     """
-    return digest_of([_facts(one) for one in jobs.queue(most=QUEUE_SHOWN)])
+    return digest_of([_facts(job) for job in jobs.queue(most=QUEUE_SHOWN)])
 
 
-def _facts(one: JobState) -> list[Any]:
-    job = one.job
-    order = [job.id, one.digest, job.quantity, to_plain(job.params), to_plain(job.terms)]
-    return [*order, one.held, one.ranked, one.aborting]
+def _facts(job_state: JobState) -> list[Any]:
+    job = job_state.job
+    order = [job.id, job_state.digest, job.quantity, to_plain(job.params), to_plain(job.terms)]
+    return [*order, job_state.held, job_state.ranked, job_state.aborting]
 
 
 def refused_order(jobs: LiveJobs, wanted: Sequence[str], digest: str) -> str | None:
@@ -31,7 +31,7 @@ def refused_order(jobs: LiveJobs, wanted: Sequence[str], digest: str) -> str | N
     :param digest: of the queue that the order was proposed for
     """
     queue = jobs.queue(most=QUEUE_SHOWN)
-    names = [one.job.id for one in queue]
+    names = [job.job.id for job in queue]
     if digest != queue_digest(jobs):
         return f'the queue has changed since: {_change(names, wanted)}; propose an order again'
     if sorted(wanted) != sorted(names):
@@ -45,5 +45,7 @@ def refused_order(jobs: LiveJobs, wanted: Sequence[str], digest: str) -> str | N
 def _change(names: Sequence[str], wanted: Sequence[str]) -> str:
     gone = [name for name in wanted if name not in names]
     new = [name for name in names if name not in wanted]
-    told = [f'{listed(gone, "")} left it'] * bool(gone) + [f'{listed(new, "")} came'] * bool(new)
-    return ' and '.join(told) or 'an order, a hold or a place in it is another one'
+    changes = [f'{listed(gone, "")} left it'] * bool(gone) + [f'{listed(new, "")} came'] * bool(
+        new
+    )
+    return ' and '.join(changes) or 'an order, a hold or a place in it is another one'

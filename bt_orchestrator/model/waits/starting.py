@@ -81,12 +81,12 @@ def _waits_for_change(state: CellState, key: TaskKey, task: Task) -> Wait | None
 
 def _waits_to_be_told(state: CellState, key: TaskKey, task: Task, seen: Seen) -> Wait | None:
     """Say that a state topic does not tell the setup yet (semantics 5.3)."""
-    found = untold(state, task)
-    if found is None or not seen.awaits_setup(key):
+    mismatch = untold(state, task)
+    if mismatch is None or not seen.awaits_setup(key):
         return None
-    setup, told = found
+    setup, value = mismatch
     wanted, topic = task.setup[setup], state.cell.components[task.component].state
-    says = f'it is {told}' if told else 'nothing is published there'
+    says = f'it is {value}' if value else 'nothing is published there'
     change = change_id(task.component, setup, wanted)
     what = f'waiting for {topic and topic.topic} to tell {setup} {wanted}; {says}'
     return Wait(what, WaitKind.INITIALIZATION, change, task=change)
@@ -188,12 +188,12 @@ def why_skipped(state: CellState, key: TaskKey, task: Task) -> str | None:
     """Say why a task that may start is not needed (semantics 4.2, 5.1, 6.4, 6.5)."""
     if key.job is None:
         return None
-    found = effects.why_skipped(state, key, task)
-    if found is None and task.once:
-        found = done_before(state, key, task)
-    if found is None and task.condition is not None:
-        found = _unmet(state, key, task.condition)
-    return found
+    reason = effects.why_skipped(state, key, task)
+    if reason is None and task.once:
+        reason = done_before(state, key, task)
+    if reason is None and task.condition is not None:
+        reason = _unmet(state, key, task.condition)
+    return reason
 
 
 def ends_with_its_job(state: CellState, key: TaskKey, task: Task) -> bool:
@@ -310,7 +310,7 @@ def remains_done(state: CellState, job: str, task: Task) -> bool:
     if task.is_implied:
         return stays(state, live, before, task)
     return not _prepares(state, live, task, besides=task.id) and not any(
-        _prepares(state, one, task) or _does(state, one, task) for one in before
+        _prepares(state, earlier, task) or _does(state, earlier, task) for earlier in before
     )
 
 
@@ -322,19 +322,19 @@ def _prepares(state: CellState, job: JobState, task: Task, *, besides: str = '')
     """
     name = job.job.id
     return any(
-        one.id != besides and same_task(one) == same_task(task)
-        for one in job.job.script.initialization
-        if not _is_prepared(state, name, one.id)
+        other.id != besides and same_task(other) == same_task(task)
+        for other in job.job.script.initialization
+        if not _is_prepared(state, name, other.id)
     )
 
 
 def _does(state: CellState, job: JobState, task: Task) -> bool:
     """Tell whether a section may still do the same task for a job."""
     return any(
-        same_task(one) == same_task(task)
+        same_task(other) == same_task(task)
         for number, tasks in job.job.script.sections.items()
         if not is_done_with(state, state.sections[number], job)
-        for one in tasks.tasks
+        for other in tasks.tasks
     )
 
 

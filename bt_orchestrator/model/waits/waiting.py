@@ -50,11 +50,11 @@ class Waiting(NamedTuple):
     """Those that it blocks."""
 
 
-def together(found: Iterable[Waiting]) -> tuple[Wait, ...]:
+def together(waitings: Iterable[Waiting]) -> tuple[Wait, ...]:
     """Return waits, each once, with the components that they block."""
     blocked: dict[Wait, dict[str, None]] = {}
-    for one in found:
-        blocked.setdefault(one.wait, {}).update(dict.fromkeys(one.components))
+    for waiting in waitings:
+        blocked.setdefault(waiting.wait, {}).update(dict.fromkeys(waiting.components))
     return tuple(
         changed(wait, components=tuple(names)) if names else wait
         for wait, names in blocked.items()
@@ -74,8 +74,8 @@ def _of_task(state: CellState, key: e.TaskKey, task: Task, seen: Seen) -> Iterat
 def _wait_of(state: CellState, key: e.TaskKey, task: Task, seen: Seen) -> Wait | None:
     progress = state.tasks.get(key)
     if progress is None or progress.phase is Phase.RETRYING:
-        found = _guarded(state, key, task) or before_attempt(state, key, task, seen)
-        return found if isinstance(found, Wait) else None
+        obstacle = _guarded(state, key, task) or before_attempt(state, key, task, seen)
+        return obstacle if isinstance(obstacle, Wait) else None
     if progress.phase is Phase.HELD:
         hold = state.holds[progress.hold or '']
         return Wait(hold_wait_words([hold]), WaitKind.HOLD, hold.id)
@@ -167,19 +167,19 @@ def _owing(state: CellState) -> Mapping[int, str]:
 
 def by_part(state: CellState, seen: Seen) -> Mapping[str | int, Iterator[Waiting]]:
     """Return what each part waits for, in the order of the belt; sections by their numbers."""
-    found: dict[str | int, Iterator[Waiting]] = {INITIALIZATION: of_initialization(state, seen)}
+    waits: dict[str | int, Iterator[Waiting]] = {INITIALIZATION: of_initialization(state, seen)}
     for number in sorted(state.sections):
-        found[number] = of_section(state, state.sections[number], seen)
-    found[BELT] = of_belt(state, seen)
-    return found
+        waits[number] = of_section(state, state.sections[number], seen)
+    waits[BELT] = of_belt(state, seen)
+    return waits
 
 
 def unready(state: CellState, seen: Seen) -> Iterator[e.TaskKey]:
     """Yield the tasks that could start if their component were ready, the last section first."""
     first, *sections, belt = by_part(state, seen).values()
-    for one in chain(first, *reversed(sections), belt):
-        if one.wait.kind is WaitKind.READINESS and not state.stops:
-            yield from (key for key in one.tasks if waits_in_hold(state, key) is None)
+    for waiting in chain(first, *reversed(sections), belt):
+        if waiting.wait.kind is WaitKind.READINESS and not state.stops:
+            yield from (key for key in waiting.tasks if waits_in_hold(state, key) is None)
 
 
 # --- items --------------------------------------------------------------------------------------
@@ -196,17 +196,17 @@ def of_item(state: CellState, item: ItemState, seen: Seen) -> Iterator[Waiting]:
     section = state.sections.get(item.section)
     if section is None or (section.cycle is not None and section.cycle.item == item.id):
         return
-    found: Iterable[Waiting]
+    waitings: Iterable[Waiting]
     is_to_do = section.turn_beat < state.beat and task_list(state, item.job, section.number)
     if not is_to_do:
-        found = of_belt(state, seen)
+        waitings = of_belt(state, seen)
     elif section.cycle is None:
-        found = of_section(state, section, seen)
+        waitings = of_section(state, section, seen)
     else:
         what = f'waiting for section {section.number} to finish with {section.cycle.item}'
-        found = [Waiting(Wait(what, WaitKind.TURN, sections=(section.number,)))]
+        waitings = [Waiting(Wait(what, WaitKind.TURN, sections=(section.number,)))]
     tasks = _next_tasks(state, item, section.number if is_to_do else section.number + 1)
-    yield from (one._replace(tasks=tasks) for one in found)
+    yield from (waiting._replace(tasks=tasks) for waiting in waitings)
 
 
 def _next_tasks(state: CellState, item: ItemState, section: int) -> tuple[e.TaskKey, ...]:
@@ -227,12 +227,12 @@ def at_bottom(state: CellState, wait: Wait, seen: Seen) -> Wait:
     """
     here, pending, passed = wait, deque([wait]), set[int | str]()
     while pending:
-        one = pending.popleft()
-        if one.kind in GRAVE and one.kind is not WaitKind.RETRY_DELAY:
-            return one
-        here = one if here.kind is WaitKind.BELT else here
-        sections = one.sections if one.kind is WaitKind.TURN else ()
-        parts: Sequence[int | str] = (BELT,) if one.kind is WaitKind.BELT else sections
+        next_wait = pending.popleft()
+        if next_wait.kind in GRAVE and next_wait.kind is not WaitKind.RETRY_DELAY:
+            return next_wait
+        here = next_wait if here.kind is WaitKind.BELT else here
+        sections = next_wait.sections if next_wait.kind is WaitKind.TURN else ()
+        parts: Sequence[int | str] = (BELT,) if next_wait.kind is WaitKind.BELT else sections
         for part in (part for part in parts if part not in passed):
             passed.add(part)
             pending += (waiting.wait for waiting in by_part(state, seen)[part])

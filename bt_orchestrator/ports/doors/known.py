@@ -80,11 +80,11 @@ class Known:
             if len(self.orders) > MOST_ORDERS:
                 del self.orders[next(iter(self.orders))]
 
-    def take(self, told: Told) -> None:
+    def take(self, news: Told) -> None:
         """Take in what a moment tells."""
-        self.cell = told.cell
-        self.scripts |= told.scripts
-        self.orders |= told.orders
+        self.cell = news.cell
+        self.scripts |= news.scripts
+        self.orders |= news.orders
 
     def lacks(self, digests: Iterable[str]) -> bool:
         """Tell whether a script is not known that was not asked for before.

@@ -181,11 +181,11 @@ class Tickets:
         """Answer for a command whose answer was lost; send it anew if it surely never came."""
         lost_for_s = self._clock() - (kept.lost_at or 0.0)
         try:
-            found = await self._search(ticket, kept.before)
+            search = await self._search(ticket, kept.before)
         except NodeUnreachable as error:
             raise Unknown(f'{error}; whether it was carried out is not known') from error
-        if found.outcome is not None:
-            return found.outcome
+        if search.outcome is not None:
+            return search.outcome
         if lost_for_s < SETTLED_S:
             raise Unknown(
                 'the journal does not have it yet; whether it was carried out is not known; ask '
@@ -200,7 +200,7 @@ class Tickets:
         # The command goes on when its sender has gone.
         kept.task = asyncio.create_task(self._carried_out(ticket, kept))
         kept.task.add_done_callback(_heard)
-        old = [key for key, one in self._kept.items() if one.task.done()]
+        old = [key for key, entry in self._kept.items() if entry.task.done()]
         for key in old[: max(0, len(self._kept) - MOST_KEPT)]:
             del self._kept[key]
         return kept
@@ -229,10 +229,10 @@ class Tickets:
             raise Unknown(f'{error}; whether it was carried out is not known') from error
         findings = tuple(finding for order in answer.orders for finding in order.findings)
         try:
-            found = await self._events_of(ticket, kept.before)
+            events = await self._events_of(ticket, kept.before)
         except NodeUnreachable:
-            found = []
-        return Outcome(answer.accepted, answer.message, findings, tuple(found))
+            events = []
+        return Outcome(answer.accepted, answer.message, findings, tuple(events))
 
     # --- the journal ------------------------------------------------------------------------
 
@@ -262,8 +262,8 @@ class Tickets:
 
     async def _search(self, ticket: str, after: int | None) -> Search:
         events, first, last = await self._events(after)
-        found = _with(ticket, events)
-        return Search(_of_record(found) if found else None, first, last)
+        own_events = _with(ticket, events)
+        return Search(_of_record(own_events) if own_events else None, first, last)
 
     async def _events_of(self, ticket: str, after: int) -> list[Recorded]:
         events, _, _ = await self._events(after)
@@ -295,12 +295,12 @@ def _with(ticket: str, events: Iterable[Event]) -> list[Recorded]:
     ]
 
 
-def _of_record(found: Iterable[Recorded], asked: Asked | None = None) -> Outcome:
+def _of_record(records: Iterable[Recorded], asked: Asked | None = None) -> Outcome:
     """Return the outcome as the journal has it.
 
     :raises TicketTaken: it is of another command than is asked now
     """
-    events = tuple(found)
+    events = tuple(records)
     for event in events:
         word = event.answer if isinstance(event, OperatorDecided) else event.command
         if asked is not None and (event.who, word) != (asked.sender.who, asked.request.word):

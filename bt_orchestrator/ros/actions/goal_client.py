@@ -23,9 +23,9 @@ _ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.S
 
 def own_endpoint(node: Node, topic: str) -> Sequence[int]:
     """Return the id of a node's own subscription to a topic; empty: the graph does not tell."""
-    for one in node.get_subscriptions_info_by_topic(topic):
-        if one.node_name == node.get_name():
-            return tuple(one.endpoint_gid)
+    for endpoint in node.get_subscriptions_info_by_topic(topic):
+        if endpoint.node_name == node.get_name():
+            return tuple(endpoint.endpoint_gid)
     return ()
 
 
@@ -74,8 +74,8 @@ class ServerStatus:
 
         None: there is no server, or more than one. Goes through the whole ROS graph.
         """
-        found = self.publishers_info()
-        return endpoint_id(found[0]) if len(found) == 1 else None
+        publishers = self.publishers_info()
+        return endpoint_id(publishers[0]) if len(publishers) == 1 else None
 
     def of(self, goal_id: UUID) -> int | None:
         """Return a goal's status (action_msgs/GoalStatus); None: it is not listed.
@@ -115,9 +115,9 @@ class ServerStatus:
         message = self._topic.read()
         if message is not self._read:
             self._read = message
-            infos = [(bytes(one.goal_info.goal_id.uuid), one) for one in message.status_list]
-            self._listed = {goal: one.status for goal, one in infos}
-            self._stamps = {goal: one.goal_info.stamp for goal, one in infos}
+            infos = [(bytes(info.goal_info.goal_id.uuid), info) for info in message.status_list]
+            self._listed = {goal: info.status for goal, info in infos}
+            self._stamps = {goal: info.goal_info.stamp for goal, info in infos}
         return self._listed
 
 
@@ -177,8 +177,10 @@ class GoalClient:
         :param node: another one that looks, in place of the client's own
         """
         takers = self.count_takers(node)
-        told = self.status.publishers if node is None else node.count_publishers(self._telling)
-        return max(takers, int(told))
+        publishers = (
+            self.status.publishers if node is None else node.count_publishers(self._telling)
+        )
+        return max(takers, int(publishers))
 
     def count_takers(self, node: Node | None = None) -> int:
         """Count the servers that take goals.

@@ -56,7 +56,7 @@ def place(endpoint: Sequence[int], own: Sequence[int], proc: Path = _PROC) -> st
         return ''
     if found[2:4] != here[2:4]:
         return 'on another computer'
-    pids = [int(one.name) for one in proc.glob('[0-9]*') if one.name.isdecimal()]
+    pids = [int(process.name) for process in proc.glob('[0-9]*') if process.name.isdecimal()]
     fit = [pid for pid in sorted(pids) if _lower(pid) == found[process]]
     return f'process {fit[0]} on this computer' if len(fit) == 1 else 'on this computer'
 
@@ -174,11 +174,11 @@ class Rivals:
             if self._ids != self._tried_ids and now - self._tried_s >= TRIAL_S:
                 self._trial, self._tried_s, self._tried_ids = self._fresh_node(), now, self._ids
         elif now - self._tried_s >= DISCOVERY_S:
-            found = self._clients.current.count_servers(self._trial)
-            if not found:
+            count = self._clients.current.count_servers(self._trial)
+            if not count:
                 return  # discovery takes longer than it should; with nobody found, nobody is dead
             trial, self._trial = self._trial, None
-            if found == 1:
+            if count == 1:
                 self._clients.renew(trial)
                 self._names, self._looked_s = (), -math.inf
 
@@ -201,9 +201,9 @@ def _told(client: GoalClient, publishers: Sequence[TopicEndpointInfo]) -> Iterat
     is_served = len(publishers) <= client.count_takers()
     takers = () if is_served else client.takers()
     alone = {
-        endpoint_id(one): 'publishes its status and takes no goals'
-        for one in publishers
-        if not is_served and is_named(one) and owner(one) not in takers
+        endpoint_id(publisher): 'publishes its status and takes no goals'
+        for publisher in publishers
+        if not is_served and is_named(publisher) and owner(publisher) not in takers
     }
     return placed(publishers, client.status.own_endpoint(), alone)
 
@@ -249,12 +249,12 @@ class Strangers:
         """
         status = self._clients.current.status
         strange = islice(self._strange(), MOST_STRANGE)
-        found = {str(uuid.UUID(bytes=goal)): status.accepted_s(goal) for goal in strange}
+        goals = {str(uuid.UUID(bytes=goal)): status.accepted_s(goal) for goal in strange}
         if self._is_early():
-            self._before |= found
-        before = {goal: since for goal, since in found.items() if goal in self._before}
-        node = names(status.publishers_info()) if found else ''
-        return SeenContest(component, Contest(servers, tuple(sorted(found))), node, before)
+            self._before |= goals
+        before = {goal: since for goal, since in goals.items() if goal in self._before}
+        node = names(status.publishers_info()) if goals else ''
+        return SeenContest(component, Contest(servers, tuple(sorted(goals))), node, before)
 
     def _strange(self) -> Iterator[bytes]:
         status = self._clients.current.status

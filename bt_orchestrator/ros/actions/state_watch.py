@@ -62,8 +62,8 @@ class StateWatch:
         self._class = message_class(state.type)
         self._news = news
         self._flow = StateFlow(state.ready)
-        self._setups = {name: one for name, one in component.setups.items() if one.reads}
-        self._setup_flows = {name: SetupFlow(one.values) for name, one in self._setups.items()}
+        self._setups = {name: setup for name, setup in component.setups.items() if setup.reads}
+        self._setup_flows = {name: SetupFlow(setup.values) for name, setup in self._setups.items()}
         self._logger = SpareLog(node.get_logger().get_child(component.name))
         self._timer = steady_timer(node, _WAITING_S, guarded(self._tell_newest, self._logger))
         self._timer.cancel()
@@ -104,8 +104,8 @@ class StateWatch:
     def _on_message(self, message: Any) -> None:
         try:
             setups = {
-                name: one.told(field_value(message, one.reads.split('.')))
-                for name, one in self._setups.items()
+                name: setup.told(field_value(message, setup.reads.split('.')))
+                for name, setup in self._setups.items()
             }
             self._hear(field_value(message, self._path), setups)
         except Exception:  # noqa: BLE001 - one bad message, the cell goes on
@@ -250,15 +250,15 @@ class SafetyWatch:
         self._tell()
 
     def _look_at_publishers(self) -> None:
-        found = self._node.get_publishers_info_by_topic(self._subscription.topic_name)
-        self._is_contested = len(found) > 1
+        endpoints = self._node.get_publishers_info_by_topic(self._subscription.topic_name)
+        self._is_contested = len(endpoints) > 1
         if self._is_contested:
             topic = self._subscription.topic_name
-            where = ', '.join(placed(found, own_endpoint(self._node, topic)))
-            self._publishers = f'{len(found)} publishers: {where}'
-        elif not found:
+            where = ', '.join(placed(endpoints, own_endpoint(self._node, topic)))
+            self._publishers = f'{len(endpoints)} publishers: {where}'
+        elif not endpoints:
             self._publishers = 'it has no publisher'
-        elif found[0].qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL:
+        elif endpoints[0].qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL:
             self._publishers = 'its publisher keeps old messages (transient local)'
         else:
             self._publishers = ''
@@ -366,6 +366,6 @@ class SetupFlow(StateFlow):
             yield UNCLEAR
 
 
-def _same(one: Any, other: Any) -> bool:
+def _same(value: Any, other: Any) -> bool:
     """Tell whether two values are equal and of one type: 1 and True are equal in Python."""
-    return type(one) is type(other) and bool(one == other)
+    return type(value) is type(other) and bool(value == other)

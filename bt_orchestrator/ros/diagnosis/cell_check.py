@@ -34,10 +34,10 @@ def cell_on_graph(graph: Graph, cell: Cell, timeout_s: float, elsewhere: str) ->
 
 
 def _is_there(graph: Graph, component: Component) -> bool:
-    found = [graph.action_servers(component.action)]
+    groups = [graph.action_servers(component.action)]
     if component.state is not None:
-        found.append(graph.publishers(component.state.topic))
-    return all(one and all(map(is_named, one)) for one in found)
+        groups.append(graph.publishers(component.state.topic))
+    return all(group and all(map(is_named, group)) for group in groups)
 
 
 def _server(graph: Graph, component: Component, elsewhere: str) -> Check:
@@ -47,7 +47,7 @@ def _server(graph: Graph, component: Component, elsewhere: str) -> Check:
         remedy = f'{elsewhere}; ' if elsewhere else ''
         remedy += f'start its controller, in this domain and network, with the action {action}'
         return fail(name, f'none at {action}', remedy)
-    types = sorted({one.topic_type.removesuffix('_FeedbackMessage') for one in found})
+    types = sorted({server.topic_type.removesuffix('_FeedbackMessage') for server in found})
     if types != [component.type]:
         remedy = 'correct `type` in the cell file, or the name of the action'
         what = f'{action} is {", ".join(types)} ({names(found)}), not {component.type}'
@@ -68,37 +68,41 @@ def _server(graph: Graph, component: Component, elsewhere: str) -> Check:
 
 def _state(graph: Graph, component: Component, state: StateTopic) -> Check:
     name, topic = f'{component.name}: state topic', graph.full(state.topic)
-    found = graph.publishers(state.topic)
-    if not found:
+    publishers = graph.publishers(state.topic)
+    if not publishers:
         remedy = 'the component counts as not ready and gets no goal; start what publishes it'
         return fail(name, f'no node publishes {topic}', remedy)
-    wrong = [one for one in found if one.topic_type != state.type]
+    wrong = [publisher for publisher in publishers if publisher.topic_type != state.type]
     if wrong:
         what = f'{topic} is {wrong[0].topic_type} ({names(wrong)}), not {state.type}'
         return fail(name, what, 'correct `state: {type: ...}` in the cell file, or the publisher')
-    if len(found) > 1:
+    if len(publishers) > 1:
         remedy = 'the last message of any of them counts: stop all but one if they may disagree'
-        return warn(name, f'{len(found)} publishers of {topic}: {names(found)}', remedy)
-    return _quality(name, topic, found)
+        return warn(name, f'{len(publishers)} publishers of {topic}: {names(publishers)}', remedy)
+    return _quality(name, topic, publishers)
 
 
-def _quality(name: str, topic: str, found: Sequence[TopicEndpointInfo]) -> Check:
+def _quality(name: str, topic: str, publishers: Sequence[TopicEndpointInfo]) -> Check:
     """Judge the publishers' QoS: the node adapts to it, but cannot get what is not kept."""
     unreliable = [
-        one for one in found if one.qos_profile.reliability is not ReliabilityPolicy.RELIABLE
+        publisher
+        for publisher in publishers
+        if publisher.qos_profile.reliability is not ReliabilityPolicy.RELIABLE
     ]
     if unreliable:
         remedy = 'a change may get lost; let it publish RELIABLE and TRANSIENT_LOCAL, or often'
         return warn(name, f'{topic} is BEST_EFFORT at {names(unreliable)}', remedy)
     latched = DurabilityPolicy.TRANSIENT_LOCAL
-    forgetful = [one for one in found if one.qos_profile.durability is not latched]
+    forgetful = [
+        publisher for publisher in publishers if publisher.qos_profile.durability is not latched
+    ]
     if forgetful:
         remedy = (
             'a node that starts later hears nothing until the next message, and waits; '
             'let it publish TRANSIENT_LOCAL (latched), or again and again'
         )
         return warn(name, f'{topic} is VOLATILE at {names(forgetful)}', remedy)
-    return ok(name, f'{topic} ({names(found)})')
+    return ok(name, f'{topic} ({names(publishers)})')
 
 
 # Whether a tree node runs, alone under its name, and by which clock.

@@ -91,8 +91,8 @@ class Graph:
 
     def nodes(self) -> list[str]:
         """Return the full names of all nodes, each as often as it is there."""
-        found = self._node.get_node_names_and_namespaces()
-        return [f'{namespace.rstrip("/")}/{name}' for name, namespace in found]
+        pairs = self._node.get_node_names_and_namespaces()
+        return [f'{namespace.rstrip("/")}/{name}' for name, namespace in pairs]
 
     def twins(self, name: str) -> str:
         """Say where all are that answer as a tree node of a name, if there are several."""
@@ -158,10 +158,10 @@ class _Look:
 
     def is_settled(self) -> bool:
         """Look again; tell whether there is something, and nothing new for a while."""
-        found = [*_servers(self._graph)]
-        if found != self.found:
-            self.found, self._since = found, time.monotonic()
-        return bool(found) and time.monotonic() > self._since + SETTLE_S
+        servers = [*_servers(self._graph)]
+        if servers != self.found:
+            self.found, self._since = servers, time.monotonic()
+        return bool(servers) and time.monotonic() > self._since + SETTLE_S
 
 
 def _servers(graph: Graph) -> Iterator[FoundServer]:

@@ -51,9 +51,9 @@ def discovery() -> Check:
     times = exchange({})
     if times.found is not None and times.answered is not None:
         words = f'{times.found:.1f} s to find each other, {1000 * times.answered:.0f} ms to answer'
-        found = f'two processes: {words}'
+        summary = f'two processes: {words}'
         remedy = 'every start takes that long; is the network interface up, the machine idle?'
-        return warn(NAME, found, remedy) if times.found > SLOW_S else ok(NAME, found)
+        return warn(NAME, summary, remedy) if times.found > SLOW_S else ok(NAME, summary)
     if times.broken:
         return fail(NAME, f'not tried: {times.broken}', 'a ROS 2 process cannot start here')
     if times.found is not None:
@@ -92,8 +92,8 @@ def exchange(environment: Mapping[str, str], patience_s: float = PATIENCE_S) -> 
             process.kill()
             process.communicate()
     if asking.returncode not in (0, NOTHING):
-        said = [line for line in errors.splitlines() if line.strip() and not line.startswith(' ')]
-        return Times(broken=said[-1] if said else f'it ended with {asking.returncode}')
+        lines = [line for line in errors.splitlines() if line.strip() and not line.startswith(' ')]
+        return Times(broken=lines[-1] if lines else f'it ended with {asking.returncode}')
     return Times(*json.loads(output)) if output else Times()
 
 
@@ -123,13 +123,13 @@ def ask(node: Node, topic: str, spin: Callable[[], bool]) -> bool:
     while not (publisher.get_subscription_count() and node.count_publishers(f'{topic}/answer')):
         if not spin():
             return False
-    found = asked = time.monotonic()
+    discovery_s = asked = time.monotonic()
     while not heard:
         # Said again: the answer's way back may be known a moment later.
         publisher.publish(String(data='?'))
         if not spin():
             break
-    times = [found - started, time.monotonic() - asked if heard else None]
+    times = [discovery_s - started, time.monotonic() - asked if heard else None]
     sys.stdout.write(json.dumps(times))
     return bool(heard)
 

@@ -27,33 +27,35 @@ FUTURES_FIXED = (9, 1, 3)
 def rclpy_version() -> Check:
     """Look at rclpy; says how its known faults are met."""
     try:
-        found = metadata.version('rclpy')
+        version = metadata.version('rclpy')
     except metadata.PackageNotFoundError:
         return warn('rclpy', 'of unknown version', 'install ROS 2 from its packages')
-    if number(found) < FUTURES_FIXED:
-        found += '; its action client keeps a future of every goal: worked around'
-    return ok('rclpy', found)
+    if number(version) < FUTURES_FIXED:
+        version += '; its action client keeps a future of every goal: worked around'
+    return ok('rclpy', version)
 
 
 def middleware() -> Check:
     """Load the RMW implementation, in another process: a wrong one ends the process it is in."""
     words = [sys.executable, '-c', _LOAD]
     done = subprocess.run(words, capture_output=True, text=True, timeout=LOAD_S, check=False)
-    found = done.stdout.strip()
-    if done.returncode or not found:
-        said = done.stderr.strip().splitlines()
+    name = done.stdout.strip()
+    if done.returncode or not name:
+        lines = done.stderr.strip().splitlines()
         remedy = 'install the package that RMW_IMPLEMENTATION names, or unset it'
-        return fail('middleware', f'cannot be loaded: {said[-1] if said else "no reason"}', remedy)
-    if found == TRIED:
-        return ok('middleware', found)
+        return fail(
+            'middleware', f'cannot be loaded: {lines[-1] if lines else "no reason"}', remedy
+        )
+    if name == TRIED:
+        return ok('middleware', name)
     remedy = f'this package is tested on {TRIED}: export RMW_IMPLEMENTATION={TRIED}'
-    return warn('middleware', found, remedy)
+    return warn('middleware', name, remedy)
 
 
 def executors() -> Check:
     """Say which values of the parameter `executor` work here; needs a middleware."""
     try:
-        found = util.find_spec('rclpy.experimental.events_executor')
+        spec = util.find_spec('rclpy.experimental.events_executor')
     except ModuleNotFoundError:
-        found = None
-    return ok('executors', 'single, events' if found else 'single (this rclpy has no events)')
+        spec = None
+    return ok('executors', 'single, events' if spec else 'single (this rclpy has no events)')

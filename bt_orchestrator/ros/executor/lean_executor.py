@@ -99,14 +99,14 @@ class LeanExecutor(SingleThreadedExecutor):
             if any(task.done() for task, _, _ in tasks):
                 return  # it may have made others, or what another one awaits
             ready = self._wait(_deadline(timeout_sec), condition)
-            if [one.kind for one in ready] != [PARTED] or not ready[0].may_run():
+            if [entry.kind for entry in ready] != [PARTED] or not ready[0].may_run():
                 break
             # What an answer asks for comes in its turn: to begin another one takes 0.03 ms.
             yield _PlainTurn(ready[0].entity.run, self._call_soon), ready[0].entity, ready[0].node
         while ready:
-            one = ready.pop(0)
-            if one.may_run():
-                yield self._turn(one), one.entity, one.node
+            entry = ready.pop(0)
+            if entry.may_run():
+                yield self._turn(entry), entry.entity, entry.node
             if ready and self._follow_nodes():
                 # The others have their turn all the same: one that changes the entities each time,
                 # and is ready again, would come first for ever.
@@ -119,10 +119,10 @@ class LeanExecutor(SingleThreadedExecutor):
             ]
             return tuple(self._tasks)
 
-    def _turn(self, one: Member) -> Any:
-        if one.kind == PARTED:
-            return _PlainTurn(one.entity.run)
-        return self._make_handler(one.entity, one.node, self._take[one.kind])
+    def _turn(self, entry: Member) -> Any:
+        if entry.kind == PARTED:
+            return _PlainTurn(entry.entity.run)
+        return self._make_handler(entry.entity, entry.node, self._take[entry.kind])
 
     def _call_soon(self) -> None:
         for _ in range(len(self._soon)):
@@ -276,16 +276,16 @@ class WaitList:
         """Tell whether the nodes still have these entities, and no others."""
         return self._nodes == nodes and all(live == then for live, then in self._gathered)
 
-    def has(self, one: Member) -> bool:
+    def has(self, entity: Member) -> bool:
         """Tell whether the nodes had this entity when they were looked at."""
-        return one in self._members
+        return entity in self._members
 
     def wait(self, timeout_ns: int) -> list[Member]:
         """Wait until something is ready, and return that in the order in which it is to run.
 
         :param timeout_ns: for ever if negative
         """
-        busy = {group for group, one in self._groups.items() if not group.can_execute(one)}
+        busy = {group for group, entity in self._groups.items() if not group.can_execute(entity)}
         for guard in self._guards:
             if guard._executor_triggered:  # noqa: SLF001
                 guard.trigger()  # an earlier wait has taken this away, and it did not run
@@ -346,15 +346,15 @@ class WaitList:
         for kind in (TIMER, SUBSCRIPTION, GUARD, CLIENT, SERVICE):
             for pointer in self._set.get_ready_entities(kind):
                 if pointer in self._simple:
-                    one = self._simple[pointer]
+                    member = self._simple[pointer]
                     if kind == GUARD:
-                        one.entity._executor_triggered = True  # noqa: SLF001
-                    simple.append(one)
+                        member.entity._executor_triggered = True  # noqa: SLF001
+                    simple.append(member)
                 elif pointer in self._parted:
-                    one, part = self._parted[pointer]
-                    parted.setdefault(one, []).append(part)
-        for one, parts in parted.items():
-            one.entity.note_ready(parts)
+                    member, part = self._parted[pointer]
+                    parted.setdefault(member, []).append(part)
+        for member, parts in parted.items():
+            member.entity.note_ready(parts)
         others = [
             waitable
             for waitable in self._waitables

@@ -94,13 +94,13 @@ class BlackboardStreams:
 
     def _publish(self, stream: _Stream) -> None:
         log, view = self._source.activity, stream.view
-        found = self._values(view)
+        values = self._values(view)
         done = log.since(stream.activity) if view.with_activity else []
         stream.activity = log.position
-        if found == stream.values and not done:
+        if values == stream.values and not done:
             return
-        stream.values = found
-        text = _text('Blackboard Data', found)
+        stream.values = values
+        text = _text('Blackboard Data', values)
         if view.with_activity:
             text += _text('Blackboard Activity', [_line(item) for item in done])
         stream.publisher.publish(String(data=text))

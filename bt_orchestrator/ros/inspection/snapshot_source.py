@@ -117,9 +117,9 @@ class SnapshotSource:
             behaviours=self._tree.messages, changed=changed, statistics=self._statistics()
         )
         if data:
-            found = blackboard_values(sorted(self.visited_keys))
+            variables = blackboard_values(sorted(self.visited_keys))
             message.blackboard_on_visited_path = [
-                KeyValue(key=key, value=value) for key, value in found
+                KeyValue(key=key, value=value) for key, value in variables
             ]
         if activity_since is not None:
             done = self.activity.since(activity_since)

@@ -247,5 +247,5 @@ class SnapshotStreams:
 
 def _check(parameters: StreamParameters) -> None:
     if not parameters.period_s >= 0:  # NaN is not, either
-        found = parameters.period_s
-        raise StreamRefused(f'snapshot_period: expected seconds, 0 or more; found {found}')
+        period_s = parameters.period_s
+        raise StreamRefused(f'snapshot_period: expected seconds, 0 or more; found {period_s}')

@@ -79,7 +79,7 @@ def to_end_for_another(streams: Mapping[str, Stream], kind: str, now: float) -> 
     :param streams: by topic, the oldest first
     :raises StreamRefused: all are watched, or may be in a moment
     """
-    asked_for = [name for name, one in streams.items() if not one.attachment.is_permanent]
+    asked_for = [name for name, stream in streams.items() if not stream.attachment.is_permanent]
     if len(asked_for) < STREAMS:
         return None
     for name in asked_for:

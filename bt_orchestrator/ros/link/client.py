@@ -241,7 +241,9 @@ class EventFetches:
     @property
     def has_any(self) -> bool:
         """Tell whether an answer is there."""
-        return any(one.future is not None and one.future.done() for one in self._pending.values())
+        return any(
+            fetch.future is not None and fetch.future.done() for fetch in self._pending.values()
+        )
 
     def take(self, reader: object) -> Any:
         """Return the answer that is there for a reader; None: there is none."""

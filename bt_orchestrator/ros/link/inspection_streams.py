@@ -132,12 +132,12 @@ def blackboard_stream(
 
 def variables(text: str) -> dict[str, str]:
     """Return the variables in a text of the blackboard, which has one a line below its title."""
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for line in text.splitlines()[1:]:
         key, colon, value = line.strip().partition(' : ')
         if colon:
-            found[key.strip()] = value
-    return found
+            values[key.strip()] = value
+    return values
 
 
 # Snapshots of the inspection server as trees.

@@ -84,7 +84,7 @@ def _any(asked: Asked) -> Call:
     if asked.request.takes_orders:
         orders: Any = arguments['orders']
         arguments['orders'] = [
-            mapping_of(one) if isinstance(one, WorkOrder) else one for one in orders
+            mapping_of(order) if isinstance(order, WorkOrder) else order for order in orders
         ]
     request = srv.MakeRequest.Request(name=asked.request.name, arguments=json_of(arguments))
     return Call(srv.MakeRequest, 'request', request)

@@ -132,8 +132,8 @@ class GoalServer:
         return begin(self._cancel_all(request.goal_info, response))
 
     async def _cancel_all(self, asked: GoalInfo, response: Any) -> Any:
-        found = list(_meant(asked, self._goals.values()))
-        wanted = [goal for goal in found if goal.status == _EXECUTING]
+        goals = list(_meant(asked, self._goals.values()))
+        wanted = [goal for goal in goals if goal.status == _EXECUTING]
         for goal in wanted:
             goal.status = _CANCELING  # it may end before the decision is told
             if await self._cancel(goal):
@@ -142,7 +142,7 @@ class GoalServer:
                 goal.status = _EXECUTING
         if response.goals_canceling:
             self._publish_status()
-        response.return_code = _return_code(asked, found, wanted, response.goals_canceling)
+        response.return_code = _return_code(asked, goals, wanted, response.goals_canceling)
         return response
 
     def _publish_status(self) -> None:
@@ -183,7 +183,7 @@ def _instant(info: GoalInfo) -> tuple[int, int]:
 
 
 def _return_code(
-    asked: GoalInfo, found: list[ServedGoal], wanted: list[ServedGoal], canceling: list[GoalInfo]
+    asked: GoalInfo, goals: list[ServedGoal], wanted: list[ServedGoal], canceling: list[GoalInfo]
 ) -> int:
     if canceling:
         return int(CancelGoal.Response.ERROR_NONE)
@@ -191,6 +191,6 @@ def _return_code(
         return int(CancelGoal.Response.ERROR_REJECTED)
     if not _is_one(asked):
         return int(CancelGoal.Response.ERROR_NONE)
-    if found:
+    if goals:
         return int(CancelGoal.Response.ERROR_GOAL_TERMINATED)
     return int(CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID)

@@ -136,7 +136,7 @@ class OrderReader:
             self._gives_turns = False
 
     def _question(self, wanted: Wanted, held: Mapping[str, Script]) -> Question:
-        live = tuple(name for name, one in self._state.scripts.items() if one.dependencies)
+        live = tuple(name for name, script in self._state.scripts.items() if script.dependencies)
         return Question(
             wanted,
             free_ids(wanted, self._state),

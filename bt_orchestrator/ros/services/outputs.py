@@ -216,21 +216,24 @@ class Diagnostics:
                 text = f'out of service: {", ".join(out)}'
             return self._status('action servers', DiagnosticStatus.OK, text, out)
         text = f'{len(gone)} of {len(components)} action servers are not there'
-        missing = {one.name: one.action for one in gone}
+        missing = {component.name: component.action for component in gone}
         return self._status('action servers', DiagnosticStatus.WARN, text, missing | out)
 
     def _leadership(self, standbys: Standbys) -> DiagnosticStatus:
         """Tell whether another node could take over."""
         leadership = standbys.leadership()
-        found = {f'{one.host}, process {one.process}': one.trouble for one in leadership.standbys}
-        able = [name for name, trouble in found.items() if not trouble]
+        troubles = {
+            f'{standby.host}, process {standby.process}': standby.trouble
+            for standby in leadership.standbys
+        }
+        able = [name for name, trouble in troubles.items() if not trouble]
         level, text = DiagnosticStatus.OK, f'leads; {", ".join(able)} can take over'
         if not able:
-            is_lacking = standbys.wanted or found
+            is_lacking = standbys.wanted or troubles
             level = DiagnosticStatus.WARN if is_lacking else DiagnosticStatus.OK
             text = 'leads; no standby can take over'
         values = {'epoch': str(leadership.epoch)}
-        values |= {f'standby {name}': trouble or 'ready' for name, trouble in found.items()}
+        values |= {f'standby {name}': trouble or 'ready' for name, trouble in troubles.items()}
         return self._status('leadership', level, text, values)
 
     def _status(

@@ -188,14 +188,16 @@ class PatientAnswers:
 
     def _is_heard(self, response: Any, header: Any) -> bool:
         began = self._clock()
-        with warnings.catch_warnings(record=True) as said:
+        with warnings.catch_warnings(record=True) as records:
             warnings.simplefilter('always')
             self._send(response, header)
         now = self._clock()
-        unheard = [one for one in said if UNHEARD in str(one.message)]
-        for one in said:
-            if one not in unheard:
-                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+        unheard = [record for record in records if UNHEARD in str(record.message)]
+        for record in records:
+            if record not in unheard:
+                warnings.warn_explicit(
+                    record.message, record.category, record.filename, record.lineno
+                )
         if unheard:
             self._unheard_at = now
             self._allowance.use(now - began, now)
@@ -274,13 +276,13 @@ def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], Steps[N
 
     :param handle: fills the response; an exception becomes a refusal, and stops nothing
     """
-    said = SpareLog(node.get_logger())
+    spare_log = SpareLog(node.get_logger())
 
     async def answer(request: Any, response: Any) -> Any:
         try:
             await handle(request, response)
         except Exception as error:  # noqa: BLE001 - a bad request never stops the node
-            said.error(f'{name} failed: {error!r}')
+            spare_log.error(f'{name} failed: {error!r}')
             response.accepted = False
             response.message = cut(f'internal error, see the log of the node: {error!r}', MESSAGE)
         return response

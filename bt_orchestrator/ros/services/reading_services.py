@@ -64,16 +64,16 @@ class EventsService:
         """
         first = self._store.first_seq()
         while True:
-            found: list[Any] = []
+            messages: list[Any] = []
             try:
                 if after < last:
-                    found.extend(self._messages(after, min(most, last - after)))
+                    messages.extend(self._messages(after, min(most, last - after)))
             except DamagedRecord as damage:
                 self._log.warning(f'{damage}; clients that ask for it get the events after it')
-                if not found:
+                if not messages:
                     after, first = damage.last, damage.last + 1
                     continue
-            return first, found
+            return first, messages
 
     def _messages(self, after: int, most: int) -> Iterator[Any]:
         """Yield as many events as one answer may tell."""
@@ -123,10 +123,10 @@ def list_queue(state: CellState, overview: Overview, request: Any, response: Any
         return
     most = min(request.most or QUEUE_PAGE, QUEUE_PAGE)
     response.accepted, response.queued = True, state.jobs.waiting
-    told = [(job, _details(job)) for job in state.jobs.queue(place + 1, most)]
-    told = list(fitting(told, listed_jobs.PAGE_BYTES, lambda one: len(one[1])))
-    response.jobs = [job_message(overview.job(job)) for job, _ in told]
-    response.details = [details for _, details in told]
+    entries = [(job, _details(job)) for job in state.jobs.queue(place + 1, most)]
+    entries = list(fitting(entries, listed_jobs.PAGE_BYTES, lambda entry: len(entry[1])))
+    response.jobs = [job_message(overview.job(job)) for job, _ in entries]
+    response.details = [details for _, details in entries]
 
 
 def list_jobs(state: CellState, overview: Overview, request: Any, response: Any) -> None:

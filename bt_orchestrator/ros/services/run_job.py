@@ -140,7 +140,7 @@ class RunJobServer:
             await self._queue_or_refuse(goal)
         except Exception as error:  # noqa: BLE001 - a bad goal never stops the node
             self._log.error(f'run_job failed: {error!r}')
-            self._being_read = [one for one in self._being_read if one is not goal]
+            self._being_read = [other for other in self._being_read if other is not goal]
             self._refuse(goal, f'internal error, see the log of the node: {error!r}')
 
     async def _queue_or_refuse(self, goal: ServedGoal) -> None:
@@ -167,8 +167,8 @@ class RunJobServer:
         if isinstance(read, Refused):
             asked = Asked(ADD, who)
             await self._orchestrator.carry_out(refused_orders(asked, orders, [read]))
-            (told,) = answer_to_refused(orders, [read]).orders
-            self._refuse(goal, read.count, told.findings)
+            (order_answer,) = answer_to_refused(orders, [read]).orders
+            self._refuse(goal, read.count, order_answer.findings)
             return
         # From now on its events are its own: it may even end before `carry_out` returns. An
         # order that was given before is refused there, and the events are not those of a goal.
@@ -190,8 +190,8 @@ class RunJobServer:
         """Abort the job of a goal; the goal ends when the last item has left the line."""
         if goal in self._being_read:
             return True  # it will not be queued
-        found = ((name, one) for name, one in self._served.items() if one.goal is goal)
-        job, served = next(found, ('', None))
+        matches = ((name, served) for name, served in self._served.items() if served.goal is goal)
+        job, served = next(matches, ('', None))
         if served is None:
             return False
         who = self._senders.of_cancel(served.by)
@@ -214,10 +214,10 @@ class RunJobServer:
 
     def _status(self, job: str, ends: Mapping[str, float]) -> JobStatus | None:
         state = self._orchestrator.state
-        found = state.jobs.get(job) or state.ended.get(job)
-        if found is None:
+        job_state = state.jobs.get(job) or state.ended.get(job)
+        if job_state is None:
             return None
-        return job_message(self._overview.job(found, ends))
+        return job_message(self._overview.job(job_state, ends))
 
     def _end(self, served: _Served, record: JobRecord) -> None:
         result = RunJob.Result(

@@ -38,7 +38,7 @@ _Read = Callable[[Any], tuple[str, Any]]
 def _fields(name: str, message: Any) -> tuple[str, dict[str, Any]]:
     """Return a request with those fields of a message that it takes and that say something."""
     request = of_name(name)
-    told = (
+    values = (
         {
             parameter.name: getattr(message, parameter.name, None)
             for parameter in request.parameters
@@ -46,7 +46,7 @@ def _fields(name: str, message: Any) -> tuple[str, dict[str, Any]]:
         if request
         else {}
     )
-    return name, {name: value for name, value in told.items() if value}
+    return name, {name: value for name, value in values.items() if value}
 
 
 def _command(message: Any) -> tuple[str, dict[str, Any]]:
@@ -129,16 +129,16 @@ class Services:
 
     def _tell(self, response: Any, answer: Answer) -> None:
         """Put an answer into a response, as far as that has fields for it."""
-        told: dict[str, object] = {
+        fields: dict[str, object] = {
             'accepted': answer.accepted,
             'message': answer.message,
             'answers': list(map(order_answer_message, answer.orders)),
             'state': self._state.packml.value,
         }
         for of_order in answer.orders:
-            told |= {'job': of_order.job, 'findings': of_order.findings}
-        for name in told.keys() & set(response.get_fields_and_field_types()):
-            setattr(response, name, told[name])
+            fields |= {'job': of_order.job, 'findings': of_order.findings}
+        for name in fields.keys() & set(response.get_fields_and_field_types()):
+            setattr(response, name, fields[name])
 
 
 # Messages with work orders as what is to be read.
@@ -216,12 +216,12 @@ class Senders:
         :param otherwise: where from, if the request does not say it
         """
         origin = request.origin or otherwise
-        said = (request.who, origin, request.reason)
+        sender = (request.who, origin, request.reason)
         door = _DOORS.get(request.known)
         if self.trusts_doors and door is not None:
             # A role that this node does not know may do nothing.
-            return By(*said, _ROLES.get(request.role, Role.VIEW), door)
-        return By(*said, self.unauthenticated, Known.ROS, _claims(request))
+            return By(*sender, _ROLES.get(request.role, Role.VIEW), door)
+        return By(*sender, self.unauthenticated, Known.ROS, _claims(request))
 
     def claimed(self, request: Any) -> By:
         """Return the sender of a request whose signature does not count."""

@@ -38,12 +38,12 @@ class InstalledActionTypes:
         :raises UnknownActionType: it is not installed, or is no action type
         """
         if name not in self._actions:
-            found = action_class(name)
+            interface = action_class(name)
             self._actions[name] = ActionType(
                 name,
-                message_type(found.Goal, f'{name}_Goal'),
-                message_type(found.Result, f'{name}_Result'),
-                _constants(found.Goal),
+                message_type(interface.Goal, f'{name}_Goal'),
+                message_type(interface.Result, f'{name}_Result'),
+                _constants(interface.Goal),
             )
         return self._actions[name]
 
@@ -54,13 +54,13 @@ class InstalledActionTypes:
         :raises UnknownActionType: the message type is not installed or has no such field
         """
         message: MessageType | None = message_type(message_class(type_name), type_name)
-        found: FieldType | None = None
+        field_type: FieldType | None = None
         for part in field.split('.'):
             if message is None or part not in message.fields:
                 raise _no_such_field(type_name, field, part, message)
-            found = message.fields[part]
-            message = None if found.is_array else found.message
-        return found.ros_name if found else ''
+            field_type = message.fields[part]
+            message = None if field_type.is_array else field_type.message
+        return field_type.ros_name if field_type else ''
 
 
 def _constants(goal_class: Any) -> dict[str, Any]:

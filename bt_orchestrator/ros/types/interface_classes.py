@@ -42,10 +42,10 @@ def _find(name: str, kind: str) -> Any:
         what = f'{name} is {_KINDS.get(found_kind, "of no known kind")}, not {_KINDS[kind]}'
         raise UnknownActionType(name, what, f'name a type written {example}')
     module = _module(name, package, kind)
-    found = getattr(module, short, None)
-    if found is None or not _is_of(kind, found):
+    interface = getattr(module, short, None)
+    if interface is None or not _is_of(kind, interface):
         raise UnknownActionType(name, *_no_such(package, kind, short, module))
-    return found
+    return interface
 
 
 def _module(name: str, package: str, kind: str) -> ModuleType:
@@ -91,11 +91,11 @@ def _no_such(package: str, kind: str, short: str, module: ModuleType) -> tuple[s
 
 
 def _names(kind: str, module: ModuleType) -> Iterator[str]:
-    return (name for name, found in sorted(vars(module).items()) if _is_of(kind, found))
+    return (name for name, member in sorted(vars(module).items()) if _is_of(kind, member))
 
 
-def _is_of(kind: str, found: object) -> bool:
+def _is_of(kind: str, member: object) -> bool:
     """Tell actions and messages from what else such a module holds, by what rosidl generates."""
     if kind == 'action':
-        return hasattr(found, 'Goal') and hasattr(found, 'Result')
-    return hasattr(found, 'SLOT_TYPES')
+        return hasattr(member, 'Goal') and hasattr(member, 'Result')
+    return hasattr(member, 'SLOT_TYPES')

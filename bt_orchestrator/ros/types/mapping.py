@@ -91,13 +91,13 @@ def flat(
     :param any_of: fields of which one tells that there is one
     """
     made, used = _compiled(kind, dict, kind, message, apart)
-    flag, told = ({told_by: True} if told_by else {}), any_of or (told_by or made.told_by,)
+    flag, names = ({told_by: True} if told_by else {}), any_of or (told_by or made.told_by,)
 
     def write(fact: Any) -> Mapping[str, Any]:
         return {} if fact is None else {**made.write(fact), **flag}
 
     def read(message: Any) -> Any:
-        is_told = any(not name or getattr(message, name) for name in told)
+        is_told = any(not name or getattr(message, name) for name in names)
         return made.read(message) if is_told else None
 
     return Codec((*used, *flag), write, read)
@@ -166,12 +166,12 @@ def _form(hint: Any, ros: str, scope: dict[str, Any]) -> _Form:
         stands = _optional if _member(ros) == ros else _at_most_one
         return stands(hint, ros, scope)
     if origin in {tuple, list}:
-        one = _form(arguments[0], _member(ros), scope)
-        if one is _SAME:
+        element = _form(arguments[0], _member(ros), scope)
+        if element is _SAME:
             return _Form(str, 'tuple({})'.format)
         return _Form(
-            lambda it: f'[{one.write("one")} for one in {it}]',
-            lambda it: f'tuple([{one.read("one")} for one in {it}])',
+            lambda it: f'[{element.write("one")} for one in {it}]',
+            lambda it: f'tuple([{element.read("one")} for one in {it}])',
         )
     if origin in {Mapping, dict}:
         return _mapping(arguments, ros, scope)
@@ -193,15 +193,15 @@ def _optional(hint: Any, ros: str, scope: dict[str, Any]) -> _Form:
         return _Form('to_moment({})'.format, 'from_moment({})'.format)
     form = _form(hint, ros, scope)
     if hint is float:
-        none, told = repr(UNKNOWN_S), '{} >= 0.0'
+        none, condition = repr(UNKNOWN_S), '{} >= 0.0'
     elif hint in _KNOWN:
         scope[f'no_{hint.__name__}'] = _KNOWN[hint].message
-        none, told = f'no_{hint.__name__}()', f'{{}}.{_KNOWN[hint].told_by}'
+        none, condition = f'no_{hint.__name__}()', f'{{}}.{_KNOWN[hint].told_by}'
     else:
-        none, told = repr(hint() if hint in _SCALARS else ''), '{}'
+        none, condition = repr(hint() if hint in _SCALARS else ''), '{}'
     return _Form(
         lambda it: f'{none} if {it} is None else {form.write(it)}',
-        lambda it: f'{form.read(it)} if {told.format(it)} else None',
+        lambda it: f'{form.read(it)} if {condition.format(it)} else None',
     )
 
 

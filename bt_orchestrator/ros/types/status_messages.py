@@ -238,7 +238,9 @@ class StatusWriter:
 
     def __init__(self) -> None:
         self._sections = _Parts[SectionStatus](lambda section: section.number, _SECTION.write)
-        self._components = _Parts[ComponentStatus](lambda one: one.name, _COMPONENT.write)
+        self._components = _Parts[ComponentStatus](
+            lambda component: component.name, _COMPONENT.write
+        )
         self._jobs = _Parts[JobStatus](
             lambda job: job.id, lambda job: (_JOB.write(job), _JOB_FACTS.write(job))
         )

@@ -252,26 +252,26 @@ def check_preparations(
 ) -> None:
     """Report ids given twice, waits for nothing, and preparations that wait for each other."""
     ids: dict[str, Prepared] = {}
-    for one in prepared:
-        first = ids.setdefault(one.preparation.id, one)
-        if first is not one and one.preparation.id:
-            what = f'the id `{one.preparation.id}` is given twice'
+    for entry in prepared:
+        first = ids.setdefault(entry.preparation.id, entry)
+        if first is not entry and entry.preparation.id:
+            what = f'the id `{entry.preparation.id}` is given twice'
             line = first.fields.place('id').line
             hint = f'rename one; the first is in line {line}'
-            report.add(one.fields.place('id'), what, hint)
-        _check_after(one, prepared, components, report)
-    waits = [(name, one.component) for one in prepared for name in one.preparation.after]
+            report.add(entry.fields.place('id'), what, hint)
+        _check_after(entry, prepared, components, report)
+    waits = [(name, entry.component) for entry in prepared for name in entry.preparation.after]
     for circle in circles(waits):
-        last = next(one for one in prepared if one.component == circle[-1])
+        last = next(entry for entry in prepared if entry.component == circle[-1])
         what = f'preparations wait for each other: {", ".join(circle)}'
         report.add(last.fields.place('after'), what, 'remove one of the waits')
 
 
 def _check_after(
-    one: Prepared, prepared: Sequence[Prepared], components: Collection[str], report: Report
+    entry: Prepared, prepared: Sequence[Prepared], components: Collection[str], report: Report
 ) -> None:
     known = [other.component for other in prepared]
-    for name in one.fields.names('after'):
+    for name in entry.fields.names('after'):
         if name.text in known:
             continue
         if name.text in components:

@@ -52,7 +52,7 @@ class SetupReader:
         """Return the setups that have a change; what is wrong is reported."""
         values = {entry.key.text: entry for entry in _entries(self._fields, 'setups')}
         changes = {entry.key.text: entry for entry in _entries(self._fields, 'changes')}
-        for setup in filter(lambda one: one not in values, changes):
+        for setup in filter(lambda name: name not in values, changes):
             hint = did_you_mean(setup, values, f'list its values in `{SETUPS.name}`')
             what = f'`{self._name}` has no setup {quoted(setup)}'
             self._report.add(changes[setup].key.place, what, hint)
@@ -71,12 +71,12 @@ class SetupReader:
             self._report.add(entry.key.place, what, CHANGES.hint)
             return None
         task, argument, reads = self._change(name, change)
-        values = {one: self._argument(node, argument) for one, node in nodes.items()}
+        values = {value: self._argument(node, argument) for value, node in nodes.items()}
         kind = self._reading(change, reads)
         if kind is None:
             return Setup(values, task, argument)
-        told = {one: self._told(node, reads, kind) for one, node in nodes.items()}
-        return Setup(values, task, argument, reads, told)
+        readings = {value: self._told(node, reads, kind) for value, node in nodes.items()}
+        return Setup(values, task, argument, reads, readings)
 
     def _values(self, entry: Entry) -> Iterator[tuple[str, Scalar]]:
         items = entry.value.items if isinstance(entry.value, ListNode) else ()
@@ -115,7 +115,7 @@ class SetupReader:
             return task, '', reads
         if task:
             check_task_name(task, self._type, entry.value.place, self._report)
-        goal = {name: one for name, one in self._type.goal.fields.items() if name != TASK}
+        goal = {name: field for name, field in self._type.goal.fields.items() if name != TASK}
         if argument in goal:
             return task, argument, reads
         what = f'{self._type.goal.name} has no field {quoted(argument)} for the value'
@@ -128,10 +128,10 @@ class SetupReader:
     def _reading(self, entry: Entry, field: str) -> FieldType | None:
         """Return the type of the field that tells a setup; None: there is none, or it is wrong."""
         node = entry.value
-        found = node.find('reads') if isinstance(node, MapNode) else None
-        if found is None or not field:
+        reads = node.find('reads') if isinstance(node, MapNode) else None
+        if reads is None or not field:
             return None
-        place = found.value.place
+        place = reads.value.place
         if self._state is None:
             if not self._fields.has('state'):
                 what = f'`{self._name}` has no state topic that tells a setup'
@@ -205,7 +205,7 @@ def asked_of(fields: Fields, component: Component | None) -> dict[str, Any]:
     """Return what a task of a script asks of its component, as a field of the task; or nothing."""
     if component is None or not fields.has('setup'):
         return {}
-    offered = {name: one.values for name, one in component.setups.items()}
+    offered = {name: setup.values for name, setup in component.setups.items()}
     return {'setup': read_setup(fields, component.name, offered)}
 
 
@@ -214,7 +214,9 @@ def check_setups(script: Script, draft: ScriptDraft, report: Report) -> None:
 
     Semantics 5.3.
     """
-    listed = [(number, task) for number, one in script.sections.items() for task in one.tasks]
+    listed = [
+        (number, task) for number, section in script.sections.items() for task in section.tasks
+    ]
     used: dict[tuple[str, str], list[tuple[int, Task]]] = {}
     for number, task in listed:
         setups = dict.fromkeys([*task.setup, *([task.change.setup] if task.change else [])])

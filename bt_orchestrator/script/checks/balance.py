@@ -24,8 +24,8 @@ def check_balance(script: ScriptDraft, report: Report) -> None:
     runs for rejected items only, or that no item on the belt can reach. A `-1` in parallel to a
     task that may reject is refused: their order is undefined.
     """
-    lists = [one for one in script.lists if not one.is_repeated]
-    changing = [task for one in lists for task in one.tasks if _changes(task)]
+    lists = [task_list for task_list in script.lists if not task_list.is_repeated]
+    changing = [task for task_list in lists for task in task_list.tasks if _changes(task)]
     placing = [task for task in changing if task.task.qty_change > 0]
     taking = [task for task in changing if task.task.qty_change < 0]
     for task in placing:
@@ -37,7 +37,9 @@ def check_balance(script: ScriptDraft, report: Report) -> None:
         report.add(task.place('qty_change'), what, 'keep one `qty_change: 1`')
     if not _is_readable(script):
         return
-    strays = [task for one in script.strays.values() for task in one.tasks if _changes(task)]
+    strays = [
+        task for section in script.strays.values() for task in section.tasks if _changes(task)
+    ]
     placing = [*placing, *(task for task in strays if task.task.qty_change > 0)]
     taking = [*taking, *(task for task in strays if task.task.qty_change < 0)]
     if _check_presence(script, placing, taking, report) and not strays:
@@ -123,8 +125,8 @@ class _Balance:
         return task.may_reject and is_sure
 
     def _check_rejected(self, task: TaskDraft) -> None:
-        takers = [one for one in self._taking if one.task.runs_for.includes(rejected=True)]
-        beside = [one for one in self._taking if one.is_beside(task)]
+        takers = [taker for taker in self._taking if taker.task.runs_for.includes(rejected=True)]
+        beside = [taker for taker in self._taking if taker.is_beside(task)]
         behind = [taker for taker in takers if task.precedes(taker)]
         if beside:
             what = f'`{task.id}` may reject the item while `{beside[0].id}` takes it out'
@@ -134,7 +136,7 @@ class _Balance:
             hint = self._missing_taker_hint(task, takers)
         elif len(behind) > 1:
             what = f'an item that `{task.id}` rejects is taken out twice'
-            hint = f'keep one of {listing(one.id for one in behind)} for rejected items'
+            hint = f'keep one of {listing(taker.id for taker in behind)} for rejected items'
         else:
             return
         self._report.add(task.place('on_failure'), what, hint)
@@ -143,7 +145,7 @@ class _Balance:
         early = [taker for taker in takers if taker is not task]
         if early:
             return f'move `{early[-1].id}` behind it'
-        later = [one for one in self._taking if task.precedes(one)]
+        later = [taker for taker in self._taking if task.precedes(taker)]
         if later:
             return f'set `runs_for: all` on `{later[0].id}`'
         return 'add a task with `qty_change: -1` and `runs_for: rejected` behind it'
@@ -151,7 +153,7 @@ class _Balance:
 
 def _is_readable(script: ScriptDraft) -> bool:
     return script.tasks_are_complete and all(
-        task.fields.is_sure('qty_change') for one in script.lists for task in one.tasks
+        task.fields.is_sure('qty_change') for task_list in script.lists for task in task_list.tasks
     )
 
 

@@ -22,13 +22,13 @@ def circles(edges: Iterable[tuple[str, str]]) -> list[list[str]]:
     following: dict[str, list[str]] = {}
     for upstream, downstream in edges:
         following.setdefault(upstream, []).append(downstream)
-    found: list[list[str]] = []
+    all_circles: list[list[str]] = []
     closed: set[str] = set()
     for start in following:
         circle = _circle(start, following, closed)
         if circle is not None:
-            found.append(circle)
-    return found
+            all_circles.append(circle)
+    return all_circles
 
 
 def _circle(start: str, following: dict[str, list[str]], closed: set[str]) -> list[str] | None:
@@ -154,7 +154,11 @@ class DependencyReader:
     def _check_circles(self, pairs: dict[InitializationDependency, Place]) -> None:
         for circle in circles((pair.upstream, pair.downstream) for pair in pairs):
             steps = set(pairwise(circle))
-            places = [at for one, at in pairs.items() if (one.upstream, one.downstream) in steps]
+            places = [
+                at
+                for dependency, at in pairs.items()
+                if (dependency.upstream, dependency.downstream) in steps
+            ]
             way = ' -> '.join(circle)
             what = f'these initialization tasks wait for each other in a circle: {way}'
             self._report.add(min(places), what, 'remove one of these dependencies')

@@ -41,14 +41,19 @@ def warnings(
 
     :param given: the scripts that are checked; those in the folders use names of the cell as well
     """
-    found = Report(str(cell_file))
-    unused = list(_unused(cell_file, cell, [one.script for one in given], types))
+    report = Report(str(cell_file))
+    unused = list(_unused(cell_file, cell, [given_script.script for given_script in given], types))
     if unused:
-        others = [one.script for one in given] + list(_fitting(folders, cell, types))
+        others = [given_script.script for given_script in given] + list(
+            _fitting(folders, cell, types)
+        )
         unused = list(_unused(cell_file, cell, others, types))
     for place, what, hint in unused:
-        found.add(place, what, hint)
-    return [*found.findings, *chain.from_iterable(_of_script(one, cell) for one in given)]
+        report.add(place, what, hint)
+    return [
+        *report.findings,
+        *chain.from_iterable(_of_script(given_script, cell) for given_script in given),
+    ]
 
 
 # --- the cell file ----------------------------------------------------------------------------
@@ -93,23 +98,23 @@ def _fitting(folders: Sequence[Path], cell: Cell, types: ActionTypes) -> Iterato
 
 
 def _of_script(read: ReadScript, cell: Cell) -> tuple[Finding, ...]:
-    found = Report(str(read.path))
+    report = Report(str(read.path))
     script = read.script
     listed = chain.from_iterable(script.sections[n].tasks for n in sorted(script.sections))
     nodes = _task_nodes(compose(read_text(read.path), Report('')))
-    told: set[Kind] = set()
+    kinds: set[Kind] = set()
     written = (task for task in script.initialization if not task.is_implied)
     for task, node in zip(chain(written, listed), nodes, strict=True):
         kind = task.component, task.name
         without_time = timeless_words(kind, cell)
-        if without_time is not None and kind not in told:
-            found.add(node.place, *without_time)
-        told.add(kind)
+        if without_time is not None and kind not in kinds:
+            report.add(node.place, *without_time)
+        kinds.add(kind)
         for what, hint in chain(
             _repeated(task, script), _never_there(task, script), _left_on_the_belt(task, script)
         ):
-            found.add(node.place, what, hint)
-    return found.findings
+            report.add(node.place, what, hint)
+    return report.findings
 
 
 def _repeated(task: Task, script: Script) -> Iterator[tuple[str, str]]:
@@ -129,15 +134,18 @@ def _never_there(task: Task, script: Script) -> Iterator[tuple[str, str]]:
     has no results (6.3). Only an item that an operator rejects later has them.
     """
     places = _places(script)
-    rejecting = [one for one in script.tasks.values() if one.on_failure is OnFailure.REJECT]
+    rejecting = [other for other in script.tasks.values() if other.on_failure is OnFailure.REJECT]
     if task.runs_for is not RunsFor.REJECTED or not rejecting:
         return
-    for one in dict.fromkeys(task.references):
-        giver = script.tasks[one.name] if one.source == 'results' else task
+    for reference in dict.fromkeys(task.references):
+        giver = script.tasks[reference.name] if reference.source == 'results' else task
         if giver.runs_for is RunsFor.GOOD and all(
             _is_at_or_behind(places[giver.id], places[r.id]) for r in rejecting
         ):
-            what = f'`${{{one}}}` has no value here: a rejected item never ran `{giver.id}` well'
+            what = (
+                f'`${{{reference}}}` has no value here: a rejected item never ran '
+                f'`{giver.id}` well'
+            )
             hint = (
                 f'items are rejected by {listing(r.id for r in rejecting)}; refer to a task before'
             )
@@ -153,9 +161,9 @@ def _left_on_the_belt(task: Task, script: Script) -> Iterator[tuple[str, str]]:
         return
     places = _places(script)
     takers = [
-        one
-        for one in script.tasks.values()
-        if one.qty_change < 0 and one.runs_for.includes(rejected=True)
+        taker
+        for taker in script.tasks.values()
+        if taker.qty_change < 0 and taker.runs_for.includes(rejected=True)
     ]
     if any(_is_at_or_behind(places[taker.id], places[task.id]) for taker in takers):
         return
@@ -182,9 +190,9 @@ def _places(script: Script) -> dict[str, _Place]:
     }
 
 
-def _is_at_or_behind(one: _Place, other: _Place) -> bool:
+def _is_at_or_behind(place: _Place, other: _Place) -> bool:
     """Tell whether a task runs after another one, for the same item, or is that."""
-    return one[:2] > other[:2] or (one[:3] == other[:3] and one[3] >= other[3])
+    return place[:2] > other[:2] or (place[:3] == other[:3] and place[3] >= other[3])
 
 
 def _task_nodes(root: Node | None) -> Iterator[Node]:
@@ -195,7 +203,7 @@ def _task_nodes(root: Node | None) -> Iterator[Node]:
     if first is not None and isinstance(first.value, ListNode):
         yield from first.value.items
     if sections is not None and isinstance(sections.value, MapNode):
-        for entry in sorted(sections.value.entries, key=lambda one: int(one.key.text)):
+        for entry in sorted(sections.value.entries, key=lambda entry: int(entry.key.text)):
             yield from _tasks_in(entry.value)
 
 
@@ -224,7 +232,7 @@ def timeless_words(kind: Kind, cell: Cell) -> tuple[str, str] | None:
     """
     name, task = kind
     component = cell.components[name]
-    is_for_prediction = any(one.durations_s for one in cell.components.values())
+    is_for_prediction = any(other.durations_s for other in cell.components.values())
     if name == CONVEYOR or not is_for_prediction or task in component.durations_s:
         return None
     default = component.default_duration_s
@@ -253,11 +261,11 @@ def of_recipe(recipe: Recipe, cell: Cell) -> Iterator[Kind]:
 
 def timeless(cell_file: Path, cell: Cell, kinds: Iterable[Kind]) -> tuple[Finding, ...]:
     """Return a warning for each task without a nominal time, at its component in the cell file."""
-    found = Report(str(cell_file))
+    report = Report(str(cell_file))
     root = None
     for kind in dict.fromkeys(kinds):
         words = timeless_words(kind, cell)
         if words is not None:
             root = root or compose(read_text(cell_file), Report(''))
-            found.add(place_of_key(root, 'components', kind[0], 'durations'), *words)
-    return found.findings
+            report.add(place_of_key(root, 'components', kind[0], 'durations'), *words)
+    return report.findings

@@ -22,9 +22,9 @@ def read_likely(
 
     :param conditions: of the tasks, by their ids
     """
-    found = {one.id: (one, likely) for one in drafts if (likely := _read(one, report))}
+    entries = {draft.id: (draft, likely) for draft in drafts if (likely := _read(draft, report))}
     by_condition: dict[Condition, tuple[TaskDraft, float]] = {}
-    for name, (draft, likely) in found.items():
+    for name, (draft, likely) in entries.items():
         condition = conditions.get(name)
         if condition is None or likely.runs is None:
             continue
@@ -35,7 +35,7 @@ def read_likely(
             runs = 1 - before if condition.negated else before
             hint = f'write {runs:g}, or change that in line {other.place("likely").line}'
             report.add(draft.place('likely'), what, hint)
-    return {name: likely for name, (_, likely) in found.items()}
+    return {name: likely for name, (_, likely) in entries.items()}
 
 
 def _read(draft: TaskDraft, report: Report) -> Likely | None:
@@ -44,10 +44,10 @@ def _read(draft: TaskDraft, report: Report) -> Likely | None:
     if node is None:
         return None
     may = {'runs': any(map(fields.has, _ITS_CONDITION)), 'fails': _may_fail(draft)}
-    told = fields.table('likely') if isinstance(node, MapNode) else None
-    if told is not None:
-        shares = {name: told.share(name) for name in may if told.has(name)}
-        if not shares and told.is_sure(*may):
+    table = fields.table('likely') if isinstance(node, MapNode) else None
+    if table is not None:
+        shares = {name: table.share(name) for name in may if table.has(name)}
+        if not shares and table.is_sure(*may):
             what = '`likely` says nothing'
             report.add(node.place, what, 'write `runs` or `fails` with a number from 0 to 1')
     else:

@@ -259,5 +259,5 @@ class OperandReader:
 
 def are_crossed(low: object, high: object) -> bool:
     """Tell whether two bounds are numbers, and the wrong way round."""
-    numbers = [one for one in (low, high) if isinstance(one, (int, float))]
+    numbers = [bound for bound in (low, high) if isinstance(bound, (int, float))]
     return len(numbers) == 2 and numbers[0] > numbers[1]

@@ -19,10 +19,10 @@ def admitted(text: str, file: str, cell: Cell, types: ActionTypes) -> Script:
         the declaration of the circle's flag
     """
     script = parse_script(text, file, cell, types)
-    found = deadlock(script)
-    if found is not None:
+    problem = deadlock(script)
+    if problem is not None:
         report = Report(file)
-        report.add(flag_place(text, found.flags), str(found), found.hint)
+        report.add(flag_place(text, problem.flags), str(problem), problem.hint)
         report.refuse()
     return script
 

@@ -171,7 +171,9 @@ class Reading:
     @property
     def choices(self) -> tuple[RecipeChoice | None, ...]:
         """Of each order, the recipe that has to be made into a script before it can be read."""
-        return tuple(one.choice if isinstance(one, NotMadeYet) else None for one in self.read)
+        return tuple(
+            result.choice if isinstance(result, NotMadeYet) else None for result in self.read
+        )
 
 
 class OrderDesk:

@@ -22,11 +22,11 @@ _ZONE = 'Z'
 
 def instant(text: str) -> float | Misfit:
     """Return the seconds since the epoch that a text means, or why it is no moment."""
-    found = re.fullmatch(INSTANT_FORM, text)
-    if found is None:
+    match = re.fullmatch(INSTANT_FORM, text)
+    if match is None:
         return Misfit(_NEEDED, _hint(text))
     try:
-        seconds = _moment(found).timestamp()
+        seconds = _moment(match).timestamp()
     except (OverflowError, ValueError):
         return Misfit('a day and a time that exist', 'look at its numbers')
     return out_of_range(seconds) or seconds
@@ -39,20 +39,20 @@ def out_of_range(seconds: float) -> Misfit | None:
     return Misfit('between 1970 and 2038', 'messages of ROS 2 carry no other times')
 
 
-def _moment(found: re.Match[str]) -> datetime:
-    year, month, day, hour, minute = (int(found[number]) for number in range(1, 6))
-    second, fraction = int(found[6] or 0), (found[7] or '')[:6].ljust(6, '0')
-    return datetime(year, month, day, hour, minute, second, int(fraction), _zone(found))
+def _moment(match: re.Match[str]) -> datetime:
+    year, month, day, hour, minute = (int(match[number]) for number in range(1, 6))
+    second, fraction = int(match[6] or 0), (match[7] or '')[:6].ljust(6, '0')
+    return datetime(year, month, day, hour, minute, second, int(fraction), _zone(match))
 
 
-def _zone(found: re.Match[str]) -> timezone:
-    if found[9] is None:
+def _zone(match: re.Match[str]) -> timezone:
+    if match[9] is None:
         return timezone.utc
-    minutes = int(found[11] or 0)
+    minutes = int(match[11] or 0)
     if minutes > 59:
         raise ValueError('an hour has 60 minutes')
-    offset = timedelta(hours=int(found[10]), minutes=minutes)
-    return timezone(-offset if found[9] == '-' else offset)
+    offset = timedelta(hours=int(match[10]), minutes=minutes)
+    return timezone(-offset if match[9] == '-' else offset)
 
 
 def _hint(text: str) -> str:

@@ -48,27 +48,27 @@ def parse_shifts(text: str, file: str) -> Shifts:
 
 def _shifts(fields: Fields) -> dict[str, Shift]:
     node = fields.mapping('shifts')
-    found = {}
+    shifts = {}
     for entry in (*node.entries, *node.repeated) if node else ():
         name = entry.key.text
         check_id(name, 'name of a shift', entry.key.place, fields.report)
         shift = fields_of(entry.value, SHIFT, fields.report)
         if shift is not None:
-            found[name] = _shift(name, shift)
+            shifts[name] = _shift(name, shift)
     if node is not None and not node.entries:
         fields.refuse('shifts', 'no shift is named', SHIFTS.by_name['shifts'].hint)
-    return found
+    return shifts
 
 
 def _shift(name: str, fields: Fields) -> Shift:
     hours = _hours(fields)
     breaks = []
     for pause in fields.tables('breaks'):
-        found = _hours(pause)
-        if hours is not None and found is not None:
-            if not _is_within(found, hours):
+        break_hours = _hours(pause)
+        if hours is not None and break_hours is not None:
+            if not _is_within(break_hours, hours):
                 pause.refuse('from', f'the break is not within shift {name}', 'change its times')
-            breaks.append(found)
+            breaks.append(break_hours)
     return Shift(name, hours or Hours(0, 0), tuple(breaks), _days(fields))
 
 
@@ -95,14 +95,14 @@ def _minutes(fields: Fields, key: str) -> int | None:
 
 
 def _days(fields: Fields) -> tuple[int, ...]:
-    found = []
+    days = []
     for node in fields.names('days'):
         if node.text in DAYS:
-            found.append(DAYS.index(node.text))
+            days.append(DAYS.index(node.text))
         else:
             hint = did_you_mean(node.text, DAYS, f'write some of {listing(DAYS, longest=7)}')
             fields.report.add(node.place, f'no day is named {quoted(node.text)}', hint)
-    return tuple(sorted(set(found))) or EVERY_DAY
+    return tuple(sorted(set(days))) or EVERY_DAY
 
 
 def _targets(fields: Fields) -> dict[str, Fraction]:

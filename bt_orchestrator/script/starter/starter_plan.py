@@ -95,20 +95,22 @@ class Plan:
         return self.sink.first(_TAKING) or self.sink.works[-1]
 
 
-def plan_cell(sections: int, found: Iterable[FoundServer], types: ActionTypes) -> Plan:
+def plan_cell(sections: int, servers: Iterable[FoundServer], types: ActionTypes) -> Plan:
     """Return a starter cell of so many sections with what was found in it.
 
     :raises UnknownActionType: the types of the examples are not installed
     """
-    devices, unusable = _usable(found, types)
+    devices, unusable = _usable(servers, types)
     example = _Examples(
         types, {device.name for device in devices} | {device.action for device in devices}
     )
     belt = _belt(devices)
     others = [device for device in devices if device is not belt]
-    source = next((one for one in others if one.first(_PLACING)), None)
-    sink = next((one for one in others if one.first(_TAKING) and one is not source), None)
-    rest = [one for one in others if one not in (source, sink)]
+    source = next((device for device in others if device.first(_PLACING)), None)
+    sink = next(
+        (device for device in others if device.first(_TAKING) and device is not source), None
+    )
+    rest = [device for device in others if device not in (source, sink)]
     belt = replace(belt, name=CONVEYOR) if belt else example.conveyor
     return Plan(
         sections,
@@ -152,12 +154,14 @@ class _Examples:
 
 
 def _usable(
-    found: Iterable[FoundServer], types: ActionTypes
+    servers: Iterable[FoundServer], types: ActionTypes
 ) -> tuple[list[Device], list[FoundServer]]:
     devices: list[Device] = []
     unusable = []
-    for server in sorted(found, key=lambda one: one.action):
-        name = _component_name(server.action, {one.name for one in devices} | {CONVEYOR, INDEX})
+    for server in sorted(servers, key=lambda server: server.action):
+        name = _component_name(
+            server.action, {device.name for device in devices} | {CONVEYOR, INDEX}
+        )
         device = _device(name, server, types)
         if device is None:
             unusable.append(server)
@@ -200,12 +204,12 @@ def _index_task(belt: Device) -> str | None:
     return next((task for task in named if task), belt.works[-1])
 
 
-def _spread(found: Sequence[Device], sections: int, example: _Examples) -> Iterator[Device]:
+def _spread(others: Sequence[Device], sections: int, example: _Examples) -> Iterator[Device]:
     """Spread devices evenly over the sections between source and sink; examples where none is."""
     between = range(2, sections) or range(sections, sections + 1)
     by_section: Mapping[int, list[Device]] = {section: [] for section in between}
-    for number, device in enumerate(found):
-        section = between[number * len(between) // len(found)]
+    for number, device in enumerate(others):
+        section = between[number * len(between) // len(others)]
         by_section[section].append(replace(device, section=section))
     for section, devices in by_section.items():
         if devices or sections > 2:

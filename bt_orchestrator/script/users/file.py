@@ -166,7 +166,7 @@ class UsersFile:
 
         def change(content: Content) -> Content:
             _found_any(content, name)
-            left = {one: user for one, user in content.users.items() if one != name}
+            left = {other: user for other, user in content.users.items() if other != name}
             panels = content.panels.without('user', name)
             return _without_key(Content(left, panels, content.keys), name)
 
@@ -181,7 +181,7 @@ class UsersFile:
         _check_name(name)
 
         def change(content: Content) -> Content:
-            of_that = [one for one, old in content.keys.items() if old.public == key.public]
+            of_that = [other for other, old in content.keys.items() if old.public == key.public]
             if name in content.keys or of_that:
                 there = f'the key {of_that[0]}' if of_that else f'a key of {name}'
                 raise NoSuchChange(f'{there} is there already; remove it first: user no-key')
@@ -312,7 +312,7 @@ def _check_own_key(keys: Keys, name: str) -> None:
 
 
 def _without_key(content: Content, name: str) -> Content:
-    keys = {one: key for one, key in content.keys.items() if one != name}
+    keys = {other: key for other, key in content.keys.items() if other != name}
     return content._replace(keys=keys, panels=content.panels.without('key', name))
 
 
@@ -452,7 +452,7 @@ class KnownUsers:
     def _look(self) -> _Version:
         """Return what changes with the file: it is replaced as a whole. None: it is not there."""
         try:
-            found = self.path.stat()
+            status = self.path.stat()
         except OSError:
             return None
-        return found.st_ino, found.st_mtime_ns, found.st_ctime_ns
+        return status.st_ino, status.st_mtime_ns, status.st_ctime_ns

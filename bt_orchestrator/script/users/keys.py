@@ -271,11 +271,11 @@ def opened(text: str) -> Sealed:
         json.dumps(plain, ensure_ascii=False).encode()  # half a character would end the process
     except (ValueError, RecursionError):
         plain = None
-    is_whole = isinstance(plain, dict) and plain.keys() == {one.name for one in fields(Sealed)}
+    is_whole = isinstance(plain, dict) and plain.keys() == {field.name for field in fields(Sealed)}
     if not is_whole or not all(
-        isinstance(plain[one.name], _KINDS[str(one.type)])
-        and not isinstance(plain[one.name], bool)
-        for one in fields(Sealed)
+        isinstance(plain[field.name], _KINDS[str(field.type)])
+        and not isinstance(plain[field.name], bool)
+        for field in fields(Sealed)
     ):
         raise CommandRefused(f'a signed request is JSON with {expected}; found {text!r:.60}')
     return Sealed(**plain)

@@ -46,7 +46,7 @@ class Panels:
     def without(self, kind: str, name: str) -> Panels:
         """Return the panels without one, if it is there."""
         field = PANEL_KINDS[kind]
-        kept = tuple(one for one in getattr(self, field) if one != name)
+        kept = tuple(entry for entry in getattr(self, field) if entry != name)
         return replace(self, **{field: kept})
 
     def changed(self, kind: str, name: str, *, named: bool) -> Panels:
@@ -60,7 +60,7 @@ class Panels:
         if (name in known) is named:
             is_one = 'is a panel already' if named else 'is no panel'
             raise NoSuchChange(f'the {kind} {name} {is_one}; there are: {self.words or "none"}')
-        kept = tuple(one for one in known if one != name)
+        kept = tuple(other for other in known if other != name)
         return replace(self, **{field: (*kept, name) if named else kept})
 
     @property

@@ -47,7 +47,7 @@ def with_durations(text: str, file: str, new: Mapping[str, Mapping[str, float]])
                 )
             edits[edit.place] = edit
     rows = text.split('\n')
-    for place in sorted(edits, key=lambda one: (one.line, one.column), reverse=True):
+    for place in sorted(edits, key=lambda place: (place.line, place.column), reverse=True):
         _apply(rows, edits[place], file)
     return '\n'.join(rows)
 
@@ -68,8 +68,8 @@ def _node_of(root: Node | None, component: str) -> MapNode | None:
 
 
 def _mapping(node: MapNode, key: str) -> MapNode | None:
-    found = node.find(key)
-    return found.value if found is not None and isinstance(found.value, MapNode) else None
+    entry = node.find(key)
+    return entry.value if entry is not None and isinstance(entry.value, MapNode) else None
 
 
 def _edits(

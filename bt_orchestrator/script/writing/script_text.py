@@ -92,12 +92,14 @@ class _ScriptWriter:
             yield 'initialization:'
         for task in written:
             yield from self._task(task, next(ids), STEP)
-        if any(one.downstream not in implied for one in order):
+        if any(dependency.downstream not in implied for dependency in order):
             yield 'initialization_dependencies:'
-        for one in order:
-            if one.downstream in implied:
+        for dependency in order:
+            if dependency.downstream in implied:
                 continue
-            yield from item({'upstream': one.upstream, 'downstream': one.downstream}, STEP)
+            yield from item(
+                {'upstream': dependency.upstream, 'downstream': dependency.downstream}, STEP
+            )
 
     def _section(self, section: SectionList) -> Iterator[str]:
         yield from _comment(self._comments.sections.get(section.section), STEP)
@@ -147,7 +149,9 @@ class _ScriptWriter:
     def _plain_task(self, task: Task, default_id: str, indent: str) -> Iterator[str]:
         row, likely = task_row(task, self._cell, default_id), self._script.likely.get(task.id)
         if likely is not None:
-            row['likely'] = {name: one for name, one in vars(likely).items() if one is not None}
+            row['likely'] = {
+                name: share for name, share in vars(likely).items() if share is not None
+            }
         return item(row, indent)
 
     def _flags(self) -> Iterator[str]:

@@ -23,7 +23,9 @@ _OLD_SWITCHES = {'y', 'n', 'yes', 'no', 'on', 'off'}
 def flow(value: Any) -> str:
     """Return a value on one line."""
     if isinstance(value, Mapping):
-        return f'{{{", ".join(f"{scalar(key)}: {flow(one)}" for key, one in value.items())}}}'
+        return (
+            f'{{{", ".join(f"{scalar(key)}: {flow(member)}" for key, member in value.items())}}}'
+        )
     if is_list(value):
         return f'[{", ".join(map(flow, value))}]'
     return scalar(value)

@@ -214,7 +214,9 @@ class ComponentServer:
         """Begin what was accepted."""
         task = self._names.name(getattr(handle.request, TASK, None))
         assert task is not None, 'it was accepted'
-        fields = {one.argument for one in self._component.setups.values() if one.task == task}
+        fields = {
+            setup.argument for setup in self._component.setups.values() if setup.task == task
+        }
         args = {field: getattr(handle.request, field) for field in fields}
         request = GoalRequest(goal_id, self._component.name, task, args)
         self.controller.start(ServedGoal(request, handle))
@@ -280,8 +282,8 @@ class StatePublisher:
         """Publish a new value."""
         value = ready_value(self._state) if ready else not_ready_value(self._state)
         self._last = self._class()
-        for field, one in {**self._setups, self._state.field: value}.items():
-            self._interfaces.fill(self._last, nested(field, one))
+        for field, content in {**self._setups, self._state.field: value}.items():
+            self._interfaces.fill(self._last, nested(field, content))
         self.repeat()
 
     def show(self, field: str, value: Any) -> None:

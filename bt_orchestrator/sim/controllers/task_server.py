@@ -84,9 +84,9 @@ class TaskServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy'
         if 'goal' in taken_data:
             self._asking = goal_id(taken_data['goal'][1])
         for kind, data in taken_data.items():
-            one: Any = {kind: data}
+            part: Any = {kind: data}
             try:
-                await super().execute(one)
+                await super().execute(part)
             except _Muted:
                 pass
             except Exception:  # noqa: BLE001 - whatever it is, the other servers go on

@@ -94,15 +94,15 @@ def slots(
     )
     values = (begin_us, end_us, begin_us, begin_us, most + 1)
     rows = database.execute(query, values).fetchall()
-    found: list[KeptSlot] = []
+    kept_slots: list[KeptSlot] = []
     damage: list[Damage] = []
     for begin, until, made_of, version, text, check in rows[:most]:
         slot = KeptSlot(begin, until, made_of, version, text.decode(errors='replace'))
         if check == _check(slot):
-            found.append(slot)
+            kept_slots.append(slot)
         else:
             damage.append(Damage(f'the account from {_when(slot.begin_us)} on is damaged'))
-    return SlotPage(found, damage, rows[most][0] if rows[most:] else None)
+    return SlotPage(kept_slots, damage, rows[most][0] if rows[most:] else None)
 
 
 def states(database: Database, at_us: int, first_seq: int) -> KeptState | None:
@@ -125,8 +125,8 @@ def script(database: Database, digest: str) -> KeptScript | None:
     row = database.execute(query, (digest,)).fetchone()
     if row is None:
         return None
-    found = KeptScript(digest, row[0].decode(errors='replace'))
-    return found if row[1] == _check(found) else None
+    kept_script = KeptScript(digest, row[0].decode(errors='replace'))
+    return kept_script if row[1] == _check(kept_script) else None
 
 
 def reasons(database: Database, after_seq: int, most: int) -> ReasonPage:
@@ -136,19 +136,19 @@ def reasons(database: Database, after_seq: int, most: int) -> ReasonPage:
         'ORDER BY made_of LIMIT ?'
     )
     rows = database.execute(query, (after_seq, most + 1)).fetchall()
-    found: list[KeptReason] = []
+    kept_reasons: list[KeptReason] = []
     damage: list[Damage] = []
     for made_of, text, check in rows[:most]:
         reason = KeptReason(made_of, text.decode(errors='replace'))
         if check == _check(reason):
-            found.append(reason)
+            kept_reasons.append(reason)
         else:
             damage.append(Damage(f'the reason of a stop that event {made_of} gave is damaged'))
-    return ReasonPage(found, damage, rows[most - 1][0] if rows[most:] else None)
+    return ReasonPage(kept_reasons, damage, rows[most - 1][0] if rows[most:] else None)
 
 
 def _check(row: Sequence[int | str | bool]) -> int:
-    values = (int(one) if isinstance(one, bool) else one for one in row)
+    values = (int(value) if isinstance(value, bool) else value for value in row)
     return check_of(0, '\t'.join(map(str, values)).encode(errors='surrogatepass'))
 
 

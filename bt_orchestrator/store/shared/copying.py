@@ -44,27 +44,29 @@ def copy_journal(source: KeptJournal, target: KeptJournal, tables: Columns) -> C
     with target.looking() as made:
         if rows.last_seq(made) or kept_from(made) > 1:
             raise JournalUnusable('there are events in the journal to be; name an empty one')
-    with source.looking() as found:
-        last = rows.last_seq(found)
+    with source.looking() as original:
+        last = rows.last_seq(original)
         if what := source.missing(last):
             raise JournalUnusable(f'{what}. Start a node on it, which begins a new history')
-        number, digest = _digest(found, source.check)
+        number, digest = _digest(original, source.check)
     history = uuid4().hex
     target.patience_s = PATIENCE_S
-    with source.looking() as found, target.writing() as made:
+    with source.looking() as original, target.writing() as made:
         target.name_history(made, history, restored=True)
-        keep_from(made, kept_from(found))
-        for page in _pages(found, source.check):
+        keep_from(made, kept_from(original))
+        for page in _pages(original, source.check):
             target.take(made, page)
         for name, columns in tables:
             marks = ', '.join('?' * len(columns))
             into = f'INSERT INTO {name} ({", ".join(columns)}) VALUES ({marks})'
-            made.executemany(into, _rows_of(found, name, columns))
+            made.executemany(into, _rows_of(original, name, columns))
         if (number, digest) != _digest(made, target.check):
             raise JournalFailed('the events that are read from the copy are not those written')
         others = 0
         for name, columns in tables:
-            before, after = (sorted(_rows_of(one, name, columns)) for one in (found, made))
+            before, after = (
+                sorted(_rows_of(database, name, columns)) for database in (original, made)
+            )
             if before != after:
                 raise JournalFailed(f'the table {name} of the copy is not what was written')
             others += len(before)
@@ -106,5 +108,5 @@ def _rows_of(database: Database, name: str, columns: Sequence[str]) -> list[tupl
 
 def _time_of(database: Database, seq: int) -> float:
     """Return when an event happened; 0: it was removed."""
-    found = rows.page(database, seq - 1, seq, 1)
-    return float(json.loads(found[0].text)['time']) if found else 0.0
+    page = rows.page(database, seq - 1, seq, 1)
+    return float(json.loads(page[0].text)['time']) if page else 0.0

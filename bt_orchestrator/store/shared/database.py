@@ -33,7 +33,7 @@ def replace(
     """
     columns = f'{keys}, {others}'.split(', ')
     marks = ', '.join('?' * len(columns))
-    instead = ', '.join(f'{one} = excluded.{one}' for one in others.split(', '))
+    instead = ', '.join(f'{column} = excluded.{column}' for column in others.split(', '))
     database.executemany(
         f'INSERT INTO {table} ({", ".join(columns)}) VALUES ({marks}) '
         f'ON CONFLICT ({keys}) DO UPDATE SET {instead}',

@@ -155,9 +155,9 @@ class KeptJournal(ABC):
     def snapshots(self) -> Iterator[Snapshot]:
         """Yield the states to start from, newest first."""
         for seq in snapshots.kept(self._reading):
-            found = snapshots.sound_snapshot(self._reading, seq) if seq <= self._end else None
-            if found is not None:
-                yield found
+            snapshot = snapshots.sound_snapshot(self._reading, seq) if seq <= self._end else None
+            if snapshot is not None:
+                yield snapshot
 
     def beginning(self) -> Snapshot | None:
         """Return the state after the removed events, if some were removed.

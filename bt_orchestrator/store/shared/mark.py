@@ -117,11 +117,11 @@ def read_mark(path: Path) -> Reached | None:
     except OSError as error:
         log.warning('%s cannot be read (%s): %s', path, error.strerror, _UNNOTICED)
         return None
-    found = _LINE.match(text)
-    if found is None or zlib.crc32(found[1]) != int(found[5], 16):
+    match = _LINE.match(text)
+    if match is None or zlib.crc32(match[1]) != int(match[5], 16):
         log.warning('%s is damaged, and is made again: %s', path, _UNNOTICED)
         return None
-    return Reached(found[2].decode(), int(found[3]), float(found[4]))
+    return Reached(match[2].decode(), int(match[3]), float(match[4]))
 
 
 def write_mark(path: Path, reached: Reached) -> None:
@@ -138,8 +138,8 @@ def write_mark(path: Path, reached: Reached) -> None:
 
 
 def _line(reached: Reached) -> bytes:
-    said = f'bt_orchestrator mark 1 {reached.history} {reached.seq:020d} {reached.time:.6f}'
-    return b'%s %08x\n' % (said.encode(), zlib.crc32(said.encode()))
+    text = f'bt_orchestrator mark 1 {reached.history} {reached.seq:020d} {reached.time:.6f}'
+    return b'%s %08x\n' % (text.encode(), zlib.crc32(text.encode()))
 
 
 def _opened(path: Path) -> int:
@@ -160,22 +160,22 @@ def shortfall(mark: Mark, history: str, last_row: int, read: int) -> str:
     :param last_row: the last event that has a row, damaged or not
     :param read: the event up to which the journal could be read
     """
-    found = mark.found
-    if found is not None and found.history != history:
+    reached = mark.found
+    if reached is not None and reached.history != history:
         return (
-            f'{mark.path.name} is of another journal (history {found.history}), which was written '
-            f'here up to event {found.seq} of {_utc(found.time)}: the journal was replaced, or '
-            'the mark was'
+            f'{mark.path.name} is of another journal (history {reached.history}), which was '
+            f'written here up to event {reached.seq} of {_utc(reached.time)}: the journal was '
+            'replaced, or the mark was'
         )
-    marked = found.seq if found is not None else 0
+    marked = reached.seq if reached is not None else 0
     number = max(marked, last_row) - read
     if number <= 0:
         return ''
     what = f'{number} event{"s are" if number > 1 else " is"} missing'
     if last_row > read:
         return f'{what}: a record after event {read} is damaged, or it is not there'
-    assert found is not None
-    return f'{what}: event {found.seq} of {_utc(found.time)} had been written'
+    assert reached is not None
+    return f'{what}: event {reached.seq} of {_utc(reached.time)} had been written'
 
 
 def _utc(seconds: float) -> str:

@@ -82,12 +82,12 @@ class KeptRecords(ABC):
         :raises JournalUnusable: it cannot be read
         """
         with self._one_moment() as database:
-            found = rows.summary_page(
+            page = rows.summary_page(
                 database, after, max(1, min(most, rows.MOST)), newest_first=newest_first
             )
         where = f'in the journal {self._name}'
-        damage = [one._replace(what=f'{one.what} {where}') for one in found.damage]
-        return replace(found, damage=damage)
+        damage = [loss._replace(what=f'{loss.what} {where}') for loss in page.damage]
+        return replace(page, damage=damage)
 
     def state_before(self, seq: int) -> Snapshot | None:
         """Return the newest sound state at an event or before it; None: there is none.
@@ -111,9 +111,9 @@ class KeptRecords(ABC):
         """
         most = max(1, min(most, rows.MOST))
         with self._one_moment() as database:
-            found = books.slots(database, begin_us, end_us, most, newest_first=newest_first)
+            page = books.slots(database, begin_us, end_us, most, newest_first=newest_first)
         where = f'in the journal {self._name}'
-        return replace(found, damage=[Damage(f'{one.what} {where}') for one in found.damage])
+        return replace(page, damage=[Damage(f'{loss.what} {where}') for loss in page.damage])
 
     def book_state(self, at_us: int, first_seq: int = 0) -> KeptState | None:
         """Return the newest sound state of the account that is not after a moment.
@@ -137,9 +137,9 @@ class KeptRecords(ABC):
         :raises JournalUnusable: it cannot be read
         """
         with self._one_moment() as database:
-            found = books.reasons(database, after_seq, max(1, min(most, rows.MOST)))
+            page = books.reasons(database, after_seq, max(1, min(most, rows.MOST)))
         where = f'in the journal {self._name}'
-        return replace(found, damage=[Damage(f'{one.what} {where}') for one in found.damage])
+        return replace(page, damage=[Damage(f'{loss.what} {where}') for loss in page.damage])
 
     # --- its own data -----------------------------------------------------------------------
 

@@ -278,8 +278,8 @@ class Look:
             f'WHERE seq BETWEEN ? AND ? ORDER BY seq {order} LIMIT {_AT_ONCE}'
         )
         low, high = self._low, self._high
-        while found := database.execute(query, (*values, low, high)).fetchall():
-            for is_wanted, *columns in found:
+        while chunk := database.execute(query, (*values, low, high)).fetchall():
+            for is_wanted, *columns in chunk:
                 row = Row(*columns)
                 text = row.text if is_wanted else b''
                 yield row.seq, text if row.is_sound(checked_from, terms.check) else None

@@ -85,8 +85,8 @@ def _is_keyframe(seq: int, size: int, before: int) -> bool:
 def state_before(database: Database, seq: int) -> Snapshot | None:
     """Return the newest sound state at an event or before it; None: there is none."""
     query = 'SELECT seq FROM snapshots WHERE seq <= ? ORDER BY seq DESC'
-    for (found,) in database.execute(query, (seq,)).fetchall():
-        snapshot = sound_snapshot(database, found)
+    for (number,) in database.execute(query, (seq,)).fetchall():
+        snapshot = sound_snapshot(database, number)
         if snapshot is not None:
             return snapshot
     start = beginning(database)
@@ -139,8 +139,8 @@ def keep_ids(database: Database, part: SealedIds) -> None:
 
 def sound_copies(database: Database, digest: str) -> list[str]:
     """Return the text of a part, once for each copy that is whole."""
-    found = [_read(database, digest, copy) for copy in COPIES]
-    sound = [text for text in found if text is not None]
+    texts = [_read(database, digest, copy) for copy in COPIES]
+    sound = [text for text in texts if text is not None]
     if len(sound) < len(COPIES):
         log.warning(
             'the journal has %d of %d copies of the used ids %s', len(sound), len(COPIES), digest

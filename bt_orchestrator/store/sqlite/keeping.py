@@ -91,8 +91,8 @@ class _Opened:
     def __init__(self, path: Path) -> None:
         self.name = str(path)
         self.file = path.open('rb', buffering=0)
-        found = os.fstat(self.file.fileno())
-        self.identity = found.st_dev, found.st_ino
+        status = os.fstat(self.file.fileno())
+        self.identity = status.st_dev, status.st_ino
 
 
 class FilesInUse:
@@ -137,11 +137,11 @@ class FilesInUse:
         state = folder.st_dev, folder.st_ino, folder.st_ctime_ns
         sizes = [file.file.seek(0, os.SEEK_END) for file in self._files]
         if state != self._proven or any(map(lt, sizes, self._sizes)):
-            for one, size, known in zip(self._files, sizes, self._sizes, strict=True):
-                how = self._what_happened(one, size, known)
+            for journal_file, size, known in zip(self._files, sizes, self._sizes, strict=True):
+                how = self._what_happened(journal_file, size, known)
                 if how:
                     raise JournalUnusable(
-                        f'{Path(one.name).name} was {how} by another program; '
+                        f'{Path(journal_file.name).name} was {how} by another program; '
                         'the last events may be lost'
                     )
             self._trust(state)
@@ -153,15 +153,15 @@ class FilesInUse:
             file.file.close()
         no_longer_written(self._path)
 
-    def _what_happened(self, one: _Opened, size: int, known: int) -> str:
+    def _what_happened(self, journal_file: _Opened, size: int, known: int) -> str:
         """Return what another program did with a file; empty: nothing relevant."""
         try:
-            found = os.stat(one.name)  # noqa: PTH116 - a Path takes twice as long
+            status = os.stat(journal_file.name)  # noqa: PTH116 - a Path takes twice as long
         except FileNotFoundError:
             return 'removed'
-        if (found.st_dev, found.st_ino) != one.identity:
+        if (status.st_dev, status.st_ino) != journal_file.identity:
             return 'replaced'
-        is_cut = size < known and not (one.name == self._log and size >= self._log_size())
+        is_cut = size < known and not (journal_file.name == self._log and size >= self._log_size())
         return 'cut' if is_cut else ''
 
     def _trust(self, state: tuple[int, int, int]) -> None:

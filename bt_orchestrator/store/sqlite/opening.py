@@ -124,9 +124,9 @@ def to_read(path: Path, reached: Reached | None) -> sqlite3.Connection | None:
             _look_where_a_run_writes(database)
             return database
         # An older journal is upgraded next, which takes longer than a check of all of it.
-        (found,) = database.execute('PRAGMA quick_check(1)').fetchone()
-        if found != 'ok':
-            raise JournalUnusable(f'the journal {path} cannot be used: {found}; {RESTORE}')
+        (result,) = database.execute('PRAGMA quick_check(1)').fetchone()
+        if result != 'ok':
+            raise JournalUnusable(f'the journal {path} cannot be used: {result}; {RESTORE}')
     except BaseException:
         database.close()
         raise

@@ -91,9 +91,9 @@ def _end_of(made: sqlite3.Connection) -> tuple[int, float]:
 
 
 def _refuse_damage(made: sqlite3.Connection, copy: Path) -> None:
-    (found,) = made.execute('PRAGMA integrity_check(1)').fetchone()
-    if found != 'ok':
-        raise JournalUnusable(f'the copy {copy} cannot be used: {found}; name another one')
+    (result,) = made.execute('PRAGMA integrity_check(1)').fetchone()
+    if result != 'ok':
+        raise JournalUnusable(f'the copy {copy} cannot be used: {result}; name another one')
 
 
 def _moved_aside(path: Path) -> Path | None:

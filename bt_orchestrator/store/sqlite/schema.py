@@ -193,7 +193,7 @@ def look_like_today(database: sqlite3.Connection, version: int) -> None:
     database.execute('PRAGMA temp_store = MEMORY')
     for name, query in views.items():
         database.execute(f'CREATE TEMP VIEW {name} AS {query}')
-    for statement in (one for step in _STEPS[version:] for one in step):
+    for statement in (statement for step in _STEPS[version:] for statement in step):
         if statement.startswith('CREATE TABLE') and statement.split()[2] not in views:
             database.execute(statement.replace('TABLE', 'TEMP TABLE', 1))
     if version == 1:

@@ -84,14 +84,16 @@ class SqliteStore(KeptJournal):
         """The file itself, not only its log, is marked as being written."""
         try:
             with unusable_otherwise(path):
-                found = opening.to_read(path, self._mark.found)
-                self._database = found or opening.to_write(path, synchronous)
-                self._reading = self._database if found else opening.beside_writer(path)
+                connection = opening.to_read(path, self._mark.found)
+                self._database = connection or opening.to_write(path, synchronous)
+                self._reading = self._database if connection else opening.beside_writer(path)
                 self._history = self._on_file = history_of(self._database)
                 self._is_cut_off = (
-                    found is not None and self._mark.found is None and is_cut_off(found, path)
+                    connection is not None
+                    and self._mark.found is None
+                    and is_cut_off(connection, path)
                 )
-                if found is None:
+                if connection is None:
                     self._is_said_unclosed = begin_to_write(self._database)
                     self._files = FilesInUse(path, lambda: log_size(self._database))
                 wide = readable_by_others(path)
@@ -142,9 +144,9 @@ class SqliteStore(KeptJournal):
         database.executemany(
             _INSERT + _ONE,
             [
-                (one.seq, one.text.decode(), check_of_event(one.seq, one.text, ends), ends)
-                for one in page
-                for ends in [1 if one.ends is None else one.ends]
+                (row.seq, row.text.decode(), check_of_event(row.seq, row.text, ends), ends)
+                for row in page
+                for ends in [1 if row.ends is None else row.ends]
             ],
         )
 
@@ -221,12 +223,12 @@ class SqliteStore(KeptJournal):
 
         :raises JournalUnusable: the file is not what was read
         """
-        found = rows.last_seq(self._database)
+        end = rows.last_seq(self._database)
         if history_of(self._database) != self._on_file:
             raise JournalUnusable('another journal has taken its place since it was read')
-        if found != read:
+        if end != read:
             raise JournalUnusable(
-                f'it ended with event {read} when it was read, and ends with event {found} now; '
+                f'it ended with event {read} when it was read, and ends with event {end} now; '
                 'another program writes it'
             )
 

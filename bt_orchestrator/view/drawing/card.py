@@ -77,7 +77,7 @@ class Sheet:
 
     def zone_fill(self, zone: str) -> str:
         """Return the colour of a zone; with many zones colours repeat, names do not."""
-        names = [one.name for one in self.script.zones]
+        names = [other.name for other in self.script.zones]
         return ZONE_FILLS[names.index(zone) % len(ZONE_FILLS)]
 
 
@@ -110,7 +110,7 @@ def belt_words(tasks: SectionList, step: Step, task: Task) -> str:
     if task.requires_conveyor:
         return ''
     number = tasks.steps.index(step)
-    leads = not any(one.requires_conveyor for one in tasks.steps[: number + 1])
+    leads = not any(earlier.requires_conveyor for earlier in tasks.steps[: number + 1])
     return OFF_BELT if leads or number >= tasks.turn_steps else NEEDS_NO_BELT
 
 
@@ -243,12 +243,12 @@ def last_round(sheet: Sheet, tasks: Sequence[Task]) -> Label:
     judged = [task for task in tasks if task.fails_unless is not None]
     policies = dict.fromkeys(task.on_failure for task in judged)
     if len(policies) == 1:
-        said = [
+        sentences = [
             say('after the last round: {policy}', policy=say(POLICY[policy]))
             for policy in policies
         ]
     else:
-        said = [
+        sentences = [
             say(
                 'after the last round of {task}: {policy}',
                 task=task.id,
@@ -256,7 +256,11 @@ def last_round(sheet: Sheet, tasks: Sequence[Task]) -> Label:
             )
             for task in judged
         ]
-    lines = [Text(text, 9, italic=True) for one in said for text in wrapped(one, ROUND_COLUMNS)]
+    lines = [
+        Text(text, 9, italic=True)
+        for sentence in sentences
+        for text in wrapped(sentence, ROUND_COLUMNS)
+    ]
     return Label((_wide(lines),), height=11 * len(lines) + 4.0)
 
 

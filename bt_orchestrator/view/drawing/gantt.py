@@ -66,15 +66,15 @@ class Row:
 
     def lanes(self) -> list[list[TaskBar]]:
         """Return the tasks in lanes: what runs at the same time stands one below the other."""
-        found: list[list[TaskBar]] = []
+        lanes: list[list[TaskBar]] = []
         for bar in sorted(self.tasks, key=lambda bar: (bar.start_s, bar.key.task)):
-            free = (lane for lane in found if lane[-1].end_s <= bar.start_s)
+            free = (lane for lane in lanes if lane[-1].end_s <= bar.start_s)
             lane = next(free, None)
             if lane is None:
                 lane = []
-                found.append(lane)
+                lanes.append(lane)
             lane.append(bar)
-        return found or [[]]
+        return lanes or [[]]
 
     def within(self, begin_s: float, end_s: float) -> Row:
         """Return what of it is in a stretch of time."""

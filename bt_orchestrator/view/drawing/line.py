@@ -107,7 +107,7 @@ class _Drawing:
             box = page.initialization_frame
             self._frame('initialization', words, box, [self._say(INITIALIZATION)])
             self._cards(page.initialization)
-        boxes = {one.task.id: one.box for one in page.initialization}
+        boxes = {placed.task.id: placed.box for placed in page.initialization}
         for dependency in self._sheet.script.initialization_dependencies:
             self._arrow(boxes[dependency.upstream], boxes[dependency.downstream])
         words = self._say('Belt, after every beat')
@@ -134,8 +134,8 @@ class _Drawing:
             self._idle(name, column.slot)
         for loop in column.loops:
             self._back(f'repeat.{loop.repeat.name}.back', loop)
-        for one, other in column.arrows:
-            self._arrow(one, other)
+        for start, other in column.arrows:
+            self._arrow(start, other)
 
     def belts(self) -> None:
         """Draw the belt from slot to slot."""
@@ -242,17 +242,17 @@ class _Drawing:
         ends = self._names[above], self._names[below]
         self._canvas.line(ends, points, Stroke(head=below.height > 0))
 
-    def _flag(self, one: FlagLine) -> None:
-        flag = one.flag
+    def _flag(self, line: FlagLine) -> None:
+        flag = line.flag
         name = Text(self._say('flag {name}', name=flag.flag), colour=FLAG, bold=True)
         label = one_entry(name, Text(self._counts(flag), 9, FLAG))
         self._canvas.line(
             (f'task.{flag.upstream}', f'task.{flag.downstream}'),
-            one.points,
+            line.points,
             Stroke(FLAG, 1.6, dashed=True),
             name=f'flag.{flag.flag}',
             about=self._about_flag(flag),
-            label=LineLabel(label, one.label_at),
+            label=LineLabel(label, line.label_at),
         )
 
     def _counts(self, flag: Dependency) -> str:

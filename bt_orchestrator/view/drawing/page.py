@@ -53,7 +53,7 @@ class PageLayout:
         plain = [column(sheet, n) for n in range(1, sheet.cell.conveyor.sections + 1)]
         rows = list(_in_rows(plain))
         self._place = {
-            one.number: (r, p) for r, row in enumerate(rows) for p, one in enumerate(row)
+            section.number: (r, p) for r, row in enumerate(rows) for p, section in enumerate(row)
         }
         self._flags = [
             (dependency, self._route(sheet, dependency))
@@ -83,7 +83,7 @@ class PageLayout:
         if tasks:
             self.initialization_frame = _around(tasks).moved(left, top)
             left = self.initialization_frame.right + GUTTER
-        self.initialization = tuple(_moved(one, 0, top) for one in tasks)
+        self.initialization = tuple(_moved(placed, 0, top) for placed in tasks)
         task = index_task(sheet.cell)
         label = card(sheet, task)
         move = Placed(task, label, Box(PADDING, TITLE, CARD_WIDTH, label.height))
@@ -101,13 +101,13 @@ class PageLayout:
         for r, row in enumerate(rows):
             top += self._lanes.band(r)
             self._tops.append(top)
-            height = max(one.height for one in row)
+            height = max(section.height for section in row)
             right = self._lanes.margin - (GUTTER if len(rows) == 1 else 0)
-            for p, one in enumerate(row):
+            for p, section in enumerate(row):
                 left = right + self._lanes.gutter((r, p))
                 self._gutter_ends[r, p] = left
-                self.columns.append(one.moved(left, top, height))
-                right = left + one.width
+                self.columns.append(section.moved(left, top, height))
+                right = left + section.width
             last = (r, len(row))
             self._gutter_ends[last] = right + self._lanes.gutter(last)
             widest = max(widest, self._gutter_ends[last] if self._lanes.has_lines(last) else right)
@@ -115,35 +115,41 @@ class PageLayout:
         self._tops.append(top + self._lanes.band(len(rows)))
         return widest, self._tops[-1] if self._lanes.has_lines_above(len(rows)) else top
 
-    def frame(self, one: Column) -> Box:
+    def frame(self, section: Column) -> Box:
         """Return the frame of a section."""
-        left = one.slot.middle - one.width / 2
-        return Box(left, one.slot.top - TITLE, one.width, one.height)
+        left = section.slot.middle - section.width / 2
+        return Box(left, section.slot.top - TITLE, section.width, section.height)
 
     # --- lines ------------------------------------------------------------------------------
 
     def belts(self) -> Iterator[tuple[int, list[Point]]]:
         """Yield the belt from each slot to the next one."""
         turns = {route.start: route for route in self._turns}
-        for one, following in pairwise(self.columns):
-            turn = turns.get(self._place[one.number])
+        for section, following in pairwise(self.columns):
+            turn = turns.get(self._place[section.number])
             if turn is not None:
-                points = self._points(turn, one.slot, following.slot)
+                points = self._points(turn, section.slot, following.slot)
             else:
-                y = one.slot.centre
-                points = [(one.slot.right, y), (following.slot.left, y)]
-            yield one.number, points
+                y = section.slot.centre
+                points = [(section.slot.right, y), (following.slot.left, y)]
+            yield section.number, points
 
     def flags(self) -> Iterator[FlagLine]:
         """Yield the lines of the flags; a label stands on its line, in the gutter."""
-        boxes = {one.task.id: one.box for column in self.columns for one in column.cards}
+        boxes = {placed.task.id: placed.box for column in self.columns for placed in column.cards}
         routes = {flag.flag: route for flag, route in self._flags}
         starts = _apart(
-            [(routes[one.flag].start, one.flag, boxes[one.upstream]) for one, _ in self._flags],
+            [
+                (routes[flag.flag].start, flag.flag, boxes[flag.upstream])
+                for flag, _ in self._flags
+            ],
             LABEL_HEIGHT,
         )
         ends = _apart(
-            [(routes[one.flag].end, one.flag, boxes[one.downstream]) for one, _ in self._flags],
+            [
+                (routes[flag.flag].end, flag.flag, boxes[flag.downstream])
+                for flag, _ in self._flags
+            ],
             LANE,
         )
         for flag, route in self._flags:
@@ -153,7 +159,7 @@ class PageLayout:
             yield FlagLine(flag, points, (middle, points[0][1] - LABEL_HEIGHT / 2))
 
     def _column(self, task: str) -> Column:
-        return next(c for c in self.columns if any(one.task.id == task for one in c.cards))
+        return next(c for c in self.columns if any(placed.task.id == task for placed in c.cards))
 
     def _points(self, route: Route, start: Box, end: Box) -> list[Point]:
         row, position = route.start
@@ -179,7 +185,7 @@ class PageLayout:
 
 def _in_rows(columns: Sequence[Column]) -> Iterator[Sequence[Column]]:
     """Break a long belt into rows of about equal length."""
-    total = list(accumulate(one.width + GUTTER for one in columns))[-1]
+    total = list(accumulate(section.width + GUTTER for section in columns))[-1]
     count = -(-int(total) // int(LONGEST_ROW))
     length = -(-len(columns) // count)
     return (columns[start : start + length] for start in range(0, len(columns), length))
@@ -190,16 +196,16 @@ def _apart(lines: Sequence[tuple[Place, str, Box]], distance: float) -> Mapping[
 
     :param lines: section, name of the line, card
     """
-    found: dict[str, Box] = {}
+    boxes: dict[str, Box] = {}
     for place in dict.fromkeys(place for place, _, _ in lines):
         here = sorted(
             ((box, name) for at, name, box in lines if at == place),
-            key=lambda one: (one[0].centre, one[0].left),
+            key=lambda pair: (pair[0].centre, pair[0].left),
         )
         heights = _spread([box for box, _ in here], distance)
         for (box, name), height in zip(here, heights, strict=True):
-            found[name] = replace(box, top=height, height=0)
-    return found
+            boxes[name] = replace(box, top=height, height=0)
+    return boxes
 
 
 def _spread(boxes: Sequence[Box], distance: float) -> list[float]:
@@ -219,8 +225,8 @@ def _around(tasks: Sequence[Placed]) -> Box:
     return Box(0, 0, right + PADDING, bottom + PADDING)
 
 
-def _moved(one: Placed, right: float, down: float) -> Placed:
-    return Placed(one.task, one.card, one.box.moved(right, down), one.belt)
+def _moved(placed: Placed, right: float, down: float) -> Placed:
+    return Placed(placed.task, placed.card, placed.box.moved(right, down), placed.belt)
 
 
 # Routes of flags, and of the belt from row to row, around the sections.

@@ -84,7 +84,7 @@ class TreePicture:
                 '(`apt install graphviz`), or ask for a .dot file'
             ) from None
         except graphviz.CalledProcessError as error:
-            said = error.stderr.decode(errors='replace').strip() if error.stderr else str(error)
+            message = error.stderr.decode(errors='replace').strip() if error.stderr else str(error)
             raise CannotDraw(
-                f'`dot` could not draw the picture: {said}; ask for a .dot file'
+                f'`dot` could not draw the picture: {message}; ask for a .dot file'
             ) from error

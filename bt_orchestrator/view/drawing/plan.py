@@ -97,12 +97,12 @@ class Column:
             self,
             height=height,
             slot=move(self.slot),
-            cards=tuple(replace(one, box=move(one.box)) for one in self.cards),
+            cards=tuple(replace(placed, box=move(placed.box)) for placed in self.cards),
             groups=tuple(map(move, self.groups)),
             loops=tuple(loop.moved(right, down) for loop in self.loops),
             release=None if self.release is None else move(self.release),
             joins=tuple(map(move, self.joins)),
-            arrows=tuple((move(one), move(other)) for one, other in self.arrows),
+            arrows=tuple((move(box), move(other)) for box, other in self.arrows),
         )
 
 

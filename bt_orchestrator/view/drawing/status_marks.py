@@ -59,7 +59,7 @@ class _Reader:
             jobs=tuple(map(self._job, status.jobs)),
             belt_moves=status.belt.moving,
             tasks=tasks,
-            sections={one.number: self._section(one) for one in status.sections},
+            sections={section.number: self._section(section) for section in status.sections},
             flags={flag.name: flag.count for flag in status.flags},
         )
 
@@ -82,7 +82,7 @@ class _Reader:
     def _initialization(self) -> Iterator[tuple[str, TaskMark]]:
         """Yield the tasks of the job that is being prepared, or of the last one."""
         jobs = [job for job in self._status.jobs if job.script == self._script.name]
-        job = next((one for one in jobs if one.initialization), jobs[-1] if jobs else None)
+        job = next((job for job in jobs if job.initialization), jobs[-1] if jobs else None)
         if job is not None:
             waits = self._status.initialization
             for task, mark in initialization_marks(
@@ -165,7 +165,7 @@ def cycle_marks(
         return
     passed = _passed(section.passed, wording)
     due = set(_due(tasks, passed))
-    running = {one.id: _again(one, wording) for one in section.running}
+    running = {task.id: _again(task, wording) for task in section.running}
     for task in tasks.tasks:
         hold = held.get((section.number, section.item.id, task.id))
         if hold is not None:
@@ -189,7 +189,7 @@ def initialization_marks(
     :param waits: why initialization does not go on
     """
     passed = _passed(job.passed, wording)
-    running = {one.id for one in job.running}
+    running = {task.id for task in job.running}
     for task in tasks:
         hold = held.get((None, job.id, task.id))
         if task.id not in job.initialization:
@@ -206,8 +206,8 @@ def held_mark(hold: Hold, wording: Wording = ENGLISH) -> TaskMark:
     """Return the mark of a held task, with the answers that are possible."""
     say = wording.say
     answers = ' | '.join(map(wording.answer, hold.answers))
-    said = wording.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
-    why = ', '.join(filter(None, (said, _attempt(hold, say))))
+    failure = wording.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
+    why = ', '.join(filter(None, (failure, _attempt(hold, say))))
     return TaskMark(
         Mark.HELD,
         say('(hold {hold})', hold=hold.id),

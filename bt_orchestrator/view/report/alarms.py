@@ -214,8 +214,8 @@ def often(alarms: Iterable[Alarm], now_us: int) -> list[Often]:
     for alarm in alarms:
         times[alarm.likeness] += alarm.count
         stood[alarm.likeness] += alarm.lasted_us(now_us)
-    found = (Often(*key, count, stood[key]) for key, count in times.items())
-    return sorted(found, key=lambda one: (-one.times, -one.us, one[:3]))
+    groups = (Often(*key, count, stood[key]) for key, count in times.items())
+    return sorted(groups, key=lambda group: (-group.times, -group.us, group[:3]))
 
 
 # --- forms ------------------------------------------------------------------------------------
@@ -223,7 +223,7 @@ def often(alarms: Iterable[Alarm], now_us: int) -> list[Often]:
 
 def alarm_lines(alarms: Iterable[Alarm], now_us: int, zone: tzinfo | None) -> Iterator[str]:
     """Yield the alarms for a terminal, the last first."""
-    for alarm in sorted(alarms, key=lambda one: -one.raised_us):
+    for alarm in sorted(alarms, key=lambda alarm: -alarm.raised_us):
         begin, end = _when(alarm.raised_at, zone), _when(alarm.cleared_at, zone) or 'stands'
         lasted = duration(alarm.lasted_us(now_us))
         span = begin if alarm.kind is Kind.REFUSED else f'{begin} to {end}, {lasted}'
@@ -236,9 +236,12 @@ def alarm_lines(alarms: Iterable[Alarm], now_us: int, zone: tzinfo | None) -> It
             yield f'  {alarm.answer} by {alarm.who} {_when(alarm.answered_at, zone)}{why}'
 
 
-def often_lines(found: Iterable[Often]) -> Iterator[str]:
+def often_lines(groups: Iterable[Often]) -> Iterator[str]:
     """Yield which alarms came most, for a terminal."""
-    rows = [(', '.join(filter(None, one[:3])), str(one.times), duration(one.us)) for one in found]
+    rows = [
+        (', '.join(filter(None, group[:3])), str(group.times), duration(group.us))
+        for group in groups
+    ]
     yield from table(('', 'times', 'time'), rows)
 
 

@@ -128,10 +128,10 @@ class Beside:
 
     def _of_line(self) -> tuple[Row, ...]:
         losses = (
-            one
+            figure
             for loss in Loss
             if self._is_seen(of_loss(loss))
-            for one in (of_loss(loss), *filter(self._is_seen, of_parts(loss)))
+            for figure in (of_loss(loss), *filter(self._is_seen, of_parts(loss)))
         )
         return tuple(map(self._row, (*OF_LINE, *losses)))
 
@@ -145,8 +145,8 @@ class Beside:
 
     def _row(self, figure: Figure) -> Row:
         def value(made: Account | None) -> Fraction | None:
-            told = None if made is None else figure.tell(made.figures)
-            return None if told is None else Fraction(told)
+            number = None if made is None else figure.tell(made.figures)
+            return None if number is None else Fraction(number)
 
         return Row(
             figure.name,
@@ -169,19 +169,19 @@ class Beside:
                 if value is not None
             ]
             if len({value for value, _ in known}) > 1:
-                best = max(known, key=lambda one: one[0])
-                return best[1], min(known, key=lambda one: one[0])[1]
+                best = max(known, key=lambda pair: pair[0])
+                return best[1], min(known, key=lambda pair: pair[0])[1]
         return None
 
     def largest(self) -> tuple[Largest, ...]:
         """Return the losses of busy time that took most, with what caused each of them."""
         shown = self.together.figures
         busy = (
-            one
-            for one in shown.steps_seen()
-            if one.loss is not None and WORDS[one.loss].step is not Step.NOT_BUSY and one.us > 0
+            bar
+            for bar in shown.steps_seen()
+            if bar.loss is not None and WORDS[bar.loss].step is not Step.NOT_BUSY and bar.us > 0
         )
-        found = sorted(busy, key=lambda one: -one.us)[:MOST_LOSSES]
+        bars = sorted(busy, key=lambda record: -record.us)[:MOST_LOSSES]
         return tuple(
             Largest(
                 bar,
@@ -191,18 +191,18 @@ class Beside:
                 tuple(
                     sorted(
                         (hold for hold in shown.times.holds if hold.loss is bar.loss),
-                        key=lambda one: -one.lost_us,
+                        key=lambda record: -record.lost_us,
                     )
                 ),
-                _reasons(one for one in shown.times.by_reason if one.loss is bar.loss),
+                _reasons(reason for reason in shown.times.by_reason if reason.loss is bar.loss),
             )
-            for bar in found
+            for bar in bars
         )
 
 
 def _reasons(sums: Iterable[ReasonSum]) -> tuple[ReasonShare, ...]:
-    found = shares(sums)
-    return found if any(one.code for one in found) else ()
+    reasons = shares(sums)
+    return reasons if any(reason.code for reason in reasons) else ()
 
 
 def beside(reading: Reading, periods: Sequence[tuple[str, Period]], cell: Cell | None) -> Beside:
@@ -215,7 +215,7 @@ def beside(reading: Reading, periods: Sequence[tuple[str, Period]], cell: Cell |
         [(title, period)] = periods
         made = account(reading, period, cell)
         return Beside((Column(title, made.period, made),), made)
-    together = account(reading, _together([one for _, one in periods]), cell)
+    together = account(reading, _together([period for _, period in periods]), cell)
     columns = tuple(_column(reading, title, period, cell) for title, period in periods)
     return Beside(columns, together)
 
@@ -225,10 +225,10 @@ def _together(periods: Sequence[Period]) -> Period:
     return replace(
         first,
         name=f'{first.name} to {last.name}',
-        begin_us=min(one.begin_us for one in periods),
-        end_us=max(one.end_us for one in periods),
-        planned=Planned.of([piece for one in periods for piece in one.cut().planned.pieces]),
-        breaks=tuple(dict.fromkeys(one for period in periods for one in period.breaks)),
+        begin_us=min(period.begin_us for period in periods),
+        end_us=max(period.end_us for period in periods),
+        planned=Planned.of([piece for period in periods for piece in period.cut().planned.pieces]),
+        breaks=tuple(dict.fromkeys(pause for period in periods for pause in period.breaks)),
     )
 
 

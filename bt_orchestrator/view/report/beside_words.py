@@ -36,8 +36,8 @@ def beside_text(report: Beside, by: By | None) -> Iterator[str]:
         rows = [texts(row, group) for row in group.rows]
         yield from table((group.name, *titles(report, group)), rows)
     if by is None:
-        said = list(judged(report))
-        yield from ['', *said] if said else []
+        lines = list(judged(report))
+        yield from ['', *lines] if lines else []
         yield from titled('largest losses', _largest(report))
 
 
@@ -63,7 +63,7 @@ def titles(report: Beside, group: Group) -> tuple[str, ...]:
 
 def texts(row: Row, group: Group) -> tuple[str, ...]:
     """Return a line of a group's table."""
-    values = (row.unit.words(one) or UNKNOWN for one in (*row.values, row.together))
+    values = (row.unit.words(value) or UNKNOWN for value in (*row.values, row.together))
     target = (row.unit.words(row.target),) if group.has_targets else ()
     return (row.title, *values, row.unit.words(row.trend, signed=True), *target)
 
@@ -89,10 +89,10 @@ def _first(column: Column) -> Fraction | None:
 
 def _largest(report: Beside) -> Iterator[str]:
     planned = report.together.figures.of_planned
-    for one in report.largest():
-        share = percent(planned(one.bar.us))
-        yield f'{one.bar.title}: {duration(one.bar.us)}, {share} of planned time'
-        yield from (f'  {line}' for line in causes(report, one))
+    for loss in report.largest():
+        share = percent(planned(loss.bar.us))
+        yield f'{loss.bar.title}: {duration(loss.bar.us)}, {share} of planned time'
+        yield from (f'  {line}' for line in causes(report, loss))
 
 
 def causes(report: Beside, loss: Largest) -> Iterator[str]:
@@ -104,9 +104,9 @@ def causes(report: Beside, loss: Largest) -> Iterator[str]:
         yield f'reason {period.reason_words(share.code)}: {duration(share.us)} in {share.times}'
     for held in loss.holds[:MOST_CAUSES]:
         reason = f': {held.reason}' if held.reason else ''
-        said = f'{held.answer} by {held.who}{reason}' if held.answer else 'open'
+        answer = f'{held.answer} by {held.who}{reason}' if held.answer else 'open'
         lost = f'{period.clock(held.raised_us)}, {duration(held.lost_us)} lost'
-        yield f'{lost}, {held.words}; {said}'
+        yield f'{lost}, {held.words}; {answer}'
 
 
 def beside_plain(report: Beside, by: By | None) -> dict[str, Any]:
@@ -123,21 +123,21 @@ def beside_plain(report: Beside, by: By | None) -> dict[str, Any]:
         'worst': worst,
         'largest_losses': [
             {
-                'loss': one.bar.loss.value,
-                'seconds': seconds_of(one.bar.us),
-                'stops': [stop_plain(stop) for stop in one.stops],
-                'holds': [held_plain(held, period) for held in one.holds],
+                'loss': loss.bar.loss.value,
+                'seconds': seconds_of(loss.bar.us),
+                'stops': [stop_plain(stop) for stop in loss.stops],
+                'holds': [held_plain(held, period) for held in loss.holds],
                 'reasons': [
                     {
                         'code': share.code or None,
                         'times': share.times,
                         'seconds': seconds_of(share.us),
                     }
-                    for share in one.reasons
+                    for share in loss.reasons
                 ],
             }
-            for one in report.largest()
-            if one.bar.loss is not None
+            for loss in report.largest()
+            if loss.bar.loss is not None
         ],
         'notes': list(report.together.notes()),
     }
@@ -164,7 +164,7 @@ def _row(row: Row) -> dict[str, Any]:
     return {
         'name': row.name,
         'unit': unit.value,
-        'values': [_number(unit, one) for one in row.values],
+        'values': [_number(unit, value) for value in row.values],
         'together': _number(unit, row.together),
         'trend': _number(unit, row.trend, is_change=True),
         'target': _number(unit, row.target),

@@ -60,7 +60,7 @@ def csv_cell(value: Any) -> Any:
     text = json_of(value) if isinstance(value, (Mapping, list)) else value
     if not isinstance(text, str):
         return text
-    text = _CONTROLS.sub(lambda found: f'\\u{ord(found[0]):04x}', text)
+    text = _CONTROLS.sub(lambda match: f'\\u{ord(match[0]):04x}', text)
     return _FORMULAS.sub("'", text)
 
 
@@ -104,8 +104,8 @@ def write_items(job: JobRecord, file: IO[str]) -> None:
     writer = csv.writer(file)
     writer.writerow([*ITEM_COLUMNS, *map(csv_cell, fields)])
     for item in job.items.values():
-        told = dict(_told(item))
-        row = [*_about(job, item), *(told.get(name) for name in fields)]
+        values = dict(_told(item))
+        row = [*_about(job, item), *(values.get(name) for name in fields)]
         writer.writerow(map(csv_cell, row))
 
 

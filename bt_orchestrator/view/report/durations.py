@@ -79,14 +79,14 @@ def durations(reading: Reading, period: Period, cell: Cell | None) -> Durations:
         fold.follow(event)
     since = datetime.fromtimestamp(end, period.zone) - LATELY
     tasks = [_task(kind, buckets, cell, since) for kind, buckets in fold.kinds.items()]
-    tasks.sort(key=lambda one: (-abs(one.change or 0.0), one.kind))
+    tasks.sort(key=lambda task: (-abs(task.change or 0.0), task.kind))
     return Durations(tasks, by_hour)
 
 
 def _task(kind: Kind, buckets: Buckets, cell: Cell | None, since: datetime) -> TaskTimes:
     component = cell.components.get(kind.component) if cell is not None else None
     nominal = None if component is None else component.duration_s(kind.name)
-    lately = [s for begin, one in buckets.items() if begin >= since for s in one.seconds]
+    lately = [s for begin, bucket in buckets.items() if begin >= since for s in bucket.seconds]
     return TaskTimes(
         kind,
         sum(bucket.count for bucket in buckets.values()),
@@ -96,14 +96,14 @@ def _task(kind: Kind, buckets: Buckets, cell: Cell | None, since: datetime) -> T
     )
 
 
-def proposals(found: Durations, cell: Cell) -> Mapping[str, Mapping[str, float]]:
+def proposals(times: Durations, cell: Cell) -> Mapping[str, Mapping[str, float]]:
     """Return new nominal times, by component and task constant.
 
     Of the belt only its move: the cell file has one time for all its tasks.
     """
     new: dict[str, dict[str, float]] = {}
     conveyor = cell.conveyor
-    for task in found.tasks:
+    for task in times.tasks:
         of_belt = task.kind.component == conveyor.component.name
         if task.proposed_s is not None and (not of_belt or task.kind.name == conveyor.task):
             new.setdefault(task.kind.component, {})[task.kind.name] = task.proposed_s
@@ -113,31 +113,31 @@ def proposals(found: Durations, cell: Cell) -> Mapping[str, Mapping[str, float]]
 # --- as text and as data ------------------------------------------------------------------------
 
 
-def sentence(one: TaskTimes, found: Durations) -> str:
+def sentence(task: TaskTimes, times: Durations) -> str:
     """Say of one task how long it takes, against nominal, and since when."""
-    parts = [] if one.nominal_s is None else [f'{one.nominal_s:g} s nominal']
-    if one.lately_s is None:
+    parts = [] if task.nominal_s is None else [f'{task.nominal_s:g} s nominal']
+    if task.lately_s is None:
         parts.append('not done in the last 7 days')
     else:
-        parts.append(f'{_s(one.lately_s)} {"lately" if found.by_hour else "in the last 7 days"}')
-    if one.drift is not None:
-        was = f'{_s(one.drift.before_s)} before and {_s(one.drift.after_s)} since'
-        parts.append(f'{one.drift.word} since {_when(one.drift.since, found)} ({was})')
-    elif one.change is not None and abs(one.change) >= LEAST_CHANGE:
-        word = 'slower' if one.change > 0 else 'faster'
-        parts.append(f'{abs(one.change):.0%} {word} than nominal all the time')
-    return f'{one.kind}: {", ".join(parts)}'
+        parts.append(f'{_s(task.lately_s)} {"lately" if times.by_hour else "in the last 7 days"}')
+    if task.drift is not None:
+        was = f'{_s(task.drift.before_s)} before and {_s(task.drift.after_s)} since'
+        parts.append(f'{task.drift.word} since {_when(task.drift.since, times)} ({was})')
+    elif task.change is not None and abs(task.change) >= LEAST_CHANGE:
+        word = 'slower' if task.change > 0 else 'faster'
+        parts.append(f'{abs(task.change):.0%} {word} than nominal all the time')
+    return f'{task.kind}: {", ".join(parts)}'
 
 
-def lines(found: Durations) -> Iterator[str]:
+def lines(times: Durations) -> Iterator[str]:
     """Yield the durations as text."""
-    if not found.tasks:
+    if not times.tasks:
         yield 'no task succeeded in this time: there are no durations'
-    for task in found.tasks:
-        yield f'{sentence(task, found)}; done {counted(task.count, "time")}'
+    for task in times.tasks:
+        yield f'{sentence(task, times)}; done {counted(task.count, "time")}'
 
 
-def plain(found: Durations) -> list[dict[str, Any]]:
+def plain(times: Durations) -> list[dict[str, Any]]:
     """Return the durations as data that JSON can carry."""
     return [
         {
@@ -156,7 +156,7 @@ def plain(found: Durations) -> list[dict[str, Any]]:
                 'after_s': task.drift.after_s,
             },
         }
-        for task in found.tasks
+        for task in times.tasks
     ]
 
 
@@ -164,8 +164,8 @@ def _s(seconds: float) -> str:
     return f'{seconds:.3g} s' if seconds < 1000 else f'{seconds:.0f} s'
 
 
-def _when(since: datetime, found: Durations) -> str:
-    return f'{since:%A} {since:%H:%M}' if found.by_hour else f'{since:%A, %Y-%m-%d}'
+def _when(since: datetime, times: Durations) -> str:
+    return f'{since:%A} {since:%H:%M}' if times.by_hour else f'{since:%A, %Y-%m-%d}'
 
 
 # Since when a task takes longer, or less long: where its durations split best into two levels.
@@ -209,15 +209,15 @@ def drift_of(buckets: Buckets) -> Drift | None:
     One level before and one after, each a median: the split with the least sum of deviations.
     """
     known = list(buckets.items())[-MOST_BUCKETS:]
-    medians = [(statistics.median(one.seconds), len(one.seconds)) for _, one in known]
+    medians = [(statistics.median(bucket.seconds), len(bucket.seconds)) for _, bucket in known]
     splits = range(1, len(known))
     if not splits:
         return None
     at = min(splits, key=lambda place: _spread(medians[:place]) + _spread(medians[place:]))
-    before = _all(one for _, one in known[:at])
-    after = _all(one for _, one in known[at:])
-    found = Drift(known[at][0], statistics.median(before), statistics.median(after))
-    return found if _is_certain(found, before, after) else None
+    before = _all(bucket for _, bucket in known[:at])
+    after = _all(bucket for _, bucket in known[at:])
+    drift = Drift(known[at][0], statistics.median(before), statistics.median(after))
+    return drift if _is_certain(drift, before, after) else None
 
 
 def _all(samples: Iterable[Samples]) -> Sequence[float]:
@@ -237,19 +237,19 @@ def _spread(medians: Sequence[tuple[float, int]]) -> float:
     return sum(abs(seconds - level) * number for seconds, number in ordered)
 
 
-def _is_certain(found: Drift, before: Sequence[float], after: Sequence[float]) -> bool:
+def _is_certain(drift: Drift, before: Sequence[float], after: Sequence[float]) -> bool:
     if min(len(before), len(after)) < LEAST_SAMPLES:
         return False
-    change = abs(found.after_s - found.before_s)
-    errors = _error(before, found.before_s) ** 2 + _error(after, found.after_s) ** 2
+    change = abs(drift.after_s - drift.before_s)
+    errors = _error(before, drift.before_s) ** 2 + _error(after, drift.after_s) ** 2
     return (
         change >= LEAST_CHANGE_S
-        and change >= LEAST_CHANGE * found.before_s
+        and change >= LEAST_CHANGE * drift.before_s
         and change >= CERTAINTY * errors**0.5
     )
 
 
 def _error(seconds: Sequence[float], level: float) -> float:
     """Return the standard error of a median."""
-    deviation = statistics.median(abs(one - level) for one in seconds)
+    deviation = statistics.median(abs(sample - level) for sample in seconds)
     return float(_ERROR_OF_MEDIAN * deviation / len(seconds) ** 0.5)

@@ -196,9 +196,9 @@ def _changeover_s(attempts: Iterable[_Attempt], cell: Cell) -> float:
         for setup in component.setups.values()
     }
     return sum(
-        one.span.end - one.span.start
-        for one in attempts
-        if one.section is None and (one.component, one.name) in changes
+        attempt.span.end - attempt.span.start
+        for attempt in attempts
+        if attempt.section is None and (attempt.component, attempt.name) in changes
     )
 
 

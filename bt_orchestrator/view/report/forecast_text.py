@@ -109,13 +109,13 @@ def _longest(waits: Sequence[WaitLoad]) -> Iterator[str]:
     rest = waits[WAITS_SHOWN:]
     if rest:
         each = f', at most {rest[0].share:.1%} each' if len(rest) > 1 else ''
-        share = sum(one.share for one in rest)
+        share = sum(wait.share for wait in rest)
         yield f'    {share:6.1%}  {counted(len(rest), "other wait")}{each}'
 
 
 def job_lines(forecast: Forecast) -> Iterator[str]:
     """Yield how each job goes; without what became of items if all are good."""
-    losses = [one for one in _LOSSES if any(getattr(job, one) for job in forecast.jobs)]
+    losses = [loss for loss in _LOSSES if any(getattr(job, loss) for job in forecast.jobs)]
     headers = ('job', 'script', 'items', 'packed', *losses, 'per item', 'finished')
     yield from table(headers, [_job(job, losses) for job in forecast.jobs])
 

@@ -67,8 +67,8 @@ class GivenReasons:
 
     def of(self, span: StopSpan) -> GivenReason | None:
         """Return the reason of a stop; None: it is not classified."""
-        found = self.of_stops.get(span.seq) or self.of_holds.get(span.hold)
-        return found or (GivenReason(span.code) if span.code else None)
+        reason = self.of_stops.get(span.seq) or self.of_holds.get(span.hold)
+        return reason or (GivenReason(span.code) if span.code else None)
 
 
 def gives_later(event: e.OperatorDecided) -> bool:
@@ -161,10 +161,16 @@ class SpanTotal:
         No further slot is taken in after that.
         """
         self._close()
-        stops = sorted((stop for _, _, stop in self._longest), key=lambda one: one.span.since_us)
+        stops = sorted(
+            (stop for _, _, stop in self._longest), key=lambda record: record.span.since_us
+        )
         sums = (ReasonSum(*key, times, us) for key, (times, us) in self._sums.items())
-        by_reason = tuple(sorted(sums, key=lambda one: (-one.us, one.code, one.detail)))
-        faults = {name: tuple(sorted(found)) for name, found in sorted(self._faults.items())}
+        by_reason = tuple(
+            sorted(sums, key=lambda record: (-record.us, record.code, record.detail))
+        )
+        faults = {
+            name: tuple(sorted(lengths_us)) for name, lengths_us in sorted(self._faults.items())
+        }
         return tuple(stops), by_reason, faults
 
 
@@ -180,12 +186,12 @@ class ReasonShare(NamedTuple):
 def shares(sums: Iterable[ReasonSum]) -> tuple[ReasonShare, ...]:
     """Return the time of each reason, the longest first."""
     known: dict[str, list[int]] = {}
-    for one in sums:
-        total = known.setdefault(one.code, [0, 0])
-        total[0] += one.times
-        total[1] += one.us
-    found = (ReasonShare(code, times, us) for code, (times, us) in known.items())
-    return tuple(sorted(found, key=lambda one: (-one.us, one.code)))
+    for reason in sums:
+        total = known.setdefault(reason.code, [0, 0])
+        total[0] += reason.times
+        total[1] += reason.us
+    reasons = (ReasonShare(code, times, us) for code, (times, us) in known.items())
+    return tuple(sorted(reasons, key=lambda share: (-share.us, share.code)))
 
 
 # Reasons that are given before a stop begins, or while it lasts.

@@ -84,16 +84,16 @@ class ScriptPace:
         """Yield it for a person."""
         if self.pace is not None:
             yield str(self.pace)
-        yield from (str(one) for one in (self.quicker, self.roomier) if one is not None)
+        yield from (str(gain) for gain in (self.quicker, self.roomier) if gain is not None)
         if self.expected is not None:
             yield from self.expected.lines()
 
     def plain(self) -> dict[str, Any]:
         """Return it as data that JSON can carry."""
-        found: dict[str, Any] = {'script': self.script, 'per_item_s': None}
+        fields: dict[str, Any] = {'script': self.script, 'per_item_s': None}
         pace, saving, larger = self.pace, self.quicker, self.roomier
         if pace is not None:
-            found |= {
+            fields |= {
                 'per_item_s': pace.per_item_s,
                 'least_s': pace.least.per_item_s,
                 'exact': pace.is_exact,
@@ -101,19 +101,19 @@ class ScriptPace:
                 'limit': _plain(pace.limit),
             }
         if saving is not None:
-            found['quicker'] = {
+            fields['quicker'] = {
                 'task': saving.task,
                 'by_s': saving.by_s,
                 **_then(saving.then),
             }
         if larger is not None:
-            found['roomier'] = {
+            fields['roomier'] = {
                 'flag': larger.flag,
                 'capacity': larger.capacity,
                 **_then(larger.then),
             }
-        found['expected'] = None if self.expected is None else self.expected.plain()
-        return found
+        fields['expected'] = None if self.expected is None else self.expected.plain()
+        return fields
 
 
 def script_pace(script: Script, cell: Cell, expected: Expected | None = None) -> ScriptPace:

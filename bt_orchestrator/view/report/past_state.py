@@ -90,7 +90,11 @@ def cell_at(reading: Reading, seq: int) -> Cell | None:
     digest = start.digest if isinstance(start, e.OrchestratorStarted) else known
     if digest == known and 'cell' in plain:
         return from_plain(Cell, plain['cell'])
-    for one in chain((start,), reading.events(_STARTS)):
-        if isinstance(one, e.OrchestratorStarted) and one.digest == digest and one.cell_definition:
-            return one.cell_definition
+    for event in chain((start,), reading.events(_STARTS)):
+        if (
+            isinstance(event, e.OrchestratorStarted)
+            and event.digest == digest
+            and event.cell_definition
+        ):
+            return event.cell_definition
     return None

@@ -99,13 +99,13 @@ class RatesSeen:
             self._counts[_Seen(self._script_of[event.job], event.task, what)] += 1
 
     def _of(self, script: Script, task: Task, *what: str) -> list[int]:
-        return [self._counts[_Seen(script.name, task.id, one)] for one in what]
+        return [self._counts[_Seen(script.name, task.id, kind)] for kind in what]
 
 
 def rates_seen(reading: Reading) -> RatesSeen:
     """Count what a journal tells of tasks."""
     seen = RatesSeen()
-    for event in reading.events(Wanted(events=tuple(one.event for one in _FOLLOWED))):
+    for event in reading.events(Wanted(events=tuple(kind.event for kind in _FOLLOWED))):
         seen.follow(event)
     return seen
 
@@ -114,18 +114,18 @@ def rates_of(script: Script, seen: RatesSeen) -> Iterator[Rate]:
     """Yield all rates that are known: those that were seen, else those of the file."""
     for section in script.sections.values():
         for task in section.tasks:
-            said = script.likely.get(task.id, _NO_RATE)
+            likely = script.likely.get(task.id, _NO_RATE)
             if task.condition is not None:
-                yield from _known(seen.runs(script, task), task, RUNS, said.runs)
+                yield from _known(seen.runs(script, task), task, RUNS, likely.runs)
             if task.fails_by_itself:
-                yield from _known(seen.fails(script, task), task, FAILS, said.fails)
+                yield from _known(seen.fails(script, task), task, FAILS, likely.fails)
 
 
-def _known(seen: Rate | None, task: Task, what: str, said: float | None) -> Iterator[Rate]:
+def _known(seen: Rate | None, task: Task, what: str, likely: float | None) -> Iterator[Rate]:
     if seen is not None:
         yield seen
-    elif said is not None:
-        yield Rate(task.id, what, said)
+    elif likely is not None:
+        yield Rate(task.id, what, likely)
 
 
 def _rate(task: Task, what: str, count: int, of: int) -> Rate | None:

@@ -138,10 +138,10 @@ class Reading:
         """Yield what is kept of jobs that ended, as they were queued."""
         after, is_first = None, True
         while is_first or after is not None:
-            found = self.records.summaries(after)
-            self.tell_new(found.damage)
-            yield from found.jobs
-            after, is_first = found.rest, False
+            page = self.records.summaries(after)
+            self.tell_new(page.damage)
+            yield from page.jobs
+            after, is_first = page.rest, False
 
     def jobs(self, job: str | None = None) -> JobFold:
         """Return the records of jobs and their items.
@@ -162,8 +162,8 @@ class Reading:
 
     def tell_new(self, damage: Iterable[Damage]) -> None:
         """Tell what cannot be shown, each once."""
-        for one in damage:
-            if one.what not in self._told:
-                self._told.add(one.what)
-                self.lost += one.number
-                self._tell(one.what)
+        for loss in damage:
+            if loss.what not in self._told:
+                self._told.add(loss.what)
+                self.lost += loss.number
+                self._tell(loss.what)

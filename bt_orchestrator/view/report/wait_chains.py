@@ -54,21 +54,21 @@ class _Reader:
 
     def links(self) -> Links:
         status = self._status
-        found = {
+        links = {
             section_part(section.number): tuple(
                 self._of(section_part(section.number), section.waits, section.running)
             )
             for section in status.sections
         }
         belt, running = status.belt, [task for job in status.jobs for task in job.running]
-        found[BELT] = tuple(self._of(BELT, belt.waits, belt.running))
-        found[INITIALIZATION] = tuple(self._of(INITIALIZATION, status.initialization, running))
+        links[BELT] = tuple(self._of(BELT, belt.waits, belt.running))
+        links[INITIALIZATION] = tuple(self._of(INITIALIZATION, status.initialization, running))
         for component in status.components:
             part = component_part(component.name)
-            found[part] = tuple(self._of_component(part, component))
+            links[part] = tuple(self._of_component(part, component))
         for hold in status.holds:
-            found[hold_part(hold.id)] = ()
-        return found
+            links[hold_part(hold.id)] = ()
+        return links
 
     def _in_flight(self) -> Iterator[tuple[str, TaskStatus]]:
         status = self._status
@@ -203,20 +203,20 @@ def chains(status: CellStatus) -> tuple[Chain, ...]:
     links = links_of(status)
     chosen = _chosen(links)
     waiting = [part for part in links if links[part] and _may_wait(part)]
-    said = {hold_part(hold.id): f'hold {hold.id}: {hold_words(hold)}' for hold in status.holds}
-    return tuple(_chain(part, chosen, said) for part in waiting if links[part][0].kind != TASK)
+    texts = {hold_part(hold.id): f'hold {hold.id}: {hold_words(hold)}' for hold in status.holds}
+    return tuple(_chain(part, chosen, texts) for part in waiting if links[part][0].kind != TASK)
 
 
-def causes(found: Iterable[Chain], state: PackmlState) -> tuple[Cause, ...]:
+def causes(all_chains: Iterable[Chain], state: PackmlState) -> tuple[Cause, ...]:
     """Return the root causes of chains, the gravest first.
 
     :param state: of the cell
     """
     roots: dict[tuple[str, str], tuple[Root, list[str]]] = {}
-    for chain in found:
+    for chain in all_chains:
         _, waiting = roots.setdefault((chain.root.part, chain.root.kind), (chain.root, []))
         waiting.append(chain.part)
-    ranked = sorted(roots.values(), key=lambda one: _rank(one[0]))
+    ranked = sorted(roots.values(), key=lambda entry: _rank(entry[0]))
     return tuple(Cause(root, _is_ordinary(root, state), tuple(parts)) for root, parts in ranked)
 
 
@@ -252,17 +252,17 @@ def _chosen(links: Mapping[str, Sequence[Link]]) -> Mapping[str, Link]:
 
 
 def _each(links: Mapping[str, Iterable[Link]]) -> Iterator[Link]:
-    return (link for found in links.values() for link in found)
+    return (link for group in links.values() for link in group)
 
 
 def _rank(end: Link | Root) -> int:
     return _GRAVE.index(end.kind) if end.kind in _GRAVE else len(_GRAVE)
 
 
-def _chain(part: str, chosen: Mapping[str, Link], said: Mapping[str, str]) -> Chain:
+def _chain(part: str, chosen: Mapping[str, Link], texts: Mapping[str, str]) -> Chain:
     """Return the chain of a part.
 
-    :param said: more words for some roots than what waits for them has
+    :param texts: more words for some roots than what waits for them has
     """
     links: list[Link] = []
     seen: set[str] = set()
@@ -274,4 +274,4 @@ def _chain(part: str, chosen: Mapping[str, Link], said: Mapping[str, str]) -> Ch
         here = chosen[here].to
     last = links[-1]
     end = last.to or last.part
-    return Chain(part, tuple(links), Root(end, last.kind, said.get(end, last.words)))
+    return Chain(part, tuple(links), Root(end, last.kind, texts.get(end, last.words)))

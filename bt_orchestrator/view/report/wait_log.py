@@ -90,14 +90,14 @@ def _causes(state: CellState, waits: Sequence[PartWait]) -> dict[_Row, tuple[Cau
     """Return what each row waits for; those that work are left out."""
     belt = [wait.wait for wait in waits if wait.part == BELT]
     working = {(_PART, _part(key)) for key in state.running}
-    found: dict[_Row, dict[Cause, None]] = defaultdict(dict)
+    by_row: dict[_Row, dict[Cause, None]] = defaultdict(dict)
     for wait in waits:
         cause = cause_of(wait.wait, belt)
         for row in _rows(wait):
-            found[row][cause] = None
+            by_row[row][cause] = None
     busy = {(_COMPONENT, name) for name, key in state.reserved.items() if key in state.running}
-    idle = found.keys() - busy - working
-    return {row: tuple(causes) for row, causes in found.items() if row in idle}
+    idle = by_row.keys() - busy - working
+    return {row: tuple(causes) for row, causes in by_row.items() if row in idle}
 
 
 def _part(key: TaskKey) -> str:

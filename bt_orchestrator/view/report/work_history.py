@@ -180,10 +180,10 @@ class WorkFold:
         """Return the attempts that have not ended."""
         return [
             Attempt(
-                one.task, one.name, one.component, one.section, one.item or '', one.attempt,
-                one.time, None, None, RUNNING, '', '',
+                span.task, span.name, span.component, span.section, span.item or '', span.attempt,
+                span.time, None, None, RUNNING, '', '',
             )
-            for one in self._spans.open()
+            for span in self._spans.open()
         ]  # fmt: skip
 
 
@@ -192,16 +192,16 @@ def _close(cycle: Cycle, time: float) -> None:
 
 
 def _attempt(span: TaskSpan) -> Attempt:
-    one, end = span.started, span.ended
+    start, end = span.started, span.ended
     has_failed = isinstance(end, e.TaskFailed)
     return Attempt(
-        one.task,
-        one.name,
-        one.component,
-        one.section,
-        one.item or '',
-        one.attempt,
-        one.time,
+        start.task,
+        start.name,
+        start.component,
+        start.section,
+        start.item or '',
+        start.attempt,
+        start.time,
         end.time,
         span.seconds,
         FAILED if has_failed else SUCCEEDED,

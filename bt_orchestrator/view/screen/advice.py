@@ -87,7 +87,9 @@ def hold_choices(hold: Hold, role: Role | None = None) -> tuple[Choice, ...]:
     :param role: of the reader; None: not known
     """
     return tuple(
-        Choice(one.word, _typed(one, hold)) for one in of_hold(hold.answers) if may_make(one, role)
+        Choice(request.word, _typed(request, hold))
+        for request in of_hold(hold.answers)
+        if may_make(request, role)
     )
 
 

@@ -136,8 +136,8 @@ def holds(rows: Sequence[HoldRow], width: int, glyphs: Glyphs) -> Block:
     lines: list[Text] = []
     weights: list[int] = []
     for row in rows:
-        said = [f'{glyphs.held} {row.text}', *(f'  {advice}' for advice in row.advice)]
-        for weight, text in enumerate(said):
+        texts = [f'{glyphs.held} {row.text}', *(f'  {advice}' for advice in row.advice)]
+        for weight, text in enumerate(texts):
             style = BAD if weight == 0 else ''
             wrapped = wrap(
                 text, max(width, 20), subsequent_indent='      ', break_on_hyphens=False

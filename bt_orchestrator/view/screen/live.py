@@ -158,20 +158,20 @@ class Picture:
 
     def _blocks(self, width: int, glyphs: Glyphs) -> dict[str, Block]:
         view = self.view
-        found = {'body': self._body(width, glyphs)}
+        parts = {'body': self._body(width, glyphs)}
         if view.holds:
-            found['holds'] = blocks.holds(view.holds, width, glyphs)
+            parts['holds'] = blocks.holds(view.holds, width, glyphs)
         if view.next_lines:
-            found['next'] = blocks.next_lines(view.next_lines, width)
+            parts['next'] = blocks.next_lines(view.next_lines, width)
         if view.troubles:
-            found['troubles'] = blocks.troubles(view, width, glyphs)
+            parts['troubles'] = blocks.troubles(view, width, glyphs)
         if view.jobs:
-            found['jobs'] = blocks.jobs(view.jobs, width, glyphs, view.unlisted_jobs)
+            parts['jobs'] = blocks.jobs(view.jobs, width, glyphs, view.unlisted_jobs)
         if self.blackboard:
-            found['blackboard'] = blocks.blackboard(self.blackboard, width)
+            parts['blackboard'] = blocks.blackboard(self.blackboard, width)
         if view.flags:
-            found['flags'] = blocks.flags(view, width)
-        return found
+            parts['flags'] = blocks.flags(view, width)
+        return parts
 
     def _body(self, width: int, glyphs: Glyphs) -> Block:
         """Return the sections; or the tree, which has a branch for each of them."""

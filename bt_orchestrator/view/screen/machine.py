@@ -116,7 +116,7 @@ _OF_ROLES = ('answers_allowed', 'answer_roles')
 
 def read_status(plain: Mapping[str, Any]) -> CellStatus:
     """Return a status that was printed for machines."""
-    holds = [{k: v for k, v in one.items() if k not in _OF_ROLES} for one in plain['holds']]
+    holds = [{k: v for k, v in hold.items() if k not in _OF_ROLES} for hold in plain['holds']]
     return from_plain(CellStatus, {**plain, 'holds': holds})
 
 

@@ -184,17 +184,17 @@ class PlainView(EventLines):
 
     def on_tree(self, tree: Branch) -> None:
         """Say which behaviours came to something else."""
-        found = {
+        behaviours = {
             path: f'{branch.status.word}  {branch.words}'.rstrip() for path, branch in paths(tree)
         }
-        self._say_changes('tree', self._behaviours, found)
-        self._behaviours = found
+        self._say_changes('tree', self._behaviours, behaviours)
+        self._behaviours = behaviours
 
     def on_blackboard(self, values: Mapping[str, str]) -> None:
         """Say which variables changed."""
-        found = dict(values)
-        self._say_changes('blackboard', self._variables, found)
-        self._variables = found
+        variables = dict(values)
+        self._say_changes('blackboard', self._variables, variables)
+        self._variables = variables
 
     def refresh(self) -> None:
         """Say when the node went away."""

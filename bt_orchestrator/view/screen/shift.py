@@ -46,9 +46,9 @@ class ShiftPicture:
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         glyphs = ASCII if options.ascii_only else UNICODE
         room = options.height or console.height
-        for one in self.lines(options.max_width, room, glyphs):
-            one.end = '\n'
-            yield one
+        for row in self.lines(options.max_width, room, glyphs):
+            row.end = '\n'
+            yield row
 
     def lines(self, width: int, room: int, glyphs: Glyphs = UNICODE) -> list[Text]:
         """Return the picture, no more lines than there is room for; losses go first."""
@@ -61,8 +61,8 @@ class ShiftPicture:
             feet = [*_notes(self.live), *feet]
         left = max(0, room - len(head) - len(feet))
         shown = [*head, *losses[: max(left, 0)], *feet][:room]
-        for one in shown:
-            one.truncate(width, overflow='ellipsis')
+        for row in shown:
+            row.truncate(width, overflow='ellipsis')
         return shown
 
 
@@ -107,21 +107,21 @@ def _state(live: Live, glyphs: Glyphs) -> Text:
 def _losses(shown: Figures, width: int, glyphs: Glyphs) -> Iterator[Text]:
     """Yield the losses, the largest first, with bars by the planned time that has passed."""
     whole = shown.times.planned.total_us
-    found = sorted((one for one in shown.steps_seen() if one.loss), key=lambda one: -one.us)
-    if not found:
+    bars = sorted((bar for bar in shown.steps_seen() if bar.loss), key=lambda bar: -bar.us)
+    if not bars:
         return
     yield Text()
     yield Text('lost', style=QUIET)
-    for one in found:
-        yield _loss(one, whole, width, glyphs)
+    for bar in bars:
+        yield _loss(bar, whole, width, glyphs)
 
 
-def _loss(one: Bar, whole: int, width: int, glyphs: Glyphs) -> Text:
-    part = Fraction(one.us) / whole
+def _loss(bar: Bar, whole: int, width: int, glyphs: Glyphs) -> Text:
+    part = Fraction(bar.us) / whole
     room = width - _TITLE - _TIME - _PART - 3
     cells = [
-        LinePart(Text(one.title), _TITLE),
-        LinePart(Text(f'{duration(one.us):>{_TIME}}'), _TIME),
+        LinePart(Text(bar.title), _TITLE),
+        LinePart(Text(f'{duration(bar.us):>{_TIME}}'), _TIME),
         LinePart(Text(f'{percent(part):>{_PART}}'), _PART),
     ]
     if room >= _PART:
@@ -135,7 +135,7 @@ def _bar(part: Fraction, width: int, glyphs: Glyphs) -> Text:
 
 
 def _notes(live: Live) -> Iterator[Text]:
-    said = live.account.notes()[1:]
-    if said:
+    notes = live.account.notes()[1:]
+    if notes:
         yield Text()
-    yield from (Text(note, style=QUIET) for note in said)
+    yield from (Text(note, style=QUIET) for note in notes)

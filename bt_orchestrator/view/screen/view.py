@@ -158,8 +158,8 @@ def _rows(section: SectionStatus, status: CellStatus) -> Iterator[Row]:
     if any(hold.section == number for hold in status.holds):
         weight = Weight.HELD
     if section.waits or not section.running:
-        said = [fate, words.finished(section), *words.reasons(section.waits)]
-        reasons = '; '.join(filter(None, said))
+        parts = [fate, words.finished(section), *words.reasons(section.waits)]
+        reasons = '; '.join(filter(None, parts))
         yield Row(number, slot, reasons, weight, None)
 
 

@@ -130,17 +130,21 @@ def stopped(status: CellStatus) -> str:
     if wish is None:
         return ''
     at = f'{datetime.fromtimestamp(wish.time):%H:%M:%S}' if wish.time else ''
-    said = one_line(wish.words(at))
-    return f'{said}; orders wait for {status.waits_for or "a start after that"}'
+    text = one_line(wish.words(at))
+    return f'{text}; orders wait for {status.waits_for or "a start after that"}'
 
 
 def stands(status: CellStatus) -> str:
     """Say why nothing moves, where no hold, wish or failure of the same status says it."""
-    found = status.stands
-    if found is None or found.cause in _SAID or (status.wish and found.cause is _COMMAND):
+    standstill = status.stands
+    if (
+        standstill is None
+        or standstill.cause in _SAID
+        or (status.wish and standstill.cause is _COMMAND)
+    ):
         return ''
-    since = f'{datetime.fromtimestamp(found.since):%H:%M:%S}'
-    return f'nothing moves since {since}: {one_line(found.reason)}'
+    since = f'{datetime.fromtimestamp(standstill.since):%H:%M:%S}'
+    return f'nothing moves since {since}: {one_line(standstill.reason)}'
 
 
 _COMMAND = StandCause.COMMAND
@@ -177,30 +181,30 @@ def ending(job: JobStatus) -> str:
 
 def job_terms(job: JobStatus) -> str:
     """Say how urgent a job is and when it is wanted, in the reader's time zone, if that is set."""
-    told = [f', priority {job.priority}'] if job.priority else []
+    terms = [f', priority {job.priority}'] if job.priority else []
     if job.start is not None:
-        told.append(start_wait(job) or f', start {_moment(job.start)}')
+        terms.append(start_wait(job) or f', start {_moment(job.start)}')
     if job.due is not None:
-        told.append(f', due {_moment(job.due)}')
-    return ''.join([*told, of_its_making(job), lacks(job), piece_wait(job)])
+        terms.append(f', due {_moment(job.due)}')
+    return ''.join([*terms, of_its_making(job), lacks(job), piece_wait(job)])
 
 
 def of_its_making(job: JobStatus) -> str:
     """Say whose rest a job is, and why and at what pace it was made anew, while it matters."""
     if job.state in OVER:
         return ''
-    told = [f', rest of {one_line(job.rest_of)}'] if job.rest_of else []
+    parts = [f', rest of {one_line(job.rest_of)}'] if job.rest_of else []
     if job.anew is not None:
-        told.append(f', {one_line(job.anew.words)}')
-    return ''.join(told)
+        parts.append(f', {one_line(job.anew.words)}')
+    return ''.join(parts)
 
 
 def lacks(job: JobStatus) -> str:
     """Say that a script is not released, and which components out of service a job needs."""
-    told = [', its script is not released'] if job.awaits_release else []
+    parts = [', its script is not released'] if job.awaits_release else []
     if job.unavailable:
-        told.append(f', needs {" and ".join(job.unavailable)}, out of service')
-    return ''.join(told)
+        parts.append(f', needs {" and ".join(job.unavailable)}, out of service')
+    return ''.join(parts)
 
 
 def start_wait(job: JobStatus) -> str:
@@ -277,8 +281,8 @@ def task(running: TaskStatus) -> str:
 
 
 def _work(section: SectionStatus) -> str:
-    said = (fate(section.slot), *map(task, section.running), finished(section))
-    return '; '.join(filter(None, (*said, *reasons(section.waits))))
+    parts = (fate(section.slot), *map(task, section.running), finished(section))
+    return '; '.join(filter(None, (*parts, *reasons(section.waits))))
 
 
 def finished(section: SectionStatus) -> str:
@@ -307,9 +311,9 @@ def setup_words(component: ComponentStatus) -> str:
 
 def troubles(status: CellStatus) -> list[str]:
     """Return every component that can be sent nothing, and every standby that is of no use."""
-    found = [text for text in map(trouble, status.components) if text]
+    texts = [text for text in map(trouble, status.components) if text]
     standbys = status.leadership.standbys if status.leadership else ()
-    return found + [standby_words(one) for one in standbys if one.trouble]
+    return texts + [standby_words(standby) for standby in standbys if standby.trouble]
 
 
 def leadership_words(leadership: Leadership) -> Iterator[str]:
@@ -318,7 +322,7 @@ def leadership_words(leadership: Leadership) -> Iterator[str]:
     yield one_line(f'led by {leadership.host}, {process}, epoch {leadership.epoch}')
     if not leadership.standbys:
         yield 'no standby was heard'
-    yield from (standby_words(one) for one in leadership.standbys if not one.trouble)
+    yield from (standby_words(standby) for standby in leadership.standbys if not standby.trouble)
 
 
 def standby_words(standby: StandbyStatus) -> str:

@@ -73,7 +73,7 @@ def _enter(state: CellState, asked: Asked, _: float) -> Decided:
     if state.unit_mode is UnitMode.MANUAL:
         raise CommandRefused('the cell is in manual mode already')
     if state.packml not in MANUAL_FROM or state.running:
-        named = ' or '.join(one.value for one in MANUAL_FROM)
+        named = ' or '.join(allowed.value for allowed in MANUAL_FROM)
         raise CommandRefused(
             f'the cell is {state.packml.value}; manual is for {named}, where nothing runs; stop '
             'it first'
@@ -104,7 +104,11 @@ def _leave(state: CellState, asked: Asked, _: float) -> Decided:
     gone = list(corrections(state, asked['belt']))
     message = 'manual mode has ended; reset and start let the cell go on'
     return message, chain(
-        (event for one in gone for event in (one, *released_with(state, one.item))),
+        (
+            event
+            for correction in gone
+            for event in (correction, *released_with(state, correction.item))
+        ),
         [e.UnitModeChanged(mode=UnitMode.PRODUCTION.value, reason=str(asked.by))],
     )
 
@@ -218,7 +222,7 @@ def _is_in_doubt(hold: Hold, never_begun: bool) -> bool:
 
     After an abort its server may have said that it has ended.
     """
-    if never_begun or any(one.kind in _ENDED for one in hold.message_words):
+    if never_begun or any(words.kind in _ENDED for words in hold.message_words):
         return False
     return hold.reason in (Reason.IN_DOUBT.value, Reason.SERVER_LOST.value)
 

@@ -81,12 +81,12 @@ _OF_HOLDS = (
 STOP_IDS: tuple[StopId, ...] = tuple(
     sorted(
         (NONE, STOPPED, OTHER, STARVED, BLOCKED, EMERGENCY, JOURNAL, CONTEST, *_OF_HOLDS),
-        key=lambda one: one.number,
+        key=lambda stop: stop.number,
     )
 )
 """All of them, in order."""
 
-_BY_HOLD: Mapping[str, StopId] = {one.word: one for one in _OF_HOLDS}
+_BY_HOLD: Mapping[str, StopId] = {stop.word: stop for stop in _OF_HOLDS}
 _BY_REASON: Mapping[StopReason, StopId] = {
     StopReason.OPERATOR: STOPPED,
     StopReason.OWN_FAULT: OTHER,
@@ -192,8 +192,8 @@ def _alarms(status: CellStatus) -> Iterator[Alarm]:
 
 
 def _emergency(status: CellStatus) -> str:
-    said = f'the cell was aborted ({status.stop_message})' if status.stop_message else 'aborted'
-    return f'{said}; say what stands on the belt with clear'
+    text = f'the cell was aborted ({status.stop_message})' if status.stop_message else 'aborted'
+    return f'{text}; say what stands on the belt with clear'
 
 
 def _aborted_at(status: CellStatus) -> float | None:

@@ -77,7 +77,7 @@ class FollowedJobs:
         :param status: events up to it are known; None: nothing is
         :param listed: what is told of jobs beside it
         """
-        self._entries = {one.status.id: _Entry(one) for one in listed}
+        self._entries = {job.status.id: _Entry(job) for job in listed}
         self._stop_reason, self._stop_message, self.seq = None, '', 0
         if status is not None:
             self.seq = status.seq
@@ -99,13 +99,13 @@ class FollowedJobs:
 
         A job that ended and is not among them was cleared.
         """
-        told = {one.status.id: one for one in listed}
-        for name, one in told.items():
-            entry = self._entries.setdefault(name, _Entry(one))
-            entry.job = replace(one, status=entry.job.status)
-        for one in self.ended():
-            if one.status.id not in told:
-                del self._entries[one.status.id]
+        jobs = {job.status.id: job for job in listed}
+        for name, job in jobs.items():
+            entry = self._entries.setdefault(name, _Entry(job))
+            entry.job = replace(job, status=entry.job.status)
+        for job in self.ended():
+            if job.status.id not in jobs:
+                del self._entries[job.status.id]
 
     def get(self, job: str) -> ListedJob | None:
         """Return a job; None: it is not listed, as far as is known here."""
@@ -127,11 +127,11 @@ class FollowedJobs:
             return []
         self.seq = event.seq
         if isinstance(event, e.StopReasonChanged):
-            known = {one.value: one for one in StopReason}
+            known = {reason.value: reason for reason in StopReason}
             self._stop_reason = known.get(event.stop_reason)
             self._stop_message = event.reason
             at_work = [entry for entry in self._entries.values() if entry.is_at_work]
-            return list(self._news(event, [(one, one.job.status.state) for one in at_work]))
+            return list(self._news(event, [(entry, entry.job.status.state) for entry in at_work]))
         entry, before = self._concerned(event)
         if isinstance(event, (e.ComponentOutOfService, e.ComponentInService)):
             return list(self._news(event, list(self._of_service(event))))
@@ -171,7 +171,7 @@ class FollowedJobs:
             if entry is None or entry.job.status.state not in QUEUED:
                 continue
             before, lacks = entry.job.status.state, entry.job.status.unavailable
-            left = tuple(one for one in lacks if one != event.component)
+            left = tuple(component for component in lacks if component != event.component)
             _queued(entry, unavailable=(*left, event.component) if is_out else left)
             yield entry, before
 
@@ -313,7 +313,7 @@ _REMARKS: Mapping[type[e.Event], str] = {
 _ENDS = (e.JobCompleted, e.JobAborted)
 
 _COUNTED = {
-    **{one.name: one.name for one in fields(Counts)},
+    **{counter.name: counter.name for counter in fields(Counts)},
     'removed': 'by_hand',
 }
 

@@ -16,12 +16,16 @@ STORING = (job_control.STORE, job_control.STORE_AND_START)
 
 REQUESTS: Mapping[Method, Request] = {
     **{
-        method: one
-        for one in requests_about(About.QUEUE)
-        if one.takes_orders
+        method: request
+        for request in requests_about(About.QUEUE)
+        if request.takes_orders
         for method in STORING
     },
-    **{one.method: one for one in requests_about(About.JOB) if one.method in METHODS},
+    **{
+        request.method: request
+        for request in requests_about(About.JOB)
+        if request.method in METHODS
+    },
 }
 """The requirements of every method on the cell. Methods that ISA-95 does not have are left out."""
 

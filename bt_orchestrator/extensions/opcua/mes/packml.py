@@ -98,9 +98,9 @@ def transitions_between(before: PackmlState, after: PackmlState) -> Iterator[Mac
 
 
 COMMANDS: Mapping[str, Request] = {
-    one.cause.value.capitalize(): one
-    for one in requests_about(About.CELL)
-    if one.cause is not None and one.cause is not Cause.CLEAR
+    request.cause.value.capitalize(): request
+    for request in requests_about(About.CELL)
+    if request.cause is not None and request.cause is not Cause.CLEAR
 }
 """Methods of the nodeset, and what they ask of the cell."""
 
@@ -220,15 +220,15 @@ class Counter:
 
     def show(self, status: CellStatus) -> None:
         """Count on."""
-        found = {job.id: _count(job) for job in status.jobs if not job.position}
-        for name, count in found.items():
+        counts = {job.id: _count(job) for job in status.jobs if not job.position}
+        for name, count in counts.items():
             before = self._known.get(name, Count(name))
             self.processed += max(0, count.processed - before.processed)
             self.defective += max(0, count.defective - before.defective)
-        self._known = found
+        self._known = counts
         begun = [job for job in status.jobs if not job.position]
         shown = [job for job in begun if job.state not in OVER] or begun[-1:]
-        self.counts = tuple(found[job.id] for job in shown) or (Count(''),)
+        self.counts = tuple(counts[job.id] for job in shown) or (Count(''),)
 
 
 def _count(job: JobStatus) -> Count:

@@ -125,7 +125,7 @@ def release_of(script: str) -> Addressed:
 def _request(about: About, verb: str, subject: str) -> Request:
     request = of_word(about, verb.strip().lower())
     if request is None or request not in verbs(about):
-        words = ', '.join(one.word for one in verbs(about))
+        words = ', '.join(choice.word for choice in verbs(about))
         raise Unclear([f'Verb: expected a command to {subject}: {words}; found {verb!r}'])
     return request
 
@@ -133,9 +133,9 @@ def _request(about: About, verb: str, subject: str) -> Request:
 def verbs(about: About) -> tuple[Request, ...]:
     """Return the requests that a verb alone is enough for."""
     return tuple(
-        one
-        for one in requests_about(about)
-        if not any(p.is_required for p in one.parameters if p is not one.subject)
+        request
+        for request in requests_about(about)
+        if not any(p.is_required for p in request.parameters if p is not request.subject)
     )
 
 
@@ -151,13 +151,13 @@ def answer_of(
     :param role: of the caller; None: not known
     :raises Unclear: says what is expected
     """
-    found = next((one for one in holds if one.id == hold), None)
-    if found is None:
-        waiting = ', '.join(one.id for one in holds) or 'none'
+    named_hold = next((candidate for candidate in holds if candidate.id == hold), None)
+    if named_hold is None:
+        waiting = ', '.join(candidate.id for candidate in holds) or 'none'
         raise Unclear([f'Hold: expected one that waits ({waiting}); found {hold!r}'])
     try:
-        return answering(found, answer.strip().lower())
+        return answering(named_hold, answer.strip().lower())
     except KeyError:
-        possible = offer_words(found.answers, role) or 'none'
+        possible = offer_words(named_hold.answers, role) or 'none'
         expected = f'expected one that is possible now ({possible})'
         raise Unclear([f'Answer: {expected}; found {answer!r}']) from None

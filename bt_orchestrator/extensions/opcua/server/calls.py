@@ -169,12 +169,16 @@ class Argument:
         if given.VariantType is not self.type or given.is_array is not self.is_list:
             return False
         several = given.Value if self.is_list else [given.Value]
-        return self.structure is None or all(isinstance(one, self.structure) for one in several)
+        return self.structure is None or all(
+            isinstance(value, self.structure) for value in several
+        )
 
     def value_of(self, given: ua.Variant) -> Any:
         """Return the value for the method; a text is never null."""
         if self.is_list:
-            return [one or '' for one in given.Value or ()] if self._is_text else given.Value or []
+            return (
+                [text or '' for text in given.Value or ()] if self._is_text else given.Value or []
+            )
         return given.Value or '' if self._is_text else given.Value
 
     @property
@@ -195,30 +199,33 @@ class Argument:
 
 async def declared_at(server: asyncua.Server, method: asyncua.Node) -> list[Argument]:
     """Return the arguments that a nodeset declares for a method."""
-    names = {one.BrowseName.Name: one for one in await method.get_children_descriptions()}
+    names = {
+        description.BrowseName.Name: description
+        for description in await method.get_children_descriptions()
+    }
     if 'InputArguments' not in names:
         return []
     return [
         Argument(
-            one.Name or '',
-            await data_type_to_variant_type(server.get_node(one.DataType)),
+            argument.Name or '',
+            await data_type_to_variant_type(server.get_node(argument.DataType)),
             '',
-            is_list=one.ValueRank >= 1,
-            structure=ua.extension_objects_by_datatype.get(one.DataType),
+            is_list=argument.ValueRank >= 1,
+            structure=ua.extension_objects_by_datatype.get(argument.DataType),
         )
-        for one in await server.get_node(names['InputArguments'].NodeId).read_value()
+        for argument in await server.get_node(names['InputArguments'].NodeId).read_value()
     ]
 
 
 def wrong(inputs: Sequence[Argument], given: Sequence[ua.Variant]) -> ua.CallMethodResult | None:
     """Return what is wrong with arguments, argument by argument; None: nothing."""
-    if len(given) < sum(not one.is_optional for one in inputs):
+    if len(given) < sum(not argument.is_optional for argument in inputs):
         return with_status(ua.StatusCodes.BadArgumentsMissing)
     if len(given) > len(inputs):
         return with_status(ua.StatusCodes.BadTooManyArguments)
     codes = [
-        ua.StatusCodes.Good if one.accepts(value) else ua.StatusCodes.BadTypeMismatch
-        for one, value in zip(inputs, given, strict=False)
+        ua.StatusCodes.Good if argument.accepts(value) else ua.StatusCodes.BadTypeMismatch
+        for argument, value in zip(inputs, given, strict=False)
     ]
     if not any(codes):
         return None

@@ -83,11 +83,11 @@ def issuer_of(
     certificate: x509.Certificate, others: Iterable[x509.Certificate]
 ) -> x509.Certificate | None:
     """Return the authority that has signed a certificate; None: it is not known."""
-    for one in others:
+    for authority in others:
         with suppress(ValueError, TypeError, InvalidSignature, x509.ExtensionNotFound):
-            certificate.verify_directly_issued_by(one)
-            if one.extensions.get_extension_for_class(x509.BasicConstraints).value.ca:
-                return one
+            certificate.verify_directly_issued_by(authority)
+            if authority.extensions.get_extension_for_class(x509.BasicConstraints).value.ca:
+                return authority
     return None
 
 
@@ -113,7 +113,8 @@ def check_revoked(
             'issuers/crl; put one there, it may be empty'
         )
     if any(
-        one.get_revoked_certificate_by_serial_number(certificate.serial_number) for one in lists
+        revocation_list.get_revoked_certificate_by_serial_number(certificate.serial_number)
+        for revocation_list in lists
     ):
         raise Untrusted(f'{named(certificate)} was taken back by its authority')
 

@@ -101,7 +101,7 @@ class ConditionMethods:
         misfit = wrong(_ARGUMENTS, method.InputArguments or [])
         if misfit is not None:
             return misfit
-        event, comment = (one.Value for one in method.InputArguments)
+        event, comment = (argument.Value for argument in method.InputArguments)
         words = '' if comment is None else (comment.Text or '').strip()
         if len(words) > REASON or text_fault(words) is not None:
             return with_status(codes.BadInvalidArgument)
@@ -138,7 +138,7 @@ class ConditionMethods:
 
     def _refresh(self, given: list[ua.Variant]) -> ua.CallMethodResult:
         """Tell one subscription, or one of its monitors, of every condition again."""
-        numbers = [one.Value for one in given]
+        numbers = [argument.Value for argument in given]
         if not 1 <= len(numbers) <= 2 or not all(type(number) is int for number in numbers):
             return with_status(ua.StatusCodes.BadInvalidArgument)
         subscription, item = numbers[0], numbers[1] if len(numbers) == 2 else None

@@ -63,11 +63,11 @@ class Standing:
 
     def id(self, history: str) -> bytes:
         """Return the EventId of what it says now."""
-        said = self.remark
+        remark = self.remark
         facts = (
             '' if self.is_active else 'over',
             'acknowledged' if self.is_acknowledged else '',
-            '' if said is None else f'{said.who}: {said.words}',
+            '' if remark is None else f'{remark.who}: {remark.words}',
         )
         return event_id(history, self.alarm, '\0'.join(facts) if any(facts) else '')
 
@@ -119,8 +119,8 @@ def told(standing: Standing, history: str, place: Place) -> Told:
 def _message(standing: Standing) -> str:
     if standing.is_active:
         return standing.alarm.text
-    said = standing.remark
-    how = f': {said.who}: {said.words}' if said is not None else ''
+    remark = standing.remark
+    how = f': {remark.who}: {remark.words}' if remark is not None else ''
     return f'over{how} ({standing.alarm.message})'
 
 

@@ -99,14 +99,14 @@ class Holds:
 
     def show(self, status: CellStatus) -> None:
         """Tell what has changed."""
-        found = alarms_of(status)
-        for key in [key for key in self._standing if key not in found]:
+        alarms = alarms_of(status)
+        for key in [key for key in self._standing if key not in alarms]:
             is_told = bool(self._standing[key].alarm.hold) or key == EMERGENCY_KEY
             if is_told and key not in self._ends and key not in self._leaving:
                 self._leaving.add(key)  # who ended it will be heard in a moment
             else:
                 self._end(key, status)
-        for key, alarm in found.items():
+        for key, alarm in alarms.items():
             before, end = self._standing.get(key), self._ends.get(key)
             if before is None or (end is not None and end.seq <= status.seq):
                 self._ends.pop(key, None)  # of another one

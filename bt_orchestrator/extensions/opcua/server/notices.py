@@ -45,19 +45,19 @@ class Told:
 class _Sent(Event):
     """The fields from which asyncua selects."""
 
-    def __init__(self, told: Told) -> None:
+    def __init__(self, notice: Told) -> None:
         super().__init__(SERVER)
         kind = ua.VariantType
-        self.add_property('EventId', told.id, kind.ByteString)
-        self.add_property('EventType', told.type_id, kind.NodeId)
-        self.add_property('SourceNode', told.source, kind.NodeId)
-        self.add_property('SourceName', told.source_name, kind.String)
-        time = datetime.fromtimestamp(told.time, timezone.utc)
+        self.add_property('EventId', notice.id, kind.ByteString)
+        self.add_property('EventType', notice.type_id, kind.NodeId)
+        self.add_property('SourceNode', notice.source, kind.NodeId)
+        self.add_property('SourceName', notice.source_name, kind.String)
+        time = datetime.fromtimestamp(notice.time, timezone.utc)
         self.add_property('Time', time, kind.DateTime)
         self.add_property('ReceiveTime', datetime.now(timezone.utc), kind.DateTime)
-        self.add_property('Message', ua.LocalizedText(told.message), kind.LocalizedText)
-        self.add_property('Severity', told.severity, kind.UInt16)
-        for name, value in told.fields.items():
+        self.add_property('Message', ua.LocalizedText(notice.message), kind.LocalizedText)
+        self.add_property('Severity', notice.severity, kind.UInt16)
+        for name, value in notice.fields.items():
             self.add_property(name, value.Value, value.VariantType)
 
 
@@ -70,10 +70,10 @@ class Notices:
         self._waiting: deque[Callable[[], Awaitable[None]]] = deque()
         self._task: asyncio.Task[None] | None = None
 
-    def tell(self, told: Told, *nodes: ua.NodeId) -> None:
+    def tell(self, notice: Told, *nodes: ua.NodeId) -> None:
         """Send an event to the monitors of some nodes, of the cell and of the server."""
         everywhere = tuple(dict.fromkeys((*nodes, self._cell, SERVER)))
-        self._put(lambda: self._to_all(told, everywhere))
+        self._put(lambda: self._to_all(notice, everywhere))
 
     def tell_one(self, several: Sequence[Told], subscription: int, item: int | None) -> None:
         """Send events to the monitors of one subscription.
@@ -88,10 +88,10 @@ class Notices:
         :param session: that it must be of (`callers.Caller`)
         :return: None: the session has no such subscription
         """
-        found = self._service.subscriptions.get(subscription)
-        if found is None or str(found.session_id) != session:
+        entry = self._service.subscriptions.get(subscription)
+        if entry is None or str(entry.session_id) != session:
             return None
-        return list(found.monitored_item_srv._monitored_items)  # noqa: SLF001 - no other way
+        return list(entry.monitored_item_srv._monitored_items)  # noqa: SLF001 - no other way
 
     async def sent(self) -> None:
         """Wait until everything is sent."""
@@ -111,8 +111,8 @@ class Notices:
             except Exception:
                 log.exception('defect: an event could not be sent')
 
-    async def _to_all(self, told: Told, nodes: Sequence[ua.NodeId]) -> None:
-        sent = _Sent(told)
+    async def _to_all(self, notice: Told, nodes: Sequence[ua.NodeId]) -> None:
+        sent = _Sent(notice)
         for subscription in list(self._service.subscriptions.values()):
             for node in nodes:
                 sent.emitting_node = node
@@ -125,9 +125,9 @@ class Notices:
         monitors = subscription.monitored_item_srv
         by_node = monitors._monitored_events.values()  # noqa: SLF001 - asyncua has no other way
         items = list(chain.from_iterable(by_node)) if item is None else [item]
-        for told in several:
-            for one in items:
-                await monitors._trigger_event(_Sent(told), one)  # noqa: SLF001 - the same
+        for notice in several:
+            for monitor in items:
+                await monitors._trigger_event(_Sent(notice), monitor)  # noqa: SLF001 - the same
 
 
 def id_of(*facts: object) -> bytes:

@@ -133,25 +133,25 @@ class PackML:
 
     def _tell_transitions(self, event: CellStateChanged) -> None:
         before, after = PackmlState(event.previous), PackmlState(event.state)
-        for one in transitions_between(before, after):
-            names = self._names[one.machine]
-            self._shown.put_transition(one, event.time)
-            node = self._space.id(f'{TOP}/{one.machine.value}')
+        for transition in transitions_between(before, after):
+            names = self._names[transition.machine]
+            self._shown.put_transition(transition, event.time)
+            node = self._space.id(f'{TOP}/{transition.machine.value}')
             why = ': '.join(filter(None, (event.cause, event.reason)))
-            told = Told(
+            notice = Told(
                 type_id=ua.NodeId(ua.ObjectIds.TransitionEventType),
-                id=id_of(self._bridge.history, event.seq, one.machine.value),
+                id=id_of(self._bridge.history, event.seq, transition.machine.value),
                 source=node,
-                source_name=one.machine.value.rpartition('/')[2],
+                source_name=transition.machine.value.rpartition('/')[2],
                 time=event.time,
                 message=f'{event.previous} to {event.state}{f" ({why})" if why else ""}',
                 fields={
-                    **_named('Transition', one.name, names[one.name]),
-                    **_named('FromState', one.before, names[one.before]),
-                    **_named('ToState', one.after, names[one.after]),
+                    **_named('Transition', transition.name, names[transition.name]),
+                    **_named('FromState', transition.before, names[transition.before]),
+                    **_named('ToState', transition.after, names[transition.after]),
                 },
             )
-            self._space.notices.tell(told, node, self._space.id(TOP))
+            self._space.notices.tell(notice, node, self._space.id(TOP))
 
     # --- commands ---------------------------------------------------------------------------
 
@@ -205,7 +205,7 @@ class PackML:
         self._refused += 1
         status = self._bridge.status
         self._shown.put_refusal(message, status.stamp)
-        told = Told(
+        notice = Told(
             type_id=ua.NodeId(ua.ObjectIds.BaseEventType),
             id=id_of(status.history, status.stamp, 'refused', self._refused),
             source=self._space.id(TOP),
@@ -214,7 +214,7 @@ class PackML:
             message=f'{request.word} refused: {message}',
             severity=300,
         )
-        self._space.notices.tell(told, told.source)
+        self._space.notices.tell(notice, notice.source)
 
 
 async def _not_supported(*_: object) -> Sequence[ua.Variant]:
@@ -231,4 +231,7 @@ def _named(name: str, text: str, id_: ua.NodeId) -> Mapping[str, ua.Variant]:
 
 async def _children(node: asyncua.Node) -> Mapping[str, ua.NodeId]:
     """Return states, transitions and methods of a machine's type, by name."""
-    return {one.BrowseName.Name: one.NodeId for one in await node.get_children_descriptions()}
+    return {
+        description.BrowseName.Name: description.NodeId
+        for description in await node.get_children_descriptions()
+    }

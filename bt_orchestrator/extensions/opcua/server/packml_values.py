@@ -90,7 +90,7 @@ class Shown:
         for machine, names in self._names.items():
             states, transitions = _ours(machine)
             for name, these in (('States', states), ('Transitions', transitions)):
-                ids = [names[one] for one in sorted(these)]
+                ids = [names[member] for member in sorted(these)]
                 value = ua.Variant(ids, kind.NodeId, is_array=True)
                 await self._write(f'{machine.value}/Available{name}', value)
             for name in ('', '/Id', '/TransitionTime'):
@@ -151,11 +151,11 @@ class Shown:
         """Show why the last command was refused."""
         self._put('LastRefusal', message, at)
 
-    def put_transition(self, one: MachineTransition, at: float) -> None:
+    def put_transition(self, transition: MachineTransition, at: float) -> None:
         """Show the last transition of a machine."""
-        path = f'{one.machine.value}/LastTransition'
-        self._put(path, _text(one.name), at)
-        self._put(f'{path}/Id', _node(self._names[one.machine][one.name]), at)
+        path = f'{transition.machine.value}/LastTransition'
+        self._put(path, _text(transition.name), at)
+        self._put(f'{path}/Id', _node(self._names[transition.machine][transition.name]), at)
         self._put(f'{path}/TransitionTime', _time(at), at)
 
     def _put(self, path: str, value: object, at: float, code: int = _CODES.Good) -> None:
@@ -178,12 +178,12 @@ class Shown:
             counts = [
                 self._count(
                     ID=number,
-                    Name=one.job,
+                    Name=count.job,
                     Unit=ITEM,
-                    Count=getattr(one, of_job),
+                    Count=getattr(count, of_job),
                     AccCount=total,
                 )
-                for number, one in enumerate(counter.counts, 1)
+                for number, count in enumerate(counter.counts, 1)
             ]
             self._put(f'Admin/{name}', _structures(counts, is_list=True), at)
 
@@ -206,8 +206,8 @@ class Shown:
             path = f'{machine.value}/CurrentState'
             name = active.get(machine)
             if name is None:
-                for one in (path, f'{path}/Id', f'{path}/Number'):
-                    self._put(one, ua.Variant(), at, _CODES.BadStateNotActive)
+                for variable in (path, f'{path}/Id', f'{path}/Number'):
+                    self._put(variable, ua.Variant(), at, _CODES.BadStateNotActive)
                 continue
             self._put(path, _text(name), at)
             self._put(f'{path}/Id', _node(self._names[machine][name]), at)
@@ -229,13 +229,13 @@ def _standing(section: SectionStatus) -> str:
 
 def _ours(machine: Machine) -> tuple[set[str], set[str]]:
     """Return the states and transitions of a machine that the cell can have."""
-    states = {states_in(one)[machine] for one in PackmlState if machine in states_in(one)}
+    states = {states_in(state)[machine] for state in PackmlState if machine in states_in(state)}
     transitions = {
-        one.name
+        transition.name
         for before, row in TRANSITIONS.items()
         for after in row.values()
-        for one in transitions_between(before, after)
-        if one.machine is machine
+        for transition in transitions_between(before, after)
+        if transition.machine is machine
     }
     return states, transitions
 

@@ -217,8 +217,8 @@ Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 def host_names() -> list[str]:
     """Return the names by which clients may call this computer."""
-    found = (socket.gethostname(), socket.getfqdn(), 'localhost')
-    return list(dict.fromkeys(name for name in found if name and name.isascii()))
+    names = (socket.gethostname(), socket.getfqdn(), 'localhost')
+    return list(dict.fromkeys(name for name in names if name and name.isascii()))
 
 
 def host_addresses() -> list[Address]:
@@ -231,8 +231,8 @@ def _of_version_4() -> Iterator[Address]:
         for _, interface in socket.if_nameindex():
             with suppress(OSError):  # it has no such address
                 request = struct.pack('256s', interface.encode()[:15])
-                found = fcntl.ioctl(probe.fileno(), _SIOCGIFADDR, request)
-                yield ipaddress.IPv4Address(found[20:24])
+                reply = fcntl.ioctl(probe.fileno(), _SIOCGIFADDR, request)
+                yield ipaddress.IPv4Address(reply[20:24])
 
 
 def _of_version_6() -> Iterator[Address]:

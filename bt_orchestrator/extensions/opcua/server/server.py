@@ -238,8 +238,10 @@ async def make_stack(node: str, security: Security, url: str) -> Server:
     server.set_server_name(f'bt_orchestrator {node}')
     server.application_type = ua.ApplicationType.Server
     await server.init()
-    found = version('bt_orchestrator')
+    release = version('bt_orchestrator')
     now = datetime.now(timezone.utc)
-    await server.set_build_info(PRODUCT, 'bt_orchestrator', 'bt_orchestrator', found, found, now)
+    await server.set_build_info(
+        PRODUCT, 'bt_orchestrator', 'bt_orchestrator', release, release, now
+    )
     server.set_endpoint(url)
     return server

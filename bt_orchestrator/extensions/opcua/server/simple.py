@@ -49,7 +49,7 @@ CELL: Mapping[str, Shown] = {
     'StandsSince': Shown(TIME, 'since when nothing moves; null: something does'),
     'StandsCause': Shown(
         TEXT,
-        f'root cause for which nothing moves: {", ".join(one.value for one in StandCause)}; '
+        f'root cause for which nothing moves: {", ".join(cause.value for cause in StandCause)}; '
         'empty: something moves',
     ),
     'StandsReason': Shown(TEXT, 'that cause in words'),
@@ -165,21 +165,23 @@ class Simple:
             await SimpleCommands(self._bridge).build(space, TOP)
 
     async def _make(self, prefix: str, shown: Mapping[str, Shown]) -> None:
-        for name, one in shown.items():
+        for name, variable in shown.items():
             path = f'{TOP}/{prefix}{name}'
-            await self._space.variable(path, one.type, one.meaning, is_list=one.is_list)
+            await self._space.variable(
+                path, variable.type, variable.meaning, is_list=variable.is_list
+            )
 
     async def _make_reasons(self) -> None:
         """Make the reasons of the plant: they come from a file, and never change."""
         await self._space.object(f'{TOP}/Reasons', 'reasons of the plant for stops of the line')
         reasons = self._bridge.sources.reasons.values()
-        languages = dict.fromkeys(name for one in reasons for name in one.words)
+        languages = dict.fromkeys(name for reason in reasons for name in reason.words)
         await self._make('Reasons/', {**REASONS, **dict.fromkeys(languages, REASON_WORDS)})
         columns = {
-            'Codes': [one.code for one in reasons],
-            'Groups': [one.group for one in reasons],
+            'Codes': [reason.code for reason in reasons],
+            'Groups': [reason.group for reason in reasons],
         }
-        columns |= {name: [one.said(name) for one in reasons] for name in languages}
+        columns |= {name: [reason.said(name) for reason in reasons] for name in languages}
         for name, column in columns.items():
             node = self._space.node(f'{TOP}/Reasons/{name}')
             self._space.values.put(node, column, time.time(), is_own=True)
@@ -224,9 +226,9 @@ def values(status: CellStatus) -> Iterator[tuple[str, object]]:
 
 
 def _goal(goal: ManualGoal | None) -> Iterator[tuple[str, object]]:
-    told: tuple[object, ...] = ('', '', '', '', '', '', '', None, None)
+    values: tuple[object, ...] = ('', '', '', '', '', '', '', None, None)
     if goal is not None:
-        told = (
+        values = (
             goal.component,
             goal.task,
             goal.state,
@@ -237,7 +239,7 @@ def _goal(goal: ManualGoal | None) -> Iterator[tuple[str, object]]:
             moment(goal.started),
             None if goal.ended is None else moment(goal.ended),
         )
-    yield from zip((f'Manual/{name}' for name in GOAL), told, strict=True)
+    yield from zip((f'Manual/{name}' for name in GOAL), values, strict=True)
 
 
 def _began(job: JobStatus) -> float:
@@ -249,40 +251,40 @@ def _ended(job: JobStatus) -> float:
 
 
 def _job(name: str, job: JobStatus | None, status: CellStatus) -> Iterator[tuple[str, object]]:
-    found = job or NO_JOB
-    end = found.ended_at
-    if end is None and found.expected_end_s is not None:
-        end = round(status.stamp + found.expected_end_s)
-    told = (
-        found.id,
-        found.script,
-        found.recipe,
-        found.recipe_version or 0,
-        found.rest_of,
-        '' if found.anew is None else found.anew.words,
-        found.state.value if job else '',
-        list(found.unavailable),
-        found.awaits_release,
-        found.ending,
-        found.quantity,
-        found.started,
-        found.packed,
-        found.good,
-        found.rejected,
-        found.nonconforming,
-        found.missing,
-        None if found.started_at is None else moment(found.started_at),
+    shown_job = job or NO_JOB
+    end = shown_job.ended_at
+    if end is None and shown_job.expected_end_s is not None:
+        end = round(status.stamp + shown_job.expected_end_s)
+    facts = (
+        shown_job.id,
+        shown_job.script,
+        shown_job.recipe,
+        shown_job.recipe_version or 0,
+        shown_job.rest_of,
+        '' if shown_job.anew is None else shown_job.anew.words,
+        shown_job.state.value if job else '',
+        list(shown_job.unavailable),
+        shown_job.awaits_release,
+        shown_job.ending,
+        shown_job.quantity,
+        shown_job.started,
+        shown_job.packed,
+        shown_job.good,
+        shown_job.rejected,
+        shown_job.nonconforming,
+        shown_job.missing,
+        None if shown_job.started_at is None else moment(shown_job.started_at),
         None if end is None else moment(end),
     )
-    yield from ((f'{name}/{key}', value) for key, value in zip(JOB, told, strict=True))
+    yield from ((f'{name}/{key}', value) for key, value in zip(JOB, facts, strict=True))
 
 
 def _hold(hold: Hold | None) -> Iterator[tuple[str, object]]:
-    told = ('', '', '', 0, '', '', [], [], None) if hold is None else (
+    facts = ('', '', '', 0, '', '', [], [], None) if hold is None else (
         hold.id, hold_words(hold), hold.job or '', hold.section or 0, hold.item or '',
         hold.task or '', list(hold.answers), role_words(hold.answers), moment(hold.since),
     )  # fmt: skip
-    yield from ((f'OldestHold/{key}', value) for key, value in zip(HOLD, told, strict=True))
+    yield from ((f'OldestHold/{key}', value) for key, value in zip(HOLD, facts, strict=True))
 
 
 NO_JOB = JobStatus('', '', OVER[0])

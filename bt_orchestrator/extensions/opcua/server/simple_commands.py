@@ -125,12 +125,12 @@ class SimpleCommands:
                 "says the plant's reason for a stop of the line; the last one counts", (),
             ),
         ):  # fmt: skip
-            call, told = partial(self._carry_out, name, read), (ACCEPTED, MESSAGE)
-            await space.method(f'{top}/{name}', call, arguments, told, does)
-            if any(one.takes_code for one in requests_about(*about)):
+            call, method = partial(self._carry_out, name, read), (ACCEPTED, MESSAGE)
+            await space.method(f'{top}/{name}', call, arguments, method, does)
+            if any(request.takes_code for request in requests_about(*about)):
                 path, call = f'{top}/{name}{WITH_CODE}', partial(self._with_code, name, read)
                 more = f'{does}; with a reason of the plant for the stop of the line'
-                await space.method(path, call, (*arguments, CODE_GIVEN), told, more)
+                await space.method(path, call, (*arguments, CODE_GIVEN), method, more)
         await space.method(
             f'{top}/Request', self._request, REQUEST, (ACCEPTED, MESSAGE, FINDINGS),
             'makes any request by its name; docs/requests.md lists them',
@@ -180,8 +180,8 @@ class SimpleCommands:
 
 
 def _told(outcome: Outcome, *, findings: bool = False) -> list[ua.Variant]:
-    told = [
+    outputs = [
         ua.Variant(outcome.accepted, ua.VariantType.Boolean),
         ua.Variant(outcome.message, TEXT),
     ]
-    return [*told, ua.Variant(list(outcome.findings), TEXT)] if findings else told
+    return [*outputs, ua.Variant(list(outcome.findings), TEXT)] if findings else outputs

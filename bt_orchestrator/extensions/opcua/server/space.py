@@ -117,7 +117,7 @@ class Space:
             self.id(path),
             self._name(path),
             answering(call, inputs),
-            [one.declared for one in inputs],
+            [argument.declared for argument in inputs],
             [output.declared for output in outputs],
         )
         return await self.described(node, meaning)
@@ -178,7 +178,7 @@ def answering(call: Call, inputs: Sequence[Argument]) -> _Handler:
             return misfit
         try:
             outputs = await call(
-                *(one.value_of(value) for one, value in zip(inputs, given, strict=False))
+                *(argument.value_of(value) for argument, value in zip(inputs, given, strict=False))
             )
         except ua.UaStatusCodeError as error:
             return with_status(error.code)

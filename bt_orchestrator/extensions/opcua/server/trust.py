@@ -150,9 +150,9 @@ class Trust:
         :param prefix: of its thumbprint
         :raises NoSuchCertificate: there is none, or several
         """
-        found = _one_of(self.rejected(), prefix, 'was refused')
-        self._move(found, self._pki.trusted)
-        return found
+        entry = _one_of(self.rejected(), prefix, 'was refused')
+        self._move(entry, self._pki.trusted)
+        return entry
 
     def remove(self, prefix: str) -> Listed:
         """Stop trusting a certificate; it can be trusted again.
@@ -160,18 +160,18 @@ class Trust:
         :param prefix: of its thumbprint
         :raises NoSuchCertificate: there is none, or several
         """
-        found = _one_of(self.trusted(), prefix, 'is trusted')
-        self._move(found, self._pki.rejected)
-        return found
+        entry = _one_of(self.trusted(), prefix, 'is trusted')
+        self._move(entry, self._pki.rejected)
+        return entry
 
     @property
     def _command(self) -> str:
         return f'bt-orchestrator opcua trust --pki {self._pki.root}'
 
-    def _move(self, found: Listed, folder: Path) -> None:
+    def _move(self, entry: Listed, folder: Path) -> None:
         self._pki.make_folders()
-        _write(folder, found.certificate)
-        found.path.unlink()
+        _write(folder, entry.certificate)
+        entry.path.unlink()
 
     # --- whether --------------------------------------------------------------------------------
 
@@ -181,16 +181,16 @@ class Trust:
         :raises Untrusted: it, or an authority, was taken back or has expired
         """
         store = self._read()
-        is_known, one = certificate in store.trusted, certificate
+        is_known, link = certificate in store.trusted, certificate
         for _ in range(MOST_ISSUERS):
-            if one.issuer == one.subject:
+            if link.issuer == link.subject:
                 break
-            issuer = issuer_of(one, (*store.trusted, *store.issuers))
+            issuer = issuer_of(link, (*store.trusted, *store.issuers))
             if issuer is None:
                 break
             check_time(issuer, self._clock())
-            check_revoked(one, issuer, store.revocations)
-            is_known, one = is_known or issuer in store.trusted, issuer
+            check_revoked(link, issuer, store.revocations)
+            is_known, link = is_known or issuer in store.trusted, issuer
         return is_known
 
     def _reject(self, certificate: x509.Certificate) -> None:
@@ -260,20 +260,20 @@ def _revocation_list(content: bytes) -> x509.CertificateRevocationList:
 
 
 def _listed(folder: Path) -> list[Listed]:
-    found = []
+    entries = []
     for path in _files(folder, _SUFFIXES):
         with suppress(OSError, ValueError):
             at = datetime.datetime.fromtimestamp(path.stat().st_mtime, datetime.timezone.utc)
-            found.append(Listed(path, parsed(read_ordinary(path, LARGEST_FILE)), at))
-    return sorted(found, key=lambda one: one.since, reverse=True)
+            entries.append(Listed(path, parsed(read_ordinary(path, LARGEST_FILE)), at))
+    return sorted(entries, key=lambda entry: entry.since, reverse=True)
 
 
 def _one_of(listed: Sequence[Listed], prefix: str, what: str) -> Listed:
     wanted = prefix.lower().replace(':', '').replace(' ', '')
-    fitting = [one for one in listed if wanted and one.thumbprint.startswith(wanted)]
+    fitting = [entry for entry in listed if wanted and entry.thumbprint.startswith(wanted)]
     if len(fitting) == 1:
         return fitting[0]
-    there = ', '.join(one.thumbprint[:8] for one in fitting or listed) or 'none'
+    there = ', '.join(entry.thumbprint[:8] for entry in fitting or listed) or 'none'
     if fitting:
         raise NoSuchCertificate(
             f'several certificates begin with {prefix}: {there}; give more of it'

@@ -130,11 +130,11 @@ class Values:
     def _type(self, id_: ua.NodeId) -> ua.VariantType:
         if id_ not in self._types:
             read = self._space.read_attribute_value
-            found = read(id_, ua.AttributeIds.Value).Value
-            if found is None or found.VariantType is ua.VariantType.Null:
+            variant = read(id_, ua.AttributeIds.Value).Value
+            if variant is None or variant.VariantType is ua.VariantType.Null:
                 self._types[id_] = self._built_in(read(id_, ua.AttributeIds.DataType).Value.Value)
             else:
-                self._types[id_] = found.VariantType
+                self._types[id_] = variant.VariantType
         return self._types[id_]
 
     def _built_in(self, data_type: ua.NodeId) -> ua.VariantType:

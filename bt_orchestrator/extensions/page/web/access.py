@@ -134,7 +134,7 @@ class Access:
         """Tell whether the header of the proxy counts in what comes from an address."""
         if not self.proxy_header:
             return False
-        known = {address_in(one) for one in self.proxy_addresses}
+        known = {address_in(proxy) for proxy in self.proxy_addresses}
         return is_loopback(address) or (
             address_in(address) in known and address_in(address) is not None
         )

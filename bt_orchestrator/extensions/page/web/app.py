@@ -54,10 +54,10 @@ def cells_endpoints(cells: PlantCells | None) -> tuple[Endpoint, ...]:
         if cells is None:
             return Json({'has_plant': False, 'cells': []})
         try:
-            found = await asyncio.to_thread(cells)
+            all_cells = await asyncio.to_thread(cells)
         except JournalUnusable as error:
             raise Problem(503, str(error)) from error
-        return Json({'has_plant': True, 'cells': [plain(one) for one in found]})
+        return Json({'has_plant': True, 'cells': [plain(cell) for cell in all_cells]})
 
     return (
         Endpoint(

@@ -113,19 +113,21 @@ class Board:
         if cursor.seq >= self.ring.last:
             return None
         key = ('happened', cursor.seq, self.ring.last)
-        found = self.ring.after(cursor.seq)
-        cursor.seq = found.last if isinstance(found, Lost) else found[-1].last
+        news = self.ring.after(cursor.seq)
+        cursor.seq = news.last if isinstance(news, Lost) else news[-1].last
         if (known := self._encoded.get(key)) is None:
-            known = self.told(found)
+            known = self.told(news)
             self._keep(key, known)
         return known
 
-    def told(self, found: Lost | list[Happened]) -> bytes:
+    def told(self, news: Lost | list[Happened]) -> bytes:
         """Return a message of events, or of a gap in them."""
-        if isinstance(found, Lost):
-            return messages.gap(self.history, found.first, found.last)
-        names = _names(one.event for one in found)
-        return messages.happened(self.history, found[-1].last, (one.text for one in found), names)
+        if isinstance(news, Lost):
+            return messages.gap(self.history, news.first, news.last)
+        names = _names(entry.event for entry in news)
+        return messages.happened(
+            self.history, news[-1].last, (entry.text for entry in news), names
+        )
 
     def next_parts(self, cursor: Cursor) -> bytes | None:
         """Return a message of the parts that changed since, and move on; None: none did."""
@@ -150,7 +152,7 @@ class Board:
 def _names(events: Iterable[Event]) -> dict[str, str]:
     """Return the names for display of those who decided something, by sequence number."""
     decided = (event for event in events if isinstance(event, OperatorDecided) and event.who)
-    return {str(one.seq): named(one.who, one.known) for one in decided}
+    return {str(event.seq): named(event.who, event.known) for event in decided}
 
 
 # The last events of a cell, for readers who come back.
@@ -205,9 +207,9 @@ class Ring:
         :param seq: not older than `before`
         """
         place = bisect_right(self._lasts, seq)
-        found: list[Happened] = []
+        entries: list[Happened] = []
         for entry in self._kept[place : place + MOST_IN_ONE]:
             if isinstance(entry, Lost):
-                return found or entry
-            found.append(entry)
-        return found
+                return entries or entry
+            entries.append(entry)
+        return entries

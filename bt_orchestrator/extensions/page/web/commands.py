@@ -99,8 +99,8 @@ class Commands:
             answer = await self._tickets.doors.ask(asked)
         except NodeUnreachable as error:
             raise Problem(503, str(error)) from error
-        told = {'accepted': answer.accepted, 'message': answer.message}
-        return Json(told, 200 if answer.accepted else 409)
+        body = {'accepted': answer.accepted, 'message': answer.message}
+        return Json(body, 200 if answer.accepted else 409)
 
     async def find(self, http: HttpRequest) -> Response:
         """Tell what became of a command."""
@@ -157,15 +157,15 @@ def _check_texts(given: Mapping[str, Any]) -> None:
             raise Problem(422, f'{name} has {len(text)} characters; expected at most {NAME}')
 
 
-def _orders(found: Any) -> list[WorkOrder]:
+def _orders(plain_orders: Any) -> list[WorkOrder]:
     """Read the orders of a request.
 
     An order needs an id: if it is sent again because an answer was lost, nothing is made twice.
     """
-    if not isinstance(found, list) or not 1 <= len(found) <= ORDERS:
+    if not isinstance(plain_orders, list) or not 1 <= len(plain_orders) <= ORDERS:
         raise Problem(422, f'orders is a list of 1 to {ORDERS} work orders')
     orders = []
-    for plain in found:
+    for plain in plain_orders:
         if not isinstance(plain, dict) or not plain.get('order'):
             raise Problem(422, 'each work order is an object, and needs an id of its own: `order`')
         try:
@@ -195,7 +195,7 @@ def _check(asked: Asked, session: Session) -> None:
 
 def _told(ticket: str, outcome: Outcome) -> dict[str, object]:
     recorded = outcome.recorded[0] if outcome.recorded else None
-    said: dict[str, object] = (
+    decision: dict[str, object] = (
         {}
         if recorded is None
         else {
@@ -211,8 +211,8 @@ def _told(ticket: str, outcome: Outcome) -> dict[str, object]:
         'message': outcome.message,
         'findings': outcome.findings,
         'ticket': ticket,
-        'seq': said.get('seq'),
-        'who': said.get('who', ''),
-        'recorded': said or None,
+        'seq': decision.get('seq'),
+        'who': decision.get('who', ''),
+        'recorded': decision or None,
         'note': outcome.note(PROGRAM),
     }

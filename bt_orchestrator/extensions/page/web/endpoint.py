@@ -139,13 +139,13 @@ async def body_of(request: Request) -> dict[str, Any]:
     except asyncio.TimeoutError as error:
         raise Problem(408, f'the request did not come within {BODY_S:g} s') from error
     try:
-        found = json.loads(text or b'{}', parse_constant=_refused)
-        _check(found, BODY_DEPTH)
+        body = json.loads(text or b'{}', parse_constant=_refused)
+        _check(body, BODY_DEPTH)
     except (ValueError, RecursionError) as error:
         raise Problem(422, f'the body of the request cannot be used: {error}') from error
-    if not isinstance(found, dict):
-        raise Problem(422, f'the body is a JSON object; found {found!r:.100}')
-    return found
+    if not isinstance(body, dict):
+        raise Problem(422, f'the body is a JSON object; found {body!r:.100}')
+    return body
 
 
 async def _read(request: Request) -> bytes:

@@ -135,8 +135,8 @@ def _check_origin(headers: Headers, host: str, scheme: str, access: Access) -> N
     own = {f'{scheme}://{host}'}
     if access.proxy_header:  # the proxy speaks TLS, perhaps under another name
         names = (host, *access.allowed_hosts)
-        own = {f'{one}://{name}' for one in ('http', 'https') for name in names}
-    if origin.lower() not in {one.lower() for one in own}:
+        own = {f'{protocol}://{name}' for protocol in ('http', 'https') for name in names}
+    if origin.lower() not in {address.lower() for address in own}:
         expected = ' or '.join(sorted(own))
         raise Problem(
             403, f'a command comes from a page of {expected}; its Origin is {origin or "missing"}'

@@ -107,7 +107,7 @@ class _Me:
         return Json(
             {
                 **_about(session),
-                'may': {one.name: _may(session, one.roles) for one in TABLE},
+                'may': {request.name: _may(session, request.roles) for request in TABLE},
                 'locks_after_s': self._access.idle_s,
                 'looks_freely': self._access.looks_freely,
                 'can_log_in': not self._access.proxy_header,
@@ -144,10 +144,10 @@ def _may(session: Session | None, roles: frozenset[Any]) -> bool:
 
 
 def _text(body: dict[str, Any], name: str) -> str:
-    found = body.get(name)
-    if not isinstance(found, str):
+    value = body.get(name)
+    if not isinstance(value, str):
         raise Problem(422, f'{name} is a text')
-    return found
+    return value
 
 
 def _problem_of(error: LoginRefused | MustWait | UsersUnusable) -> Problem:

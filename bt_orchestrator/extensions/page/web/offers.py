@@ -90,7 +90,7 @@ def item_offers(item: ItemStatus | None) -> Sequence[Offer]:
 
 @lru_cache(maxsize=1024)
 def _item_offers(item: str) -> Sequence[Offer]:
-    return [_offer(one, item) for one in requests_about(About.ITEM)]
+    return [_offer(request, item) for request in requests_about(About.ITEM)]
 
 
 def component_offers(component: ComponentStatus) -> Sequence[Offer]:
@@ -134,7 +134,7 @@ def _job_offers(job: str, now: JobNow) -> Sequence[Offer]:
     """Return the offers of a job, cached: each status tells 100 jobs of a long queue."""
     unreleased = now.facts.unreleased
     of_script = requests_about(About.SCRIPT) if unreleased else ()
-    release = (_offer(one, unreleased, without=('cell_digest',)) for one in of_script)
+    release = (_offer(request, unreleased, without=('cell_digest',)) for request in of_script)
     return [*release, *(_offer(request, job) for request in worthwhile_for_job(now))]
 
 

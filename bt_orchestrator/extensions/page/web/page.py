@@ -145,11 +145,11 @@ class WebPage(CellClient):
         """Ask for what events have not told: scripts and jobs of before the page began."""
         with contextlib.suppress(KeyError, TypeError, ValueError):  # of another version
             try:
-                told = await self.doors.read(lambda door: told_by(door.moment()))
+                news = await self.doors.read(lambda door: told_by(door.moment()))
             except NodeUnreachable:
                 self._loop.call_later(ASK_AGAIN_S, self.known.not_told)
             else:
-                self.known.take(told)
+                self.known.take(news)
                 self._show_anew()
 
     def _tell_shift(self) -> None:

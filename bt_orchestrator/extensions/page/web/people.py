@@ -241,7 +241,7 @@ class Sessions:
         """Begin a session and return its id."""
         now = self._clock()
         self._forget_ended(now)
-        own = [key for key, one in self._kept.items() if one.name == name]
+        own = [key for key, session in self._kept.items() if session.name == name]
         for key in own[: max(0, len(own) - MOST_OF_ONE + 1)]:
             del self._kept[key]
         while len(self._kept) >= MOST:
@@ -285,5 +285,7 @@ class Sessions:
 
     def _forget_ended(self, now: float) -> None:
         self._kept = {
-            key: one for key, one in self._kept.items() if now - one.began < self.session_s
+            key: session
+            for key, session in self._kept.items()
+            if now - session.began < self.session_s
         }

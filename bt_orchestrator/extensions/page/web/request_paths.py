@@ -91,12 +91,12 @@ def request_at(path: str, given: MutableMapping[str, Any]) -> Request:
     place = PLACES[path]
     if not place.key:
         return REQUESTS[place.name]
-    said = given.pop(place.key, None)
-    word = place.says.get(json_of(said)) if place.says else said
+    value = given.pop(place.key, None)
+    word = place.says.get(json_of(value)) if place.says else value
     request = of_name(place.name.replace('*', word)) if isinstance(word, str) else None
     if request is None:
         expected = ', '.join(place.says or _words_at(path))
-        raise BadArguments(f'{place.key} is one of {expected}; found {said!r:.60}')
+        raise BadArguments(f'{place.key} is one of {expected}; found {value!r:.60}')
     return request
 
 
@@ -109,7 +109,7 @@ def body_at(path: str) -> Body:
         for request in requests
         for parameter in request.parameters
     }
-    body = {name: one for name, one in {place.key: words, **parameters}.items() if name}
+    body = {name: value for name, value in {place.key: words, **parameters}.items() if name}
     needed = set.intersection(*map(_needed, requests)) | ({place.key} if not place.says else set())
     return Body(
         body={**{name: body[name] for name in body if name not in in_path}, **_ALWAYS},
@@ -122,7 +122,7 @@ _IN_PATH = re.compile(r'{(\w+)')
 
 def _requests_at(path: str) -> Sequence[Request]:
     """Return the requests that have no path more special than this one."""
-    return [one for one in TABLE if path in (ANY, _path_of(one))]
+    return [request for request in TABLE if path in (ANY, _path_of(request))]
 
 
 def _path_of(request: Request) -> str:
@@ -137,7 +137,7 @@ def _takes(place: Place, request: Request) -> bool:
 def _words_at(path: str) -> Sequence[str]:
     """Return what may stand for `*` in the name of a request."""
     before = len(PLACES[path].name.rstrip('*'))
-    return [one.name[before:] for one in _requests_at(path)]
+    return [request.name[before:] for request in _requests_at(path)]
 
 
 def _needed(request: Request) -> set[str]:

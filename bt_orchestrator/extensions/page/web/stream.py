@@ -215,10 +215,10 @@ class Streams:
             page, reader.fetch = reader.fetch.result(), None
             if page is None or page.history != cursor.history:
                 return  # tried again with the next beat
-            found = list(_pieces(page, cursor.seq, self._board.ring.before))
-            if not found:
+            pieces = list(_pieces(page, cursor.seq, self._board.ring.before))
+            if not pieces:
                 return
-            for piece in found:
+            for piece in pieces:
                 cursor.seq = piece.last if isinstance(piece, Lost) else piece[-1].last
                 yield self._board.told(piece)
 

@@ -130,10 +130,10 @@ def endpoints(watch: TreeWatch, cell: SeenCell) -> tuple[Endpoint, ...]:
         if not (after.isascii() and after.isdecimal()):
             raise Problem(422, f'after is the version that you have; found {after!r}')
         language = language_of(request, wordings(), '')
-        found = await watch.newest(int(after))
-        if found is None:
+        update = await watch.newest(int(after))
+        if update is None:
             raise Problem(503, 'the node does not tell its behaviour tree now')
-        version, newest = found
+        version, newest = update
         return Json({'version': version, 'tree': newest and _said(newest, language)})
 
     def _said(newest: Branch, language: str) -> dict[str, Any]:

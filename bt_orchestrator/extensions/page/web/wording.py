@@ -71,12 +71,12 @@ _CONDITIONS = ('wanted', 'condition')
 @cache
 def wordings() -> Mapping[str, PageWording]:
     """Return the words of each language of the page."""
-    found: dict[str, PageWording] = {}
+    by_language: dict[str, PageWording] = {}
     for path in sorted(_STRINGS.glob('*.json')):
         words = json.loads(path.read_text(encoding='utf-8'))
         kind = EnglishWording if path.stem == 'en' else PageWording
-        found[path.stem] = kind(words, path.stem)
-    return found
+        by_language[path.stem] = kind(words, path.stem)
+    return by_language
 
 
 @cache
@@ -162,15 +162,15 @@ class PageWording(Wording):
     def message(self, message: str) -> str:
         """Say a message of the node, which is in English."""
         known = self._strings['message']
-        facts = [replace(one, values=self._in_words(one.values)) for one in facts_of(message)]
+        facts = [replace(fact, values=self._in_words(fact.values)) for fact in facts_of(message)]
         return text_of(facts, message, known, known['or'])
 
     def _in_words(self, values: Mapping[str, str]) -> Mapping[str, str]:
         """Return what stands in the places of a sentence: conditions and reasons are words."""
-        said = {name: self.condition(values[name]) for name in _CONDITIONS if name in values}
+        worded = {name: self.condition(values[name]) for name in _CONDITIONS if name in values}
         if 'reason' in values:
-            said['reason'] = self._word('reason', values['reason'])
-        return {**values, **said}
+            worded['reason'] = self._word('reason', values['reason'])
+        return {**values, **worded}
 
     def report(self, words: str) -> str:
         """Say words, or a figure, of a report, which are in English."""
@@ -185,8 +185,8 @@ class PageWording(Wording):
             )
         if (known := _read('report', english)) is not None:
             key, values = known
-            said = {name: self._place(name, value) for name, value in values.items()}
-            return str(self._strings['report'][key].format(**said))
+            worded = {name: self._place(name, value) for name, value in values.items()}
+            return str(self._strings['report'][key].format(**worded))
         held = _HELD.fullmatch(english)
         if held is not None and held['reason'] in self._strings['reason']:
             head = f'{self._report(held["what"])}: ' if held['what'] else ''
@@ -239,11 +239,11 @@ class PageWording(Wording):
     ) -> str:
         """Say why something failed."""
         given = {'controller_says': controller_said, 'topic_says': topic_says}
-        said, topic = (
+        controller, topic = (
             self._word('reason', key).format(words=words) if words else ''
             for key, words in given.items()
         )
-        words = '; '.join(filter(None, (said, self.message(message), topic)))
+        words = '; '.join(filter(None, (controller, self.message(message), topic)))
         return why_words(self._word('reason', reason), words)
 
     def passed(self, reason: str) -> str:
@@ -283,8 +283,8 @@ class PageWording(Wording):
         return self._word('wait', 'cell_state').format(name=self._word('state', name))
 
     def _sections(self, numbers: tuple[int, ...]) -> str:
-        one = self._word('part', 'section')
-        named = [one.format(number=number) for number in numbers[:_FEW]]
+        pattern = self._word('part', 'section')
+        named = [pattern.format(number=number) for number in numbers[:_FEW]]
         if (more := len(numbers) - len(named)) > 0:
             plural = self._strings['wait']['more_sections']
             named.append(plural['one' if more == 1 else 'other'].format(count=more))
@@ -295,8 +295,8 @@ class PageWording(Wording):
         return str(self._strings[group].get(name, name if otherwise is None else otherwise))
 
 
-def _said(words: str, found: re.Match[str]) -> str:
-    return words.format(**found.groupdict())
+def _said(words: str, match: re.Match[str]) -> str:
+    return words.format(**match.groupdict())
 
 
 class EnglishWording(PageWording):

@@ -46,7 +46,7 @@ Prices = Mapping[str, Sequence[Price]]
 def explanation(made: Made, prices: Prices) -> Iterator[str]:
     """Yield a table of the tasks: where each is done, as what, and why there, and the prices."""
     headers = ('operation', 'section', 'component', 'capability', 'why')
-    facts = [one for one in made.generated.made.values() if one.capability]
+    facts = [fact for fact in made.generated.made.values() if fact.capability]
     rows = [
         (fact.operation, str(fact.section), fact.component, fact.capability, _why(fact, prices))
         for fact in facts
@@ -57,9 +57,9 @@ def explanation(made: Made, prices: Prices) -> Iterator[str]:
         yield '  '.join(cells).rstrip()
 
 
-def _why(one: Fact, prices: Prices) -> str:
-    told = [f'{price.component}: {price.words}' for price in prices.get(one.operation, ())]
-    return '; '.join([one.why.value, *told]) if told else reason_remark(one)
+def _why(fact: Fact, prices: Prices) -> str:
+    texts = [f'{price.component}: {price.words}' for price in prices.get(fact.operation, ())]
+    return '; '.join([fact.why.value, *texts]) if texts else reason_remark(fact)
 
 
 def plain(
@@ -67,7 +67,7 @@ def plain(
 ) -> Mapping[str, Any]:
     """Return it as data that JSON can carry."""
     script, claim = made.generated.script, made.generated.claim
-    found: dict[str, Any] = {
+    fields: dict[str, Any] = {
         'ok': True,
         'script': script.name,
         'made_from': vars(made.made_from),
@@ -78,18 +78,18 @@ def plain(
         'bound_s': claim.bound_s,
         'gap': claim.gap,
         'pace': Pacing(inputs.cell, inputs.types).of(script).plain(),
-        'tasks': [_task(task, one) for task, one in made.generated.made.items()],
+        'tasks': [_task(task, fact) for task, fact in made.generated.made.items()],
     }
     if prices:
-        found['prices'] = {
+        fields['prices'] = {
             name: [{**vars(way), 'words': way.words} for way in ways]
             for name, ways in prices.items()
         }
     if kept is not None:
         freely = kept.freely.claim.per_item_s
-        found['moved'] = list(kept.moved)
-        found['without_keep'] = {'per_item_s': freely, 'moved': list(kept.moved_freely)}
-    return found
+        fields['moved'] = list(kept.moved)
+        fields['without_keep'] = {'per_item_s': freely, 'moved': list(kept.moved_freely)}
+    return fields
 
 
 def plain_reasons(fault: NotMade) -> Mapping[str, Any]:
@@ -98,8 +98,8 @@ def plain_reasons(fault: NotMade) -> Mapping[str, Any]:
     return {'ok': False, 'reasons': reasons, 'proven': not isinstance(fault, NotFound)}
 
 
-def _task(task: str, one: Fact) -> Mapping[str, Any]:
+def _task(task: str, fact: Fact) -> Mapping[str, Any]:
     names = ('operation', 'capability', 'component', 'section')
-    facts = {name: getattr(one, name) for name in names}
-    others = list(one.alternatives)
-    return {'task': task, **facts, 'why': one.why.value, 'alternatives': others}
+    facts = {name: getattr(fact, name) for name in names}
+    others = list(fact.alternatives)
+    return {'task': task, **facts, 'why': fact.why.value, 'alternatives': others}

@@ -24,7 +24,7 @@ def orderable(folders: Sequence[Path]) -> Callable[[], list[DeclaredRecipe]]:
 
 def names(folders: Sequence[Path]) -> Set[str]:
     """Return the names of all recipes in some folders."""
-    return {one.name for one in shelf.shelved(folders)}
+    return {recipe.name for recipe in shelf.shelved(folders)}
 
 
 def maker(cell: Cell, types: ActionTypes, folders: Sequence[Path]) -> Maker:
@@ -55,7 +55,7 @@ def starter(
     made = make(inputs_of(texts[RECIPE_FILE], texts[CELL_FILE], types))
     cell, recipe, *others = texts
     return {
-        **{one: texts[one] for one in (cell, recipe)},
+        **{file: texts[file] for file in (cell, recipe)},
         SCRIPT_FILE: made.text,
-        **{one: texts[one] for one in others},
+        **{file: texts[file] for file in others},
     }

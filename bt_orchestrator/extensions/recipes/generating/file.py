@@ -58,18 +58,18 @@ def standing(path: Path) -> Standing:
     return Standing(path, text, read_origin(fields))
 
 
-def fault_of(found: Standing, made: Made) -> str | None:
+def fault_of(file: Standing, made: Made) -> str | None:
     """Say why a file is not what would be generated now; None: it is."""
-    before, now = found.made_from, made.made_from
+    before, now = file.made_from, made.made_from
     if before is None:
-        return f'{found.path} was not generated: it has no key `made_from`'
-    if found.was_edited:
-        return _edited(found, made)
+        return f'{file.path} was not generated: it has no key `made_from`'
+    if file.was_edited:
+        return _edited(file, made)
     changes = [*_changes(before, now)]
     if before.text_digest != now.text_digest:
         changes = changes or [*_program(before, now)] or ['other options (--without, --keep)']
     if changes:
-        return f'{found.path} is out of date: {", ".join(changes)}; {found.differing(made)}'
+        return f'{file.path} is out of date: {", ".join(changes)}; {file.differing(made)}'
     return None
 
 
@@ -91,22 +91,22 @@ def replace_file(path: Path, made: Made) -> None:
 
 def _check_replaceable(path: Path, made: Made) -> None:
     try:
-        found = standing(path)
+        file = standing(path)
     except Refused as refused:
         raise NotReplaced(f'{path} is there and is no script; give another -o') from refused
-    if found.made_from is None:
+    if file.made_from is None:
         raise NotReplaced(f'{path} is there and was not generated; give another -o')
-    if found.was_edited:
-        raise NotReplaced(_edited(found, made))
+    if file.was_edited:
+        raise NotReplaced(_edited(file, made))
 
 
-def _edited(found: Standing, made: Made) -> str:
+def _edited(file: Standing, made: Made) -> str:
     """Say that a file was edited; how much is known only if nothing else changed since."""
-    assert found.made_from is not None
-    is_all = not [*_changes(found.made_from, made.made_from)]
-    how_much = f' ({found.differing(made)})' if is_all else ''
+    assert file.made_from is not None
+    is_all = not [*_changes(file.made_from, made.made_from)]
+    how_much = f' ({file.differing(made)})' if is_all else ''
     remedy = 'put them into overrides, or give another -o'
-    return f'{found.path} was edited by hand{how_much}; {remedy}'
+    return f'{file.path} was edited by hand{how_much}; {remedy}'
 
 
 def _changes(before: MadeFrom, now: MadeFrom) -> Iterator[str]:

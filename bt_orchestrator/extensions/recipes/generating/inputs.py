@@ -32,7 +32,9 @@ class Inputs:
         """The components that have a capability which an operation asks for."""
         wanted = {name for operation in self.recipe.operations for name in operation.do}
         components = self.cell.components.items()
-        return frozenset(name for name, one in components if wanted & one.capabilities.keys())
+        return frozenset(
+            name for name, component in components if wanted & component.capabilities.keys()
+        )
 
     @property
     def made_from(self) -> MadeFrom:

@@ -56,16 +56,16 @@ def make(
     :raises NotVouchedFor: it does not pass
     """
     judge = judge_of(inputs)
-    found = plan(inputs, without, keep, judge)
+    generated = plan(inputs, without, keep, judge)
     if keep is not None:
-        found = _freely(found, inputs, without, judge)
-    comments = comments_of(found, inputs, without)
-    bare = write_script(replace(found.script, made_from=None), inputs.cell, comments)
+        generated = _freely(generated, inputs, without, judge)
+    comments = comments_of(generated, inputs, without)
+    bare = write_script(replace(generated.script, made_from=None), inputs.cell, comments)
     lacking = tuple(sorted(without & inputs.able))
     made_from = replace(inputs.made_from, text_digest=text_digest(bare), without=lacking)
-    script = replace(found.script, made_from=made_from)
+    script = replace(generated.script, made_from=made_from)
     made = Made(
-        replace(found, script=script), made_from, write_script(script, inputs.cell, comments)
+        replace(generated, script=script), made_from, write_script(script, inputs.cell, comments)
     )
     _try(made, inputs, judge)
     return made
@@ -81,16 +81,18 @@ def plan(inputs: Inputs, without: frozenset[str], keep: Script | None, judge: Ju
     )
 
 
-def _freely(found: Generated, inputs: Inputs, without: frozenset[str], judge: Judge) -> Generated:
+def _freely(
+    generated: Generated, inputs: Inputs, without: frozenset[str], judge: Judge
+) -> Generated:
     """Return the same script as made without one to keep; return other ones unchanged.
 
     A script that is generated anew on itself is then the same file, reasons and all.
     """
     with suppress(NotMade):
         freely = plan(inputs, without, None, judge)
-        if freely.script == found.script:
+        if freely.script == generated.script:
             return freely
-    return found
+    return generated
 
 
 def prices_of(
@@ -157,7 +159,7 @@ def _defect(what: str) -> str:
 # Remarks of a generated script about its lines: facts that stay, no figures.
 
 
-def comments_of(found: Generated, inputs: Inputs, without: Collection[str]) -> Comments:
+def comments_of(generated: Generated, inputs: Inputs, without: Collection[str]) -> Comments:
     """Return the comments of a generated script."""
     recipe = inputs.recipe
     origin_of_all = (
@@ -167,7 +169,9 @@ def comments_of(found: Generated, inputs: Inputs, without: Collection[str]) -> C
     )
     lacking = f'Without {", ".join(sorted(without))}.'
     head = [origin_of_all, lacking] if without else [origin_of_all]
-    return Comments(head, tasks={task: origin_remark(made) for task, made in found.made.items()})
+    return Comments(
+        head, tasks={task: origin_remark(made) for task, made in generated.made.items()}
+    )
 
 
 def origin_remark(made: Fact) -> str:
@@ -232,19 +236,19 @@ def outages(
         if not component.capabilities or name in without:
             continue
         try:
-            found = plan(inputs, without | {name}, keep, judge)
+            generated = plan(inputs, without | {name}, keep, judge)
         except NotMade as fault:
             is_proven = not isinstance(fault, NotFound)
             lost = _only_at(name, whole)
             yield Outage(name, only_there=lost, reasons=fault.reasons, is_proven=is_proven)
         else:
-            seconds, before = found.claim.per_item_s, whole.claim.per_item_s
+            seconds, before = generated.claim.per_item_s, whole.claim.per_item_s
             slower = seconds / before - 1 if before else 0.0
-            yield Outage(name, seconds, slower, moved(whole.script, found))
+            yield Outage(name, seconds, slower, moved(whole.script, generated))
 
 
 def _only_at(component: str, whole: Generated) -> tuple[str, ...]:
-    facts = (one for one in whole.made.values() if one.capability and not one.alternatives)
+    facts = (fact for fact in whole.made.values() if fact.capability and not fact.alternatives)
     return tuple(fact.operation for fact in facts if fact.component == component)
 
 
@@ -252,28 +256,30 @@ def moved(old: Script, now: Generated) -> tuple[str, ...]:
     """Return the operations that are done elsewhere than in a script."""
     return tuple(
         task
-        for task, one in now.made.items()
-        if one.capability
+        for task, fact in now.made.items()
+        if fact.capability
         and (
             task not in old.tasks
-            or old.tasks[task].component != one.component
-            or old.section_of(task) != one.section
+            or old.tasks[task].component != fact.component
+            or old.section_of(task) != fact.section
         )
     )
 
 
-def outage_lines(whole: Generated, found: Sequence[Outage]) -> Iterator[str]:
+def outage_lines(whole: Generated, all_outages: Sequence[Outage]) -> Iterator[str]:
     """Yield a table."""
     rows = [('all in service', f'{whole.claim.per_item_s:.1f} s per item', '')]
-    for one in found:
-        moved = f'{counted(len(one.elsewhere), "operation")} elsewhere' if one.elsewhere else ''
-        rows.append((one.component, one.words, moved))
+    for outage in all_outages:
+        moved = (
+            f'{counted(len(outage.elsewhere), "operation")} elsewhere' if outage.elsewhere else ''
+        )
+        rows.append((outage.component, outage.words, moved))
     width = max(len(out) for out, _, _ in rows)
     for out, words, moved in rows:
         yield f'{out.ljust(width)}  {words}{", " if moved else ""}{moved}'
 
 
-def plain_outages(whole: Generated, found: Sequence[Outage]) -> Mapping[str, Any]:
+def plain_outages(whole: Generated, all_outages: Sequence[Outage]) -> Mapping[str, Any]:
     """Return them as data that JSON can carry."""
-    each = [{**vars(one), 'words': one.words} for one in found]
+    each = [{**vars(outage), 'words': outage.words} for outage in all_outages]
     return {'ok': True, 'per_item_s': whole.claim.per_item_s, 'without': each}

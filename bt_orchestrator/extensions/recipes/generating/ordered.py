@@ -102,7 +102,7 @@ class RecipeMaker:
         overrides = NO_OVERRIDES
         if given is not None:
             overrides = read_overrides(given, recipe, self._cell)
-        wrong = [places.finding(one) for one in _unbound(choice, recipe, self._cell)]
+        wrong = [places.finding(problem) for problem in _unbound(choice, recipe, self._cell)]
         if wrong:
             raise Refused(wrong)
         if choice.bind:

@@ -231,11 +231,11 @@ def _without_each(
     args: argparse.Namespace, inputs: Inputs, without: frozenset[str], keep: Script | None
 ) -> int:
     whole = plan(inputs, without, keep, judge_of(inputs))
-    found = list(outages(inputs, whole, without, keep))
+    all_outages = list(outages(inputs, whole, without, keep))
     if args.json:
-        print(json.dumps(plain_outages(whole, found)))
+        print(json.dumps(plain_outages(whole, all_outages)))
     else:
-        print('\n'.join(outage_lines(whole, found)))
+        print('\n'.join(outage_lines(whole, all_outages)))
     return 0
 
 

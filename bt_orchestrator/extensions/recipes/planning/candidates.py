@@ -46,14 +46,14 @@ class Candidate:
     @property
     def runs_for(self) -> RunsFor:
         """The items that it runs for."""
-        found: RunsFor = self.options.get('runs_for', RunsFor.GOOD)
-        return found
+        items: RunsFor = self.options.get('runs_for', RunsFor.GOOD)
+        return items
 
     @cached_property
     def spaces(self) -> frozenset[str]:
         """The things for it alone at a time: its workspaces, and the component itself."""
-        found = {f'workspace {name}' for name in self.component.workspaces}
-        return frozenset(found | {self.component.name})
+        spaces = {f'workspace {name}' for name in self.component.workspaces}
+        return frozenset(spaces | {self.component.name})
 
 
 @dataclass
@@ -72,16 +72,16 @@ def candidates(
 
     :param without: components that are out of service
     """
-    found = Candidates()
+    result = Candidates()
     wanted = wanted_of(recipe, overrides)
     for operation in recipe.operations:
         ways = _Ways(cell, operation, overrides, wanted[operation.id])
         able = list(ways.find())
-        serving = [one for one in able if one.component.name not in without]
-        found.of[operation.id] = serving
+        serving = [candidate for candidate in able if candidate.component.name not in without]
+        result.of[operation.id] = serving
         if not serving:
-            found.reasons.append(_why_none(operation.id, able, ways))
-    return found
+            result.reasons.append(_why_none(operation.id, able, ways))
+    return result
 
 
 def wanted_of(recipe: Recipe, overrides: Overrides) -> Mapping[str, frozenset[str]]:
@@ -92,7 +92,7 @@ def wanted_of(recipe: Recipe, overrides: Overrides) -> Mapping[str, frozenset[st
             wanted[giver].add(name)
         for giver, names in named_results(operation, overrides):
             wanted[giver].update(names[:1])
-    return {one.id: frozenset(wanted[one.id]) for one in recipe.operations}
+    return {operation.id: frozenset(wanted[operation.id]) for operation in recipe.operations}
 
 
 def named_results(
@@ -105,9 +105,9 @@ def named_results(
     named += [reference for condition in conditions for reference in condition.references]
     if 'identifies' in options:
         named.append(Reference('results', operation.id, options['identifies']))
-    for one in named:
-        if one.source == 'results':
-            yield one.name, one.fields
+    for mention in named:
+        if mention.source == 'results':
+            yield mention.name, mention.fields
 
 
 class _Ways:
@@ -132,13 +132,13 @@ class _Ways:
                 if can is not None and self._fits(component, can):
                     yield from self._in_sections(component, can)
         if self.bound is not None and not self._can(self.bound):
-            can_not = ' or '.join(f'`{one}`' for one in self._operation.do)
+            can_not = ' or '.join(f'`{capability}`' for capability in self._operation.do)
             self.unfit.append(f'it is bound to {self.bound}, which does not have {can_not}')
 
     def _can(self, name: str) -> bool:
         component = self._cell.components.get(name)
         return component is not None and any(
-            one in component.capabilities for one in self._operation.do
+            capability in component.capabilities for capability in self._operation.do
         )
 
     def _fits(self, component: Component, can: Capability) -> bool:
@@ -146,14 +146,14 @@ class _Ways:
         who = f'`{can.name}` of {component.name}'
         faults = [
             *(
-                f'{who} needs `{one}`, and no operation gives it'
-                for one in can.needs
-                if one not in self._operation.needs
+                f'{who} needs `{thing}`, and no operation gives it'
+                for thing in can.needs
+                if thing not in self._operation.needs
             ),
             *(
-                f'{who} does not give `{one}`'
-                for one in sorted(self._wanted)
-                if one not in can.gives and one not in can.holds
+                f'{who} does not give `{thing}`'
+                for thing in sorted(self._wanted)
+                if thing not in can.gives and thing not in can.holds
             ),
         ]
         self.unfit += faults
@@ -172,7 +172,7 @@ class _Ways:
 
 def _why_none(operation: str, able: list[Candidate], ways: _Ways) -> str:
     if able:
-        names = list(dict.fromkeys(one.component.name for one in able))
+        names = list(dict.fromkeys(candidate.component.name for candidate in able))
         are = 'it is' if len(names) == 1 else 'they are'
         return f'`{operation}`: only {" or ".join(names)} could, and {are} out of service'
     why = '; '.join(dict.fromkeys(ways.unfit))

@@ -64,16 +64,16 @@ def _not_kept(problem: Problem, nodes: int) -> str:
     """Say what devices cannot keep together; without any one of it there would be a plan."""
     plans = copy(problem.plans)
     needed = plans.held
-    for one in plans.held:
-        plans.held = tuple(other for other in needed if other is not one)
+    for held in plans.held:
+        plans.held = tuple(other for other in needed if other is not held)
         with suppress(NotFound):
             if LineModel(plans).best(nodes) is None:
                 needed = plans.held
-    told = ', and '.join(
-        f'`{one.name}` of `{one.giver}` for {quoted(one.takers)}' for one in needed
+    things = ', and '.join(
+        f'`{held.name}` of `{held.giver}` for {quoted(held.takers)}' for held in needed
     )
     return (
-        f'no device can keep {told}: one keeps it for one operation, for so many sections as it '
+        f'no device can keep {things}: one keeps it for one operation, for so many sections as it '
         'has room, and not in a repeat'
     )
 
@@ -93,33 +93,33 @@ class Reasons:
         :param us: microseconds that the script takes for each item
         """
         plans, bind = self._problem.plans, self._problem.overrides.bind
-        found = chosen(solution.plan, plans)
-        others = {name: self._others(one) for name, one in found.items()}
-        whys = {name: Why.OVERRIDE if name in bind else Why.ONLY for name in found}
-        asked = {name for name in found if others[name] and name not in bind}
-        whys.update(self._whys({name: found[name] for name in asked}, solution, us))
+        candidates = chosen(solution.plan, plans)
+        others = {name: self._others(candidate) for name, candidate in candidates.items()}
+        whys = {name: Why.OVERRIDE if name in bind else Why.ONLY for name in candidates}
+        asked = {name for name in candidates if others[name] and name not in bind}
+        whys.update(self._whys({name: candidates[name] for name in asked}, solution, us))
         facts = {
             task.id: Made(task.id, '', task.component, 0, Why.ONLY)
             for task in script.initialization
         }
         for task in (task for section in script.sections.values() for task in section.tasks):
-            one = found[task.id]
+            candidate = candidates[task.id]
             facts[task.id] = Made(
                 operation=task.id,
-                capability=one.capability.name,
-                component=one.component.name,
-                section=one.section,
+                capability=candidate.capability.name,
+                component=candidate.component.name,
+                section=candidate.section,
                 why=whys[task.id],
                 alternatives=others[task.id],
             )
         return facts
 
-    def _others(self, one: Candidate) -> tuple[str, ...]:
-        plans, name = self._problem.plans, one.operation.id
+    def _others(self, candidate: Candidate) -> tuple[str, ...]:
+        plans, name = self._problem.plans, candidate.operation.id
         ways = plans.choices[plans.pieces.number_of[name]]
         members = (member for choice in ways for member in choice.members)
         same = [member.component.name for member in members if member.operation.id == name]
-        return tuple(other for other in dict.fromkeys(same) if other != one.component.name)
+        return tuple(other for other in dict.fromkeys(same) if other != candidate.component.name)
 
     def _whys(
         self, asked: Mapping[str, Candidate], solution: Solution, us: int
@@ -127,14 +127,16 @@ class Reasons:
         if not asked:
             return {}
         if self._problem.keep is not None:
-            moved = {name for name, one in asked.items() if self._problem.is_moved(one)}
+            moved = {
+                name for name, candidate in asked.items() if self._problem.is_moved(candidate)
+            }
             return {name: Why.FOUND if name in moved else Why.KEPT for name in asked}
         fast, is_proven = self._model.elsewhere(asked, self._nodes, us=us)
         slower = Why.PACE if is_proven else Why.FOUND
         whys = {name: slower for name in asked if name not in fast}
         if not fast:
             return whys
-        asked = {name: one for name, one in asked.items() if name in fast}
+        asked = {name: candidate for name, candidate in asked.items() if name in fast}
         good, is_proven = self._model.elsewhere(
             asked, self._nodes, us=us, spread_us=solution.spread_us
         )

@@ -117,11 +117,11 @@ class LineModel(LineRows):
         :param us: microseconds for each item, at most
         :return: the operations, and whether it is proven that there are no others
         """
-        size, found = self._model.size, set[str]()
+        size, names = self._model.size, set[str]()
         self._model.at_most({self._time: 1}, self._units(us))
         if spread_us is not None:
             self._model.at_most(self._spread, self._units(spread_us))
-        away = {name: self._away(one) for name, one in asked.items()}
+        away = {name: self._away(candidate) for name, candidate in asked.items()}
         cost = dict.fromkeys(away.values(), -1)
         for _ in range(_ROUNDS):
             try:
@@ -129,19 +129,19 @@ class LineModel(LineRows):
             except NotFound:
                 answer = None
             new = {name for name, number in away.items() if answer and answer.values[number]}
-            if new <= found:
+            if new <= names:
                 break
-            found |= new
-            cost = {number: -1 for name, number in away.items() if name not in found}
+            names |= new
+            cost = {number: -1 for name, number in away.items() if name not in names}
             if not cost:
                 break
         self._model.forget(size)
-        return found, not cost or (answer is not None and not answer.bound)
+        return names, not cost or (answer is not None and not answer.bound)
 
-    def _away(self, one: Candidate) -> int:
+    def _away(self, candidate: Candidate) -> int:
         """Return a variable that is at most whether another component does an operation."""
         away = self._model.variable()
-        others = self._by(one.operation.id, lambda name: name != one.component.name)
+        others = self._by(candidate.operation.id, lambda name: name != candidate.component.name)
         self._model.at_most({away: 1, **dict.fromkeys(others, -1)}, 0)
         return away
 

@@ -56,10 +56,10 @@ class LineRows:
 
     def _in(self, piece: int, fits: Callable[[Choice], bool]) -> list[Key]:
         ways = self._plans.choices[piece]
-        return [(piece, number) for number, one in enumerate(ways) if fits(one)]
+        return [(piece, number) for number, choice in enumerate(ways) if fits(choice)]
 
     def _beside(self, piece: int, section: int) -> list[Key]:
-        return self._in(piece, lambda one: one.section == section)
+        return self._in(piece, lambda choice: choice.section == section)
 
     # --- what is possible -------------------------------------------------------------------
 
@@ -71,7 +71,7 @@ class LineRows:
         for first, second in dict.fromkeys(
             (link.first, link.second) for link in self._plans.reach.links
         ):
-            for section in sorted({one.section for one in ways[second]}):
+            for section in sorted({choice.section for choice in ways[second]}):
                 self._none_before(first, second, section)
 
     def _none_before(self, first: int, second: int, section: int) -> None:
@@ -100,8 +100,8 @@ class LineRows:
                     ]
                     if choice.repeats:
                         self._model.at_most({self._chosen[key]: 1}, 0)
-                    for one in far:
-                        self._model.at_most({self._chosen[key]: 1, one: 1}, 1)
+                    for variable in far:
+                        self._model.at_most({self._chosen[key]: 1, variable: 1}, 1)
         for keepers in givers.values():
             self._model.at_most(Counter(keepers), 1)
 
@@ -118,10 +118,10 @@ class LineRows:
             model.at_most({lead: 1, self._chosen[key]: -1}, 0)
             for other in before[key[0]]:
                 terms = {lead: 1}
-                for one in self._beside(other, choice.section):
-                    terms[self._chosen[one]] = 1
-                    if one in self._leading:
-                        terms[self._leading[one]] = -1
+                for other_key in self._beside(other, choice.section):
+                    terms[self._chosen[other_key]] = 1
+                    if other_key in self._leading:
+                        terms[self._leading[other_key]] = -1
                 if len(terms) > 1:
                     model.at_most(terms, 1)
 
@@ -132,9 +132,9 @@ class LineRows:
             choice = self._choice(key)
             with_it = [
                 [
-                    self._trailing[one]
-                    for one in self._beside(other, choice.section)
-                    if one in self._trailing
+                    self._trailing[other_key]
+                    for other_key in self._beside(other, choice.section)
+                    if other_key in self._trailing
                 ]
                 for other in behind[key[0]]
             ]
@@ -159,10 +159,10 @@ class LineRows:
             model.at_most({closing: 1, self._chosen[key]: -1}, 0)
             for other in self._plans.pieces.behind[key[0]]:
                 terms = {closing: 1}
-                for one in self._beside(other, section):
-                    terms[self._chosen[one]] = 1
-                    if one in self._trailing:
-                        terms[self._trailing[one]] = -1
+                for other_key in self._beside(other, section):
+                    terms[self._chosen[other_key]] = 1
+                    if other_key in self._trailing:
+                        terms[self._trailing[other_key]] = -1
                 model.at_most(terms, 1)
         for trail in trails:
             model.at_most({trail: 1, **dict.fromkeys(closings.values(), -1)}, 0)

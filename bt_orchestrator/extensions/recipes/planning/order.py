@@ -29,11 +29,11 @@ def ends(candidates: Mapping[str, Sequence[Candidate]]) -> tuple[Ends | None, li
     changes = {name: {way.qty_change for way in ways} for name, ways in candidates.items()}
     faults = [
         f'`{name}` changes the number of items with one component, and not with another one'
-        for name, found in changes.items()
-        if len(found) > 1
+        for name, amounts in changes.items()
+        if len(amounts) > 1
     ]
-    places = [name for name, found in changes.items() if found == {1}]
-    takes = [name for name, found in changes.items() if found == {-1}]
+    places = [name for name, amounts in changes.items() if amounts == {1}]
+    takes = [name for name, amounts in changes.items() if amounts == {-1}]
     good = [name for name in takes if _runs_for(candidates[name], rejected=False)]
     if not places:
         faults.append('no operation places the item on the belt')
@@ -100,36 +100,40 @@ class Order:
             if name in early:
                 continue
             before = {name, *self.all_before(name)}
-            behind = [one for one in self._take_rejected if one not in before]
+            behind = [taker for taker in self._take_rejected if taker not in before]
             if not behind:
                 yield f'an item that `{name}` rejects is never taken out'
             if len(behind) > 1:
                 yield f'an item that `{name}` rejects is taken out twice, by {quoted(behind)}'
 
     def _needs_item(self, name: str) -> bool:
-        return any(one.needs_belt or one.may_reject for one in self._candidates[name])
+        return any(
+            candidate.needs_belt or candidate.may_reject for candidate in self._candidates[name]
+        )
 
     @property
     def _rejecting(self) -> list[str]:
         can = self._candidates
-        return [name for name in self.before if any(one.may_reject for one in can[name])]
+        return [
+            name for name in self.before if any(candidate.may_reject for candidate in can[name])
+        ]
 
     @property
     def _take_rejected(self) -> list[str]:
         if self._line.all_leave_by:
             return [self._line.all_leave_by]
         can = self._candidates
-        return [one for one in self._line.takes if _runs_for(can[one], rejected=True)]
+        return [name for name in self._line.takes if _runs_for(can[name], rejected=True)]
 
     def all_before(self, name: str) -> set[str]:
         """Return everything that comes before an operation, directly or not."""
-        found: set[str] = set()
+        names: set[str] = set()
         open_ends = [name]
         while open_ends:
-            new = self.before[open_ends.pop()] - found
-            found |= new
+            new = self.before[open_ends.pop()] - names
+            names |= new
             open_ends += new
-        return found
+        return names
 
 
 def _written(recipe: Recipe, overrides: Overrides) -> Iterator[tuple[str, str]]:

@@ -73,8 +73,8 @@ class Pieces:
         """Numbers of the pieces directly before each one."""
         self.behind: list[list[int]] = [[] for _ in range(count)]
         for number, names in enumerate(self.members):
-            found = {self.number_of[one] for name in names for one in order.before[name]}
-            self.before[number] = sorted(found - {number})
+            numbers = {self.number_of[earlier] for name in names for earlier in order.before[name]}
+            self.before[number] = sorted(numbers - {number})
             for other in self.before[number]:
                 self.behind[other].append(number)
         repeated = {name for rework in recipe.reworks for name in rework.operations}
@@ -98,11 +98,11 @@ class Pieces:
 
 
 def _closed(next_to: Sequence[Sequence[int]], numbers: range) -> list[int]:
-    found = [0] * len(next_to)
+    masks = [0] * len(next_to)
     for number in numbers:
         for other in next_to[number]:
-            found[number] |= found[other] | 1 << other
-    return found
+            masks[number] |= masks[other] | 1 << other
+    return masks
 
 
 def _grouped(recipe: Recipe) -> list[tuple[str, ...]]:
@@ -121,26 +121,26 @@ def _sorted(
     """Return pieces in an order that fits their waits; or a circle of waits."""
     of = {name: piece for piece in pieces for name in piece}
     waits = {
-        piece: {of[one] for name in piece for one in order.before[name]} - {piece}
+        piece: {of[earlier] for name in piece for earlier in order.before[name]} - {piece}
         for piece in pieces
     }
     try:
-        TopologicalSorter({piece: sorted(one) for piece, one in waits.items()}).prepare()
+        TopologicalSorter({piece: sorted(others) for piece, others in waits.items()}).prepare()
     except CycleError as circle:
         return [], tuple(piece[0] for piece in circle.args[1])
-    left, found = list(pieces), []
+    left, sequence = list(pieces), []
     while left:
-        found.append(next(one for one in left if waits[one].isdisjoint(left)))
-        left.remove(found[-1])
-    return found, ()
+        sequence.append(next(piece for piece in left if waits[piece].isdisjoint(left)))
+        left.remove(sequence[-1])
+    return sequence, ()
 
 
 def _choices(candidates: Sequence[Sequence[Candidate]], repeats: bool) -> list[Choice]:
     if len(candidates) == 1:
-        return [Choice((one,), repeats) for one in candidates[0]]
-    sections = {one.section for one in candidates[0]}
-    found: list[Choice] = []
+        return [Choice((candidate,), repeats) for candidate in candidates[0]]
+    sections = {candidate.section for candidate in candidates[0]}
+    choices: list[Choice] = []
     for section in sorted(sections):
         here = [[way for way in ways if way.section == section] for ways in candidates]
-        found += [Choice(members, repeats) for members in product(*here)][:MOST_CHOICES]
-    return found
+        choices += [Choice(members, repeats) for members in product(*here)][:MOST_CHOICES]
+    return choices

@@ -59,15 +59,15 @@ class Problem:
         """Write a plan down."""
         return PlanWriter(plan, self.plans, self.cell, self.recipe, self.without).script()
 
-    def is_moved(self, one: Candidate) -> bool:
+    def is_moved(self, candidate: Candidate) -> bool:
         """Tell whether an operation would be done elsewhere than in the script that is kept."""
         if self.keep is None:
             return False
-        before = self.keep.tasks.get(one.operation.id)
+        before = self.keep.tasks.get(candidate.operation.id)
         return (
             before is None
-            or before.component != one.component.name
-            or self.keep.section_of(before.id) != one.section
+            or before.component != candidate.component.name
+            or self.keep.section_of(before.id) != candidate.section
         )
 
     def _reach(self) -> Reach:
@@ -138,11 +138,11 @@ class Planner:
             own_s = solution.us / 1_000_000
             bound_s = solution.bound_us / 1_000_000 if bound_s is None else bound_s
             if best is None or own_s < best.claim.per_item_s - SAME_S:
-                found = self._judged(solution, bound_s)
+                rival = self._judged(solution, bound_s)
                 is_better = best is None or (
-                    found and found.claim.per_item_s < best.claim.per_item_s - SAME_S
+                    rival and rival.claim.per_item_s < best.claim.per_item_s - SAME_S
                 )
-                best = found if is_better else best
+                best = rival if is_better else best
             if best is not None and own_s >= best.claim.per_item_s - SAME_S:
                 break  # the others are no better
         if best is None and bound_s is not None:
@@ -165,11 +165,11 @@ class Planner:
     def _judged(self, solution: Solution, bound_s: float) -> Best | None:
         """Compute the pace of a plan anew; None: it gets stuck."""
         script = self._problem.script(solution.plan)
-        found = pace(script, self._problem.cell)
-        if found is None:
+        line_pace = pace(script, self._problem.cell)
+        if line_pace is None:
             return None
-        claim = Claim(found, None, bound_s, solution.spread_us / 1_000_000)
-        if found.not_counted and self._problem.plans.shared:
+        claim = Claim(line_pace, None, bound_s, solution.spread_us / 1_000_000)
+        if line_pace.not_counted and self._problem.plans.shared:
             judged_s = self._judge.pace_s(script)
             if judged_s is None:
                 return None

@@ -26,10 +26,10 @@ class Held:
     takers: tuple[str, ...]
     """In the order of the recipe."""
 
-    def is_kept_by(self, one: Candidate) -> bool:
+    def is_kept_by(self, candidate: Candidate) -> bool:
         """Tell whether the device keeps it; else it travels with the item, in the results."""
-        can = one.capability
-        return one.operation.id == self.giver and self.name in {*can.holds} - {*can.gives}
+        can = candidate.capability
+        return candidate.operation.id == self.giver and self.name in {*can.holds} - {*can.gives}
 
 
 @dataclass
@@ -47,7 +47,7 @@ class Reach:
         for names, ways in zip(self.pieces.members, choices, strict=True):
             if not ways:
                 self.reason = f'no section has components for all of {quoted(names)}, which repeat'
-        self.sections = [sorted({one.section for one in ways}) for ways in choices]
+        self.sections = [sorted({way.section for way in ways}) for ways in choices]
         if not self.reason:
             self._narrow()
 
@@ -55,8 +55,8 @@ class Reach:
     def links(self) -> list[Demand]:
         """The pieces that are not done behind others."""
         pieces, line = self.pieces, self.line
-        names = [one[0] for one in pieces.members]
-        found = [
+        names = [member[0] for member in pieces.members]
+        demands = [
             Demand(f'`{names[second]}` comes after `{names[first]}`', first, second)
             for second, before in enumerate(pieces.before)
             for first in before
@@ -65,23 +65,23 @@ class Reach:
         for number, name in enumerate(names):
             if number != places:
                 words = f'`{names[places]}` places the item before `{name}`'
-                found.append(Demand(words, places, number))
+                demands.append(Demand(words, places, number))
             if len(line.takes) == 1 and number != takes:
                 words = f'`{names[takes]}` takes the item out after `{name}`'
-                found.append(Demand(words, number, takes))
-        return found
+                demands.append(Demand(words, number, takes))
+        return demands
 
     def _narrow(self) -> None:
         """Take away what does not fit, or say what contradicts what."""
         demands = [*self.links, *self._rooms(), *map(self._where, range(len(self.pieces)))]
-        most = max(one[-1] for one in self.sections)
+        most = max(numbers[-1] for numbers in self.sections)
         left = narrowed(demands, len(self.pieces), most)
-        self.sections = [sorted(one) for one in left]
+        self.sections = [sorted(numbers) for numbers in left]
         if not all(left):
             needed = irreducible(demands, len(self.pieces), most)
             self.reason = (
                 'items move down the belt only, and these demands contradict each other: '
-                + '; '.join(one.words for one in needed)
+                + '; '.join(demand.words for demand in needed)
             )
 
     def _where(self, piece: int) -> Demand:
@@ -89,8 +89,10 @@ class Reach:
         who: dict[int, dict[str, None]] = {section: {} for section in self.sections[piece]}
         for choice in self.pieces.choices[piece]:
             who[choice.section][choice.members[0].component.name] = None
-        told = ' or '.join(f'at {" or ".join(one)} in section {n}' for n, one in who.items())
-        return Demand(f'`{self.pieces.members[piece][0]}` only {told}', piece, sections=(*who,))
+        places = ' or '.join(
+            f'at {" or ".join(components)} in section {n}' for n, components in who.items()
+        )
+        return Demand(f'`{self.pieces.members[piece][0]}` only {places}', piece, sections=(*who,))
 
     def _rooms(self) -> Iterator[Demand]:
         """Yield how far what a device keeps may go; what travels with the item has no limit."""
@@ -98,7 +100,9 @@ class Reach:
         for held in self.held:
             giver, room = number_of[held.giver], dict[int, int]()
             for choice in self.pieces.choices[giver]:
-                kept = [one.capability.holds for one in choice.members if held.is_kept_by(one)]
+                kept = [
+                    member.capability.holds for member in choice.members if held.is_kept_by(member)
+                ]
                 many = kept[0][held.name] if kept else 1_000_000
                 room[choice.section] = max(room.get(choice.section, 0), choice.section + many)
             most = max(last - section for section, last in room.items())
@@ -134,8 +138,8 @@ def irreducible(demands: Sequence[Demand], pieces: int, sections: int) -> list[D
     :param sections: of the belt
     """
     needed = list(demands)
-    for one in demands:
-        others = [other for other in needed if other is not one]
+    for demand in demands:
+        others = [other for other in needed if other is not demand]
         if not all(narrowed(others, pieces, sections)):
             needed = others
     return needed
@@ -144,19 +148,19 @@ def irreducible(demands: Sequence[Demand], pieces: int, sections: int) -> list[D
 def narrowed(demands: Sequence[Demand], pieces: int, sections: int) -> list[set[int]]:
     """Return the sections of each piece that fit to others; of some there is none if none do."""
     left = [set(range(1, sections + 1)) for _ in range(pieces)]
-    for one in demands:
-        if one.second < 0:
-            left[one.first] &= {*one.sections}
-    pairs = [one for one in demands if one.second >= 0]
+    for demand in demands:
+        if demand.second < 0:
+            left[demand.first] &= {*demand.sections}
+    pairs = [demand for demand in demands if demand.second >= 0]
     before = 0
     while all(left) and before != (before := sum(map(len, left))):
-        for one in pairs:
-            first, second = left[one.first], left[one.second]
-            last = dict(one.room)
+        for demand in pairs:
+            first, second = left[demand.first], left[demand.second]
+            last = dict(demand.room)
             fits = {
                 here: {there for there in second if here <= there <= last.get(here, sections)}
                 for here in first
             }
-            left[one.first] = {here for here in first if fits[here]}
-            left[one.second] = set().union(*fits.values())
+            left[demand.first] = {here for here in first if fits[here]}
+            left[demand.second] = set().union(*fits.values())
     return left

@@ -45,7 +45,9 @@ class PlanWriter:
         initialization, order = self._initialization()
         script = Script(
             name=self._recipe.script,
-            sections={number: self._section(number, one) for number, one in self._lists.items()},
+            sections={
+                number: self._section(number, section) for number, section in self._lists.items()
+            },
             initialization=initialization,
             initialization_dependencies=order,
             dependencies=tuple(self._flags()),
@@ -61,9 +63,11 @@ class PlanWriter:
 
     # --- lists ------------------------------------------------------------------------------
 
-    def _section(self, number: int, one: Listed) -> SectionList:
-        release = Release.AFTER_LAST_CONVEYOR_TASK if one.releases_early else Release.END_OF_CYCLE
-        return SectionList(number, tuple(self._step(group) for group in one.groups), release)
+    def _section(self, number: int, section: Listed) -> SectionList:
+        release = (
+            Release.AFTER_LAST_CONVEYOR_TASK if section.releases_early else Release.END_OF_CYCLE
+        )
+        return SectionList(number, tuple(self._step(group) for group in section.groups), release)
 
     def _step(self, group: Group) -> Step:
         return Step(
@@ -73,57 +77,57 @@ class PlanWriter:
             )
         )
 
-    def _task(self, one: Candidate) -> Task:
-        options: dict[str, Any] = self._values.options(one)
-        if one.operation.id == self._plans.reach.line.all_leave_by:
+    def _task(self, candidate: Candidate) -> Task:
+        options: dict[str, Any] = self._values.options(candidate)
+        if candidate.operation.id == self._plans.reach.line.all_leave_by:
             options['runs_for'] = RunsFor.ALL
-        name, args = one.capability.task, self._values.args(one)
+        name, args = candidate.capability.task, self._values.args(candidate)
         return Task(
-            id=one.operation.id,
+            id=candidate.operation.id,
             name=name,
-            action=one.component.action,
-            component=one.component.name,
+            action=candidate.component.action,
+            component=candidate.component.name,
             args=args,
-            change=change_by(one.component, name, args),
-            **{'timeout_s': one.component.timeout_s, **options},
+            change=change_by(candidate.component, name, args),
+            **{'timeout_s': candidate.component.timeout_s, **options},
         )
 
     def _repeats(self) -> Iterator[Repeat]:
         """Yield the repeats, along the belt."""
         times = {rework.operations[0]: rework.times for rework in self._recipe.reworks}
-        for one in self._listed():
-            names = tuple(member.operation.id for member in one.choice.members)
-            if one.choice.repeats:
+        for entry in self._listed():
+            names = tuple(member.operation.id for member in entry.choice.members)
+            if entry.choice.repeats:
                 yield Repeat(names, times[names[0]])
 
     def _listed(self) -> Iterator[Entry]:
         """Yield what is in the lists, along the belt."""
-        groups = (group for one in self._lists.values() for group in one.groups)
+        groups = (group for section in self._lists.values() for group in section.groups)
         return (entry for group in groups for track in group for entry in track)
 
     # --- what sections share ----------------------------------------------------------------
 
     def _flags(self) -> Iterator[Dependency]:
         """Yield a flag for all that a device keeps: data that travels with an item needs none."""
-        kept = [one for one in self._plans.held if one.is_kept_by(self._chosen[one.giver])]
-        devices = [self._chosen[one.giver].component.name for one in kept]
+        kept = [held for held in self._plans.held if held.is_kept_by(self._chosen[held.giver])]
+        devices = [self._chosen[held.giver].component.name for held in kept]
         members = (member for entry in self._listed() for member in entry.choice.members)
         rank = {member.operation.id: rank for rank, member in enumerate(members)}
-        for one, device in zip(kept, devices, strict=True):
-            flag = device if devices.count(device) == 1 else f'{device}_{one.name}'
-            last = max(one.takers, key=lambda taker: rank[taker])
-            capacity = self._chosen[one.giver].capability.holds[one.name]
-            yield Dependency(flag.replace('.', '_'), one.giver, last, capacity)
+        for held, device in zip(kept, devices, strict=True):
+            flag = device if devices.count(device) == 1 else f'{device}_{held.name}'
+            last = max(held.takers, key=lambda taker: rank[taker])
+            capacity = self._chosen[held.giver].capability.holds[held.name]
+            yield Dependency(flag.replace('.', '_'), held.giver, last, capacity)
 
     def _zones(self) -> Iterator[Zone]:
         """Yield the workspaces that several sections use."""
         users: dict[str, list[Candidate]] = {}
-        for one in self._chosen.values():
-            for name in one.component.workspaces:
-                users.setdefault(name, []).append(one)
-        for name, found in users.items():
-            if len({one.section for one in found}) > 1:
-                yield Zone(name, tuple(one.operation.id for one in found))
+        for candidate in self._chosen.values():
+            for name in candidate.component.workspaces:
+                users.setdefault(name, []).append(candidate)
+        for name, candidates in users.items():
+            if len({candidate.section for candidate in candidates}) > 1:
+                yield Zone(name, tuple(candidate.operation.id for candidate in candidates))
 
     # --- initialization ---------------------------------------------------------------------
 
@@ -131,12 +135,16 @@ class PlanWriter:
         self,
     ) -> tuple[tuple[Task, ...], tuple[InitializationDependency, ...]]:
         """Prepare the belt, the components that are used, and what has to be prepared before."""
-        used = {CONVEYOR, *(one.component.name for one in self._chosen.values())}
+        used = {CONVEYOR, *(candidate.component.name for candidate in self._chosen.values())}
         components = self._cell.components
         waiting = sorted(used)
         while waiting:
             prepare = components[waiting.pop()].prepare
-            more = [] if prepare is None else [one for one in prepare.after if one not in used]
+            more = (
+                []
+                if prepare is None
+                else [earlier for earlier in prepare.after if earlier not in used]
+            )
             used.update(more)
             waiting += more
         tasks, order = [], []
@@ -156,11 +164,13 @@ class PlanWriter:
             )
             order += [
                 InitializationDependency(first.id, prepare.id)
-                for first in (components[one].prepare for one in prepare.after)
+                for first in (components[earlier].prepare for earlier in prepare.after)
                 if first is not None
             ]
         known = {task.id for task in tasks}
-        return tuple(tasks), tuple(one for one in order if one.upstream in known)
+        return tuple(tasks), tuple(
+            dependency for dependency in order if dependency.upstream in known
+        )
 
 
 def chosen(plan: Plan, plans: Plans) -> dict[str, Candidate]:
@@ -181,15 +191,15 @@ class Values:
     def args(self, candidate: Candidate) -> dict[str, Any]:
         """Return the goal fields of a task."""
         capability, operation = candidate.capability, candidate.operation
-        found = _copy(capability.args)
+        fields = _copy(capability.args)
         for name, value in operation.parameters.items():
             if name in capability.parameters:  # or it is one of the alternative in `do`
-                _put(found, capability.parameters[name], self.renamed(value))
+                _put(fields, capability.parameters[name], self.renamed(value))
         for name, field in capability.needs.items():
             given = self._given(operation, name)
             if given is not None and field:
-                _put(found, field, Template((given,)))
-        return found
+                _put(fields, field, Template((given,)))
+        return fields
 
     def options(self, candidate: Candidate) -> dict[str, Any]:
         """Return the other fields of a task."""
@@ -222,8 +232,8 @@ class Values:
                     value=self.renamed(value.value),
                     at_least=self.renamed(value.at_least),
                     at_most=self.renamed(value.at_most),
-                    all=tuple(self.renamed(one) for one in value.all),
-                    any=tuple(self.renamed(one) for one in value.any),
+                    all=tuple(self.renamed(part) for part in value.all),
+                    any=tuple(self.renamed(part) for part in value.any),
                 )
             case Mapping():
                 return {key: self.renamed(member) for key, member in value.items()}

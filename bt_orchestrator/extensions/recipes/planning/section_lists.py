@@ -46,7 +46,7 @@ def listed(pieces: Pieces, entries: Sequence[Entry]) -> Listed:
         if closing is None:
             middle, trail = [*middle, *trail], []
         else:
-            middle = [*(one for one in middle if one is not closing), closing]
+            middle = [*(entry for entry in middle if entry is not closing), closing]
     parts = [_side_by_side(pieces, part) for part in (lead, middle, trail)]
     return Listed(tuple(group for part in parts for group in part), bool(trail))
 
@@ -54,35 +54,36 @@ def listed(pieces: Pieces, entries: Sequence[Entry]) -> Listed:
 def _parted(
     pieces: Pieces, entries: Sequence[Entry]
 ) -> tuple[list[Entry], list[Entry], list[Entry]]:
-    here = sum(1 << one.piece for one in entries)
+    here = sum(1 << entry.piece for entry in entries)
     leading = 0
-    for one in entries:
-        before = pieces.all_before[one.piece] & here
-        if not one.choice.needs_belt and not before & ~leading:
-            leading |= 1 << one.piece
+    for entry in entries:
+        before = pieces.all_before[entry.piece] & here
+        if not entry.choice.needs_belt and not before & ~leading:
+            leading |= 1 << entry.piece
     trailing, rest = 0, here & ~leading
-    for one in reversed(entries):
+    for entry in reversed(entries):
         behind, stays = (
-            pieces.all_behind[one.piece],
-            one.choice.needs_belt or one.choice.may_reject,
+            pieces.all_behind[entry.piece],
+            entry.choice.needs_belt or entry.choice.may_reject,
         )
-        if rest >> one.piece & 1 and not behind & ~trailing and not stays:
-            trailing |= 1 << one.piece
+        if rest >> entry.piece & 1 and not behind & ~trailing and not stays:
+            trailing |= 1 << entry.piece
     middle = rest & ~trailing
     lead, between, trail = (
-        [one for one in entries if part >> one.piece & 1] for part in (leading, middle, trailing)
+        [entry for entry in entries if part >> entry.piece & 1]
+        for part in (leading, middle, trailing)
     )
     return lead, between, trail
 
 
 def _closing(pieces: Pieces, middle: Sequence[Entry]) -> Entry | None:
     """Return what can be the last one that needs the belt; None: something has to come behind."""
-    here = sum(1 << one.piece for one in middle)
+    here = sum(1 << entry.piece for entry in middle)
     return next(
         (
-            one
-            for one in reversed(middle)
-            if one.choice.needs_belt and not pieces.all_behind[one.piece] & here
+            entry
+            for entry in reversed(middle)
+            if entry.choice.needs_belt and not pieces.all_behind[entry.piece] & here
         ),
         None,
     )
@@ -96,41 +97,42 @@ def _side_by_side(pieces: Pieces, entries: Sequence[Entry]) -> list[Group]:
 
     The entries of a group fall into tracks that have nothing to do with each other.
     """
-    if sum(not one.choice.is_alone for one in entries) < 2:
-        return [((one,),) for one in entries]
+    if sum(not entry.choice.is_alone for entry in entries) < 2:
+        return [((entry,),) for entry in entries]
     best: list[tuple[int, int, list[Group]]] = [(0, 0, [])]
     for end in range(1, len(entries) + 1):
-        found = []
+        ways = []
         for begin in range(end):
             group = _tracks(pieces, entries[begin:end])
             if end - begin > 1 and len(group) == 1:
                 continue  # as long as its parts alone
             us, size, before = best[begin]
-            found.append((us + _us(group), size + (len(group) > 1), [*before, group]))
-        best.append(min(found, key=lambda one: one[:2]))
+            ways.append((us + _us(group), size + (len(group) > 1), [*before, group]))
+        best.append(min(ways, key=lambda way: way[:2]))
     return best[-1][2]
 
 
 def _tracks(pieces: Pieces, entries: Sequence[Entry]) -> Group:
     tracks: list[list[Entry]] = []
-    for one in entries:
-        met = [track for track in tracks if any(_meet(pieces, one, other) for other in track)]
+    for entry in entries:
+        met = [track for track in tracks if any(_meet(pieces, entry, other) for other in track)]
         joined = [other for track in met for other in track]
         tracks = [track for track in tracks if track not in met]
-        tracks.append([*sorted(joined), one] if joined else [one])
+        tracks.append([*sorted(joined), entry] if joined else [entry])
     tracks.sort(key=lambda track: track[0].piece)
     return tuple(map(tuple, tracks))
 
 
-def _meet(pieces: Pieces, one: Entry, other: Entry) -> bool:
+def _meet(pieces: Pieces, entry: Entry, other: Entry) -> bool:
     """Tell whether two pieces cannot run at the same time."""
-    if one.choice.is_alone or other.choice.is_alone:
+    if entry.choice.is_alone or other.choice.is_alone:
         return True
     ordered = (
-        pieces.all_before[one.piece] >> other.piece | pieces.all_before[other.piece] >> one.piece
+        pieces.all_before[entry.piece] >> other.piece
+        | pieces.all_before[other.piece] >> entry.piece
     )
-    return bool(ordered & 1) or not one.choice.spaces.isdisjoint(other.choice.spaces)
+    return bool(ordered & 1) or not entry.choice.spaces.isdisjoint(other.choice.spaces)
 
 
 def _us(group: Group) -> int:
-    return max(sum(one.choice.us for one in track) for track in group)
+    return max(sum(entry.choice.us for entry in track) for track in group)

@@ -97,17 +97,17 @@ class Model:
             values = list(begin.values)
         elif not self._is_met(values):
             raise NotFound([f'not found within {nodes:,} nodes; not proven impossible'])
-        found = sum(values[number] * one for number, one in cost.items())
+        total = sum(values[number] * factor for number, factor in cost.items())
         if status == highs.HighsModelStatus.kOptimal:
-            return Answer(values, found, found)
+            return Answer(values, total, total)
         bound = solver.getInfo().mip_dual_bound
         least = math.ceil(bound - _ROUNDING) if math.isfinite(bound) else -(10**15)
-        return Answer(values, found, min(least, found))
+        return Answer(values, total, min(least, total))
 
     def _is_met(self, values: Sequence[int]) -> bool:
         """Judge values in whole numbers: the solver works with rounding errors."""
         return len(values) == len(self._most) and all(
-            least <= sum(values[number] * one for number, one in terms.items()) <= most
+            least <= sum(values[number] * factor for number, factor in terms.items()) <= most
             for terms, least, most in self._rows
         )
 
@@ -125,7 +125,7 @@ class Model:
         matrix.format_ = highs.MatrixFormat.kRowwise
         matrix.start_ = np.cumsum([0, *map(len, terms)])
         matrix.index_ = np.array([number for row in terms for number in row])
-        matrix.value_ = np.array([one for row in terms for one in row.values()], float)
+        matrix.value_ = np.array([factor for row in terms for factor in row.values()], float)
         program.integrality_ = [highs.HighsVarType.kInteger] * count
         silent = type('Silent', (highs.Highs,), {'enableCallbacks': lambda _: None})  # a banner
         solver: highspy.Highs = silent()

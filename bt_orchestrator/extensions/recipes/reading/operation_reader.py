@@ -79,11 +79,11 @@ class OperationReader:
             self._read(node)
         if not fields.is_sure('operations'):
             self._draft.note_unread_words(fields.unread_words('operations'))
-        after = {one.id: self._after(one) for one in self._listed.values()}
+        after = {entry.id: self._after(entry) for entry in self._listed.values()}
         before = _before(after)
         self._check_circles(after)
-        for number, one in enumerate(self._listed.values()):
-            self._add(one, number, after[one.id], before[one.id])
+        for number, entry in enumerate(self._listed.values()):
+            self._add(entry, number, after[entry.id], before[entry.id])
         drafts = {operation.id: operation for operation in self._draft.operations}
         for members, times, place in self._repeats:
             tasks = tuple(drafts[member] for member in members)
@@ -104,7 +104,7 @@ class OperationReader:
             what = 'this repeat has no operations'
             self._report.add(fields.place('repeat'), what, 'give it one, or remove it')
         read = [self._member(item, number > 0) for number, item in enumerate(items)]
-        members = [one for one in read if one is not None]
+        members = [member for member in read if member is not None]
         self._repeats.append(_Repeated(members, fields.whole('times'), fields.node.place))
 
     def _member(self, node: Node, is_member: bool) -> str | None:
@@ -150,45 +150,55 @@ class OperationReader:
 
     # --- the order --------------------------------------------------------------------------
 
-    def _after(self, one: _Listed) -> tuple[str, ...]:
+    def _after(self, entry: _Listed) -> tuple[str, ...]:
         """Return the operations directly before; without a word about it the one above."""
-        names = one.fields.names('after')
-        above = [one.above] if one.above else []
-        if not one.fields.has('after') or not one.fields.is_sure('after'):
+        names = entry.fields.names('after')
+        above = [entry.above] if entry.above else []
+        if not entry.fields.has('after') or not entry.fields.is_sure('after'):
             return tuple(above)
-        known = above if one.is_member else []
+        known = above if entry.is_member else []
         for name in names:
             if name.text in self._listed:
                 known.append(name.text)
             elif not self._draft.may_have(name.text):
                 what = f'`after: [{name.text}]` names no operation'
-                ids = [one for one in self._listed if not one.startswith(_NAMELESS)]
+                ids = [id_ for id_ in self._listed if not id_.startswith(_NAMELESS)]
                 hint = did_you_mean(name.text, ids, f'the operations are {listing(ids)}')
                 self._report.add(name.place, what, hint)
         return tuple(dict.fromkeys(known))
 
     def _check_circles(self, after: Mapping[str, Sequence[str]]) -> None:
-        edges = [(upstream, one) for one, all_before in after.items() for upstream in all_before]
+        edges = [
+            (upstream, downstream)
+            for downstream, all_before in after.items()
+            for upstream in all_before
+        ]
         for circle in circles(edges):
-            said = [one for one in circle[1:] if self._listed[one].fields.has('after')]
-            place = self._listed[said[-1]].fields.place('after')
+            waiters = [
+                operation
+                for operation in circle[1:]
+                if self._listed[operation].fields.has('after')
+            ]
+            place = self._listed[waiters[-1]].fields.place('after')
             what = f'operations wait for each other: {", ".join(circle)}'
             self._report.add(place, what, 'let one of them come first')
 
     # --- who does it ------------------------------------------------------------------------
 
     def _add(
-        self, one: _Listed, number: int, after: tuple[str, ...], before: frozenset[str]
+        self, entry: _Listed, number: int, after: tuple[str, ...], before: frozenset[str]
     ) -> None:
-        does = one.fields.names('do')
-        if not does and one.fields.has('do') and one.fields.is_sure('do'):
-            self._report.add(one.fields.place('do'), '`do` is empty', OPERATION.by_name['do'].hint)
+        does = entry.fields.names('do')
+        if not does and entry.fields.has('do') and entry.fields.is_sure('do'):
+            self._report.add(
+                entry.fields.place('do'), '`do` is empty', OPERATION.by_name['do'].hint
+            )
         candidates = tuple(c for name in does for c in self._candidates(name))
         names = tuple(name.text for name in does)
-        options = {**_agreed(candidates), **written_options(one.fields)}
+        options = {**_agreed(candidates), **written_options(entry.fields)}
         draft = OperationDraft(
-            Task(one.id, '', '', '', **options),
-            one.fields,
+            Task(entry.id, '', '', '', **options),
+            entry.fields,
             Position(1, 0, 0, number),
             None,
             given_by_all(candidates, names),
@@ -198,18 +208,18 @@ class OperationReader:
             after=after,
         )
         self._draft.operations.append(draft)
-        if not one.id.startswith(_NAMELESS):
-            self._draft.by_id[one.id] = draft
+        if not entry.id.startswith(_NAMELESS):
+            self._draft.by_id[entry.id] = draft
 
     def _candidates(self, name: Scalar) -> Iterator[Candidate]:
-        found = False
+        is_known = False
         for component in self._components:
             capability = component.capabilities.get(name.text)
             if capability is not None:
-                found = True
+                is_known = True
                 yield Candidate(component.name, self._types[component.name], capability)
-        if not found:
-            known = sorted({one for c in self._components for one in c.capabilities})
+        if not is_known:
+            known = sorted({key for c in self._components for key in c.capabilities})
             otherwise = f'the cell has {listing(known)}' if known else 'the cell has none at all'
             what = f'no component has the capability {quoted(name.text)}'
             self._report.add(name.place, what, did_you_mean(name.text, known, otherwise))
@@ -217,18 +227,18 @@ class OperationReader:
 
 def _before(after: Mapping[str, Sequence[str]]) -> dict[str, frozenset[str]]:
     """Return for each operation all that have ended before it starts."""
-    return {one: frozenset(_ahead(one, after)) for one in after}
+    return {operation: frozenset(_ahead(operation, after)) for operation in after}
 
 
-def _ahead(one: str, after: Mapping[str, Sequence[str]]) -> set[str]:
-    found: set[str] = set()
-    ahead = [*after[one]]
+def _ahead(start: str, after: Mapping[str, Sequence[str]]) -> set[str]:
+    operations: set[str] = set()
+    ahead = [*after[start]]
     while ahead:
         operation = ahead.pop()
-        if operation not in found:
-            found.add(operation)
+        if operation not in operations:
+            operations.add(operation)
             ahead += after[operation]
-    return found
+    return operations
 
 
 def _agreed(candidates: Sequence[Candidate]) -> dict[str, object]:

@@ -37,7 +37,7 @@ class OperationValues:
         verdict = ConditionReader(self._operation, afterwards, self._report).verdict()
         serial = read_serial(self._operation, afterwards, self._report)
         more = {'condition': condition, 'fails_unless': verdict, 'identifies': serial or None}
-        return options | {name: one for name, one in more.items() if one is not None}
+        return options | {name: value for name, value in more.items() if value is not None}
 
     # --- parameters -------------------------------------------------------------------------
 
@@ -57,7 +57,9 @@ class OperationValues:
             if candidates:
                 self._unknown(entry, 'parameters', 'has no parameter', 'it has')
             return None
-        fields = (one.goal_field(one.capability.parameters[name]) for one in having)
+        fields = (
+            candidate.goal_field(candidate.capability.parameters[name]) for candidate in having
+        )
         types = {type_.ros_name: type_ for type_ in fields}
         reader = MessageReader(self._report, self._references)
         read = [reader.value(entry.value, type_, name) for type_ in types.values()]
@@ -123,10 +125,10 @@ class OperationValues:
                 for taker in takers:
                     self._check_pair(entry, candidate, taker)
             else:
-                told = [*candidate.given, *candidate.capability.holds]
-                otherwise = f'it gives {listing(told)}' if told else 'it gives nothing'
+                things = [*candidate.given, *candidate.capability.holds]
+                otherwise = f'it gives {listing(things)}' if things else 'it gives nothing'
                 what = f'{candidate}, which does `{giver.id}`, does not give `{name}`'
-                self._report.add(entry.value.place, what, did_you_mean(name, told, otherwise))
+                self._report.add(entry.value.place, what, did_you_mean(name, things, otherwise))
         if giver.task.on_failure is OnFailure.CONTINUE and giver.fields.is_sure('on_failure'):
             what = (
                 f'`{self._operation.id}` needs `{name}` of `{giver.id}`, which may continue '
@@ -158,9 +160,9 @@ class OperationValues:
             if operation.precedes(self._operation)
         ]
         giving = [
-            one.id
-            for one in before
-            if any(name in c.given or name in c.capability.holds for c in one.candidates)
+            operation.id
+            for operation in before
+            if any(name in c.given or name in c.capability.holds for c in operation.candidates)
         ]
         what = f'{candidate} needs `{name}`'
         what += '' if giving else ', and no operation before gives it'
@@ -175,7 +177,7 @@ class OperationValues:
         """Report a name that no capability of the operation knows."""
         each = (getattr(candidate.capability, key) for candidate in self._operation.candidates)
         known = list(dict.fromkeys(name for names in each for name in names))
-        does = ' or '.join(f'`{one}`' for one in self._operation.does)
+        does = ' or '.join(f'`{capability}`' for capability in self._operation.does)
         otherwise = f'{has} {listing(known)}' if known else 'remove it'
         hint = did_you_mean(entry.key.text, known, otherwise)
         self._report.add(entry.key.place, f'{does} {lacks} {quoted(entry.key.text)}', hint)

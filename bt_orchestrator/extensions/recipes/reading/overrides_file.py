@@ -78,11 +78,11 @@ class _OverridesReader:
     def _order(self) -> Iterator[tuple[str, ...]]:
         wanted: list[tuple[str, str]] = []
         for node in self._fields.items('order'):
-            ids = tuple(one.text for one in self._ordered(node))
+            ids = tuple(scalar.text for scalar in self._ordered(node))
             wanted += pairwise(ids)
             yield ids
-        said = [(one, o.id) for o in self._recipe.operations for one in o.after]
-        for circle in circles([*said, *wanted]):
+        waits = [(earlier, o.id) for o in self._recipe.operations for earlier in o.after]
+        for circle in circles([*waits, *wanted]):
             what = f'operations would wait for each other: {", ".join(circle)}'
             place = self._fields.place('order')
             self._report.add(place, what, 'the order of the recipe has to be kept')
@@ -138,14 +138,14 @@ def misfit(operation_id: str, component: str, recipe: Recipe, cell: Cell) -> Unb
     """Say why a component cannot do an operation; None: it can."""
     operation = recipe.by_id[operation_id]
     able = [
-        one.name
-        for one in cell.components.values()
-        if not one.capabilities.keys().isdisjoint(operation.do)
+        candidate.name
+        for candidate in cell.components.values()
+        if not candidate.capabilities.keys().isdisjoint(operation.do)
     ]
     if component in able:
         return None
     what = f'bind {operation.id}: there is no component {quoted(component)}'
     if component in cell.components:
-        does = ' or '.join(f'`{one}`' for one in operation.do)
+        does = ' or '.join(f'`{capability}`' for capability in operation.do)
         what = f'bind {operation.id}: `{component}` does not have {does}'
     return Unbound(what, did_you_mean(component, able, f'only {listing(able)} can do it'))

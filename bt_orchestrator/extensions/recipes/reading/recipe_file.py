@@ -99,17 +99,17 @@ def check_balance(recipe: RecipeDraft, report: Report) -> None:
     agreed = [_check_agreement(operation, report) for operation in recipe.operations]
     placing = [operation for operation in recipe.operations if operation.task.qty_change > 0]
     taking = [operation for operation in recipe.operations if operation.task.qty_change < 0]
-    for one in placing:
-        check_placing(one, report)
-    for one in taking:
-        check_taking(one, report)
-    for one in placing[1:]:
-        what = f'two operations place the item: `{placing[0].id}` and `{one.id}`'
-        report.add(one.place('do'), what, 'keep one of them')
-    good = [one for one in taking if one.task.runs_for.includes(rejected=False)]
-    for one in good[1:]:
-        what = f'a good item is taken out twice, by `{good[0].id}` and by `{one.id}`'
-        report.add(one.place('do'), what, 'keep one, or set `runs_for: rejected` on the other')
+    for draft in placing:
+        check_placing(draft, report)
+    for draft in taking:
+        check_taking(draft, report)
+    for draft in placing[1:]:
+        what = f'two operations place the item: `{placing[0].id}` and `{draft.id}`'
+        report.add(draft.place('do'), what, 'keep one of them')
+    good = [draft for draft in taking if draft.task.runs_for.includes(rejected=False)]
+    for draft in good[1:]:
+        what = f'a good item is taken out twice, by `{good[0].id}` and by `{draft.id}`'
+        report.add(draft.place('do'), what, 'keep one, or set `runs_for: rejected` on the other')
     if not recipe.tasks_are_complete or not all(agreed):
         return
     place = recipe.fields.place('operations')

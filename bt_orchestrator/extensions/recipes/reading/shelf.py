@@ -105,7 +105,7 @@ def given_by_all(candidates: Sequence[Candidate], does: Sequence[str]) -> Action
         return None
     first, *others = (candidate.given for candidate in candidates)
     fields = {name: type_ for name, type_ in first.items() if all(name in o for o in others)}
-    name = ' or '.join(f'`{one}`' for one in does)
+    name = ' or '.join(f'`{capability}`' for capability in does)
     return ActionType(name, MessageType(name, {}), MessageType(name, fields))
 
 
@@ -131,9 +131,9 @@ def shelved(folders: Sequence[Path]) -> Iterator[Shelved]:
     """Yield the recipes in some folders; files that are none, or cannot be read, are left out."""
     for folder in folders:
         for path in scripts_in(folder):
-            found = shelved_at(path)
-            if found is not None:
-                yield found
+            file = shelved_at(path)
+            if file is not None:
+                yield file
 
 
 def find_recipe(
@@ -148,9 +148,9 @@ def find_recipe(
     """
     known = list(shelved(folders))
     versions: dict[int, Shelved] = {}
-    for one in known:
-        if one.name == name and versions.setdefault(one.version, one) is not one:
-            _refuse_twins(versions[one.version], one, places)
+    for file in known:
+        if file.name == name and versions.setdefault(file.version, file) is not file:
+            _refuse_twins(versions[file.version], file, places)
     wanted = max(versions, default=None) if choice.version is None else choice.version
     if wanted in versions:
         return versions[wanted]
@@ -169,7 +169,7 @@ def _missing(
         is_one = 'there is' if len(versions) == 1 else 'there are'
         what = f'recipe {name} has no version {choice.version}; {is_one} {there}'
         return Wrong('version', what, 'leave `version` out for the newest')
-    names = list(dict.fromkeys(one.name for one in known))
+    names = list(dict.fromkeys(file.name for file in known))
     looked = ', '.join(map(str, folders)) or 'no folder'
     what = f'there is no recipe {quoted(name)}: looked in {looked}'
     others = f'the recipes are {listing(names)}' if names else 'there are none; see --recipes'
@@ -247,27 +247,29 @@ def recipes_of(declared: Iterable[DeclaredVersion]) -> Iterator[DeclaredRecipe]:
 
     One whose newest version has mistakes is left out: an order of it would be refused.
     """
-    found: dict[str, dict[int, DeclaredVersion]] = {}
-    for one in declared:
-        found.setdefault(one.name, {}).setdefault(one.version, one)
-    for name, versions in sorted(found.items()):
+    by_name: dict[str, dict[int, DeclaredVersion]] = {}
+    for recipe in declared:
+        by_name.setdefault(recipe.name, {}).setdefault(recipe.version, recipe)
+    for name, versions in sorted(by_name.items()):
         if not versions[max(versions)].has_mistakes:
-            sound = [one for _, one in sorted(versions.items()) if not one.has_mistakes]
+            sound = [recipe for _, recipe in sorted(versions.items()) if not recipe.has_mistakes]
             yield DeclaredRecipe(name, tuple(sound))
 
 
 def _operations(node: MapNode, key: str) -> Iterator[tuple[str, tuple[str, ...]]]:
     """Yield operations with what they do; an order of one with mistakes tells them."""
-    for one in _listed(node, key):
-        if isinstance(one, MapNode):
-            yield from _operations(one, 'repeat')
-            ids, does = (tuple(_texts(one, key)) for key in ('id', 'do'))
+    for member in _listed(node, key):
+        if isinstance(member, MapNode):
+            yield from _operations(member, 'repeat')
+            ids, does = (tuple(_texts(member, key)) for key in ('id', 'do'))
             if ids and does:
                 yield ids[0], does
 
 
 def _texts(node: MapNode, key: str) -> Iterator[str]:
-    return (one.text for one in _listed(node, key) if isinstance(one, Scalar) and one.text)
+    return (
+        scalar.text for scalar in _listed(node, key) if isinstance(scalar, Scalar) and scalar.text
+    )
 
 
 def _listed(node: MapNode, key: str) -> Sequence[Node]:

@@ -80,5 +80,7 @@ def _name(device: Device, task: str | None, plan: Plan) -> str:
     """Return a name that no other device has."""
     if task is None:
         return device.name
-    every = Counter(one for other in plan.components for one, _ in _works(other, plan))
+    every = Counter(
+        other_task for other in plan.components for other_task, _ in _works(other, plan)
+    )
     return task.lower() if every[task] == 1 else f'{device.name}_{task.lower()}'

@@ -120,7 +120,10 @@ def _columns(sheet: Html, report: Beside, group: Group) -> None:
 
 def _chart(body: Html, row: Row) -> None:
     """Draw the first figure of each column as a bar from below, with the target across."""
-    cells = [TableCell(''), *(TableCell('', drawing=_bar(one, row.target)) for one in row.values)]
+    cells = [
+        TableCell(''),
+        *(TableCell('', drawing=_bar(value, row.target)) for value in row.values),
+    ]
     add_row(body, cells, [Column('')] * len(cells), 'chart')
 
 
@@ -137,16 +140,16 @@ def _bar(value: Fraction | None, target: Fraction | None) -> str:
 
 
 def _losses(sheet: Html, report: Beside) -> None:
-    found = report.largest()
-    if not found:
+    losses = report.largest()
+    if not losses:
         return
     sheet.add('h2', 'Largest losses')
     place = sheet.add('div', class_='losses')
-    for one in found:
+    for loss in losses:
         part = place.add('section')
-        share = percent(report.together.figures.of_planned(one.bar.us))
-        part.add('h3', f'{one.bar.title}: {duration(one.bar.us)}, {share} of planned time')
-        _causes(part.add('ul'), report, one)
+        share = percent(report.together.figures.of_planned(loss.bar.us))
+        part.add('h3', f'{loss.bar.title}: {duration(loss.bar.us)}, {share} of planned time')
+        _causes(part.add('ul'), report, loss)
 
 
 def _causes(listed: Html, report: Beside, loss: Largest) -> None:

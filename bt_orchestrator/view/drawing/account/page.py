@@ -82,8 +82,8 @@ def _head(sheet: Html, account: Account) -> None:
 
 def heading(sheet: Html, name: str) -> None:
     """Write the name of a period as the heading."""
-    said = sheet.words.report(name)
-    sheet.quote('h1', said[:1].upper() + said[1:])
+    words = sheet.words.report(name)
+    sheet.quote('h1', words[:1].upper() + words[1:])
 
 
 def _tiles(sheet: Html, account: Account) -> None:
@@ -111,12 +111,12 @@ def _seconds(us: Fraction | None) -> str:
 
 
 def _facts(sheet: Html, shown: Figures) -> None:
-    outside = sum(one.outside for one in shown.times.made)
+    outside = sum(job.outside for job in shown.times.made)
     bad = shown.produced - shown.good
-    said = f'{shown.produced}: {shown.good} good, {bad} not'
+    counts = f'{shown.produced}: {shown.good} good, {bad} not'
     passed = shown.first_pass
     facts = {
-        'made': f'{said}; {outside} more outside planned time' if outside else said,
+        'made': f'{counts}; {outside} more outside planned time' if outside else counts,
         'first pass': ''
         if passed is None or not shown.produced
         else f'{passed} good, first-pass yield {percent(shown.first_pass_yield)}',

@@ -61,47 +61,47 @@ def waterfall(sheet: Html, shown: Figures) -> None:
     numbers = _numbers('time', 'of planned')
     body = add_table(sheet, 'Where the time went', (Column(''), BAR, *numbers), 'whole')
     left = Fraction(0)
-    for one in shown.steps_seen():
-        begin, left = (left, left - one.us) if one.loss else (Fraction(0), one.us)
+    for step in shown.steps_seen():
+        begin, left = (left, left - step.us) if step.loss else (Fraction(0), step.us)
         drawn = TableCell(
             '', drawing=bar(*(shown.of_planned(us) or Fraction(0) for us in (begin, left)))
         )
-        told = (TableCell(_signed(one)), TableCell(percent(shown.of_planned(one.us))))
+        cells = (TableCell(_signed(step)), TableCell(percent(shown.of_planned(step.us))))
         columns = (Column(''), BAR, *numbers)
-        add_row(body, (TableCell(one.title), drawn, *told), columns, _kind(one))
-        for title, us in parts_of(shown, one.loss):
+        add_row(body, (TableCell(step.title), drawn, *cells), columns, _kind(step))
+        for title, us in parts_of(shown, step.loss):
             texts = (duration(us), percent(shown.of_planned(us)))
             add_row(body, map(TableCell, (title, '', *texts)), columns, 'is-part')
 
 
-def _kind(one: Bar) -> str:
-    return f'is-loss {_step(WORDS[one.loss].step)}' if one.loss else 'is-left'
+def _kind(step: Bar) -> str:
+    return f'is-loss {_step(WORDS[step.loss].step)}' if step.loss else 'is-left'
 
 
 def _step(step: Step) -> str:
     return step.value.replace(' ', '-')
 
 
-def _signed(one: Bar) -> str:
-    minus = '\N{MINUS SIGN}' if one.loss and one.us >= 0 else ''
-    return f'{minus}{duration(abs(one.us))}'
+def _signed(step: Bar) -> str:
+    minus = '\N{MINUS SIGN}' if step.loss and step.us >= 0 else ''
+    return f'{minus}{duration(abs(step.us))}'
 
 
 def stops(sheet: Html, shown: Figures) -> None:
     """Write the Pareto of the stops: how long, how often, the share of them and all above."""
-    found = [stop for stop in shown.times.stops if stop.is_shown]
-    if not found:
+    pareto = [stop for stop in shown.times.stops if stop.is_shown]
+    if not pareto:
         return
     columns = (Column(''), BAR, *_numbers('time', 'times', 'so far'))
     body = add_table(sheet, 'Stops', columns)
-    whole, so_far = sum(one.us for one in found), 0
-    for one in found:
-        so_far += one.us
-        part = PARTS[one.part].title if one.part in PARTS else ''
-        title = ', '.join(filter(None, (WORDS[one.loss].title, part)))
-        name = TableCell(title, one.about)
-        drawn = TableCell('', drawing=bar(0, Fraction(one.us, found[0].us)))
-        texts = (duration(one.us), str(one.times), percent(Fraction(so_far, whole)))
+    whole, so_far = sum(entry.us for entry in pareto), 0
+    for entry in pareto:
+        so_far += entry.us
+        part = PARTS[entry.part].title if entry.part in PARTS else ''
+        title = ', '.join(filter(None, (WORDS[entry.loss].title, part)))
+        name = TableCell(title, entry.about)
+        drawn = TableCell('', drawing=bar(0, Fraction(entry.us, pareto[0].us)))
+        texts = (duration(entry.us), str(entry.times), percent(Fraction(so_far, whole)))
         add_row(body, (name, drawn, *map(TableCell, texts)), columns, _step(Step.AVAILABILITY))
 
 
@@ -113,11 +113,15 @@ def classes(sheet: Html, shown: Figures) -> None:
     columns = (Column(''), *_numbers('times', 'time'))
     body = add_table(sheet, 'Own fault by length', columns)
     limit = f'shorter than {duration(shown.micro_stop_us)}'
-    for name, found in (
+    for name, stop_class in (
         (TableCell('micro-stops', limit), micro),
         (TableCell('breakdowns'), breakdowns),
     ):
-        add_row(body, (name, *map(TableCell, (str(found.times), duration(found.us)))), columns)
+        add_row(
+            body,
+            (name, *map(TableCell, (str(stop_class.times), duration(stop_class.us)))),
+            columns,
+        )
 
 
 def reasons(sheet: Html, account: Account) -> None:
@@ -125,22 +129,22 @@ def reasons(sheet: Html, account: Account) -> None:
     shown, period = account.figures, account.period
     columns = (Column('', NAME), BAR, *_numbers('time', 'times', 'of all'))
     title = f'Stops by reason, {percent(shown.not_classified)} of their time not classified'
-    found = shares(shown.times.by_reason)
+    pareto = shares(shown.times.by_reason)
     body = add_table(sheet, title, columns)
-    for one in found:
-        reason = period.reasons.get(one.code)
-        more = f'{one.code} {reason.group}'.strip() if reason is not None else ''
-        name = TableCell(reason_words(body, period, one.code), said=more)
-        drawn = TableCell('', drawing=bar(0, Fraction(one.us, found[0].us)))
-        texts = (duration(one.us), str(one.times), percent(shown.of_stops(one.us)))
-        kind = 'not-busy' if not one.code else _step(Step.AVAILABILITY)
+    for share in pareto:
+        reason = period.reasons.get(share.code)
+        more = f'{share.code} {reason.group}'.strip() if reason is not None else ''
+        name = TableCell(reason_words(body, period, share.code), said=more)
+        drawn = TableCell('', drawing=bar(0, Fraction(share.us, pareto[0].us)))
+        texts = (duration(share.us), str(share.times), percent(shown.of_stops(share.us)))
+        kind = 'not-busy' if not share.code else _step(Step.AVAILABILITY)
         add_row(body, (name, drawn, *map(TableCell, texts)), columns, kind)
 
 
 def reason_words(sheet: Html, period: Period, code: str) -> str:
     """Say a reason of the plant in the language of the page."""
-    said = period.reason_words(code, sheet.words.language)
-    return said if code else sheet.words.report(said)
+    words = period.reason_words(code, sheet.words.language)
+    return words if code else sheet.words.report(words)
 
 
 def line_stops(sheet: Html, account: Account) -> None:
@@ -149,19 +153,19 @@ def line_stops(sheet: Html, account: Account) -> None:
     when = (Column('from', 'time'), Column('to', 'time'))
     columns = (*when, Column('time', 'number'), Column('what'), Column('reason', NAME))
     body = add_table(sheet, 'Stops one by one', columns)
-    longest = sorted(account.figures.times.line_stops, key=lambda one: -one.us)[:MOST_LINE_STOPS]
-    for stop in sorted(longest, key=lambda one: one.span.since_us):
+    longest = sorted(account.figures.times.line_stops, key=lambda stop: -stop.us)[:MOST_LINE_STOPS]
+    for stop in sorted(longest, key=lambda stop: stop.span.since_us):
         span, reason = stop.span, stop.reason
         who = reason.who if reason is not None else ''
         by = body.words.report(f'by {who}') if who else ''
-        said = ': '.join(filter(None, (by, reason.why if reason is not None else '')))
+        note = ': '.join(filter(None, (by, reason.why if reason is not None else '')))
         cells = (
             TableCell(period.clock(span.since_us)),
             TableCell(period.clock(span.until_us)),
             TableCell(duration(stop.us)),
             TableCell(stop.about, f'stop {span.seq}'),
             TableCell(
-                reason_words(body, period, '' if reason is None else reason.code), said=said
+                reason_words(body, period, '' if reason is None else reason.code), said=note
             ),
         )
         add_row(body, cells, columns)
@@ -199,14 +203,14 @@ def made(sheet: Html, shown: Figures) -> None:
     titles = ('pace', 'good', 'nonconforming', 'rejected', 'by hand', 'outside')
     columns = (Column('job', NAME), Column('script', NAME), *_numbers(*titles))
     body = add_table(sheet, 'What was made', columns)
-    for one in shown.times.made:
-        pace = shown.paces.get(one.digest)
-        recipe = f'recipe {one.recipe}' if one.recipe else ''
-        counts = (one.good, one.nonconforming, one.rejected, one.by_hand, one.outside)
+    for job in shown.times.made:
+        pace = shown.paces.get(job.digest)
+        recipe = f'recipe {job.recipe}' if job.recipe else ''
+        counts = (job.good, job.nonconforming, job.rejected, job.by_hand, job.outside)
         texts = (UNKNOWN if pace is None else f'{pace.per_item_s:.1f} s', *map(str, counts))
         add_row(
             body,
-            (TableCell(one.job), TableCell(one.script, recipe), *map(TableCell, texts)),
+            (TableCell(job.job), TableCell(job.script, recipe), *map(TableCell, texts)),
             columns,
         )
 
@@ -214,18 +218,18 @@ def made(sheet: Html, shown: Figures) -> None:
 def flaws(sheet: Html, shown: Figures) -> None:
     """Write the Pareto of the causes of scrap, then that of rework."""
     for title, is_scrap in (('Not good, by cause', True), ('Done again, by cause', False)):
-        found = [one for one in shown.times.flaws if one.of.effect.is_scrap is is_scrap]
-        if not found:
+        pareto = [flaw for flaw in shown.times.flaws if flaw.of.effect.is_scrap is is_scrap]
+        if not pareto:
             continue
         columns = (Column(''), BAR, *_numbers('times', 'so far'))
         body = add_table(sheet, title, columns)
-        whole, so_far = sum(one.times for one in found), 0
-        for one in found:
-            so_far += one.times
-            named = ', '.join(filter(None, (EFFECTS[one.of.effect], one.of.product)))
-            drawn = TableCell('', drawing=bar(0, Fraction(one.times, found[0].times)))
-            texts = (str(one.times), percent(Fraction(so_far, whole)))
-            name = TableCell(named, flaw_words(one.of))
+        whole, so_far = sum(flaw.times for flaw in pareto), 0
+        for flaw in pareto:
+            so_far += flaw.times
+            named = ', '.join(filter(None, (EFFECTS[flaw.of.effect], flaw.of.product)))
+            drawn = TableCell('', drawing=bar(0, Fraction(flaw.times, pareto[0].times)))
+            texts = (str(flaw.times), percent(Fraction(so_far, whole)))
+            name = TableCell(named, flaw_words(flaw.of))
             kind = _step(Step.QUALITY if is_scrap else Step.PERFORMANCE)
             add_row(body, (name, drawn, *map(TableCell, texts)), columns, kind)
 
@@ -236,22 +240,22 @@ def measured(sheet: Html, shown: Figures) -> None:
         return
     columns = (Column('value', NAME), *_numbers(*MEASURED_TITLES))
     body = add_table(sheet, 'Measured values beside their bounds', columns)
-    for one in shown.times.measured:
-        name = TableCell(measured_name(one), said=one.of.product)
-        add_row(body, (name, *map(TableCell, measured_texts(one))), columns)
+    for measurement in shown.times.measured:
+        name = TableCell(measured_name(measurement), said=measurement.of.product)
+        add_row(body, (name, *map(TableCell, measured_texts(measurement))), columns)
 
 
 def failing(sheet: Html, shown: Figures) -> None:
     """Write the Pareto of the attempts that failed."""
-    found = shown.times.failing
-    if not found:
+    pareto = shown.times.failing
+    if not pareto:
         return
     columns = (Column(''), BAR, *_numbers('times', 'took'))
     body = add_table(sheet, 'Failed attempts', columns)
-    for one in found:
-        name = TableCell(one.component or 'nothing sent', f'{one.task}: {one.reason}')
-        drawn = TableCell('', drawing=bar(0, Fraction(one.times, found[0].times)))
-        numbers = (TableCell(str(one.times)), TableCell(duration(one.us)))
+    for failure in pareto:
+        name = TableCell(failure.component or 'nothing sent', f'{failure.task}: {failure.reason}')
+        drawn = TableCell('', drawing=bar(0, Fraction(failure.times, pareto[0].times)))
+        numbers = (TableCell(str(failure.times)), TableCell(duration(failure.us)))
         add_row(body, (name, drawn, *numbers), columns, 'count')
 
 

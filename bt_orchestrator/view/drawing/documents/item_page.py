@@ -223,10 +223,10 @@ def _entry(body: Html, entry: Entry, times: Times) -> None:
     row.add('td', times.clock(entry.time), class_='time')
     if entry.kind == TASK:
         waited = row.add('td', class_='waited')
-        for one in entry.waited:
+        for wait in entry.waited:
             line = waited.add('div')
-            line.add('b', duration(one.seconds))
-            line.say(f' {wait_words(one)}')
+            line.add('b', duration(wait.seconds))
+            line.say(f' {wait_words(wait)}')
     what = row.add('td', class_='what', colspan=1 if entry.kind == TASK else 2)
     mark = _MARKS.get(entry.outcome if entry.kind == TASK else entry.kind, '')
     if entry.kind != TASK:

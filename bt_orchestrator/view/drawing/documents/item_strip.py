@@ -77,9 +77,11 @@ def _hold(held: Held, end: float) -> HoldBar:
     return HoldBar(held.id, held.words, held.time, end if held.ended is None else held.ended)
 
 
-def _wait(one: Waited) -> WaitSpan:
-    kind = WaitKind(one.kind) if one.kind else WaitKind.CELL_STATE
-    return WaitSpan(one.start, one.end, (Cause(kind, one.words or 'not told by the journal'),))
+def _wait(waited: Waited) -> WaitSpan:
+    kind = WaitKind(waited.kind) if waited.kind else WaitKind.CELL_STATE
+    return WaitSpan(
+        waited.start, waited.end, (Cause(kind, waited.words or 'not told by the journal'),)
+    )
 
 
 def _apart(spans: list[WaitSpan], row: Row) -> list[WaitSpan]:

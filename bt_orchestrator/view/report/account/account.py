@@ -76,12 +76,12 @@ class Source:
         history, first = self.extent.history, self.extent.first_seq
         events = f'events {self.first_seq} to {self.last_seq}' if self.first_seq else ''
         of = ' and '.join(filter(None, (books, events))) or self._state()
-        said = [f'made from {of} of history {history}']
+        lines = [f'made from {of} of history {history}']
         if first > 1:
-            said.append(f'events 1 to {first - 1} were removed from the journal')
+            lines.append(f'events 1 to {first - 1} were removed from the journal')
         if self.unreadable:
-            said.append(f'{self.unreadable} damaged records are missing in it')
-        return tuple(said)
+            lines.append(f'{self.unreadable} damaged records are missing in it')
+        return tuple(lines)
 
     def _state(self) -> str:
         if not self.state_seq:
@@ -106,7 +106,9 @@ class Account:
     def tells_reasons(self) -> bool:
         """Tell whether the plant has reasons for stops, or a stop has one."""
         summed = self.figures.times.by_reason
-        return bool(summed) and (bool(self.period.reasons) or any(one.code for one in summed))
+        return bool(summed) and (
+            bool(self.period.reasons) or any(reason.code for reason in summed)
+        )
 
     def stop_name(self, stop: LineStop) -> str:
         """Return the name of a stop."""
@@ -121,22 +123,22 @@ class Account:
         """Say what it was made from, and what limits it."""
         when, books = self.period.when, self.books
         span = f'books of {" to ".join(map(when, books.span))}' if books.span else ''
-        said = [*self.source.lines(span)]
+        notes = [*self.source.lines(span)]
         if books.rounded:
             moments = ', '.join(map(when, books.rounded[:_MOST_MOMENTS]))
             more = ' and others' if books.rounded[_MOST_MOMENTS:] else ''
-            said.append(
+            notes.append(
                 'planned time is rounded to whole slots of the books, as the events of these are '
                 f'removed: {moments}{more}'
             )
         shown, source, ended = self.figures, self.source, self.source.ended_us
         if ended is not None:
-            said.append(
+            notes.append(
                 f'the journal has no event since {when(ended)}: its last state is taken to go on'
             )
         if shown.lack is not None:
-            said.append(LACKS[shown.lack])
-        said += [
+            notes.append(LACKS[shown.lack])
+        notes += [
             f'orders waited for {duration(stop.us)}: {stop.detail}'
             for stop in shown.times.stops
             if stop.loss is Loss.ORDERS_WAIT and is_seen(stop.us)
@@ -144,24 +146,24 @@ class Account:
         if shown.unpaced:
             named = ', '.join(shown.unpaced)
             why = 'does not fit' if self.has_cell else 'is needed: --cell CELL'
-            said.append(f'no performance and no OEE: for the pace of {named} the cell file {why}')
+            notes.append(f'no performance and no OEE: for the pace of {named} the cell file {why}')
         if shown.times.lacks_causes:
-            said.append(
+            notes.append(
                 'a part of the time is from books of an older program: first-pass yield and MTBF '
                 'are not known, and causes of scrap and rework are those of the rest'
             )
         if self.cell_differs:
-            said.append('the pace is by a cell file that is not the one that the node ran with')
-        said += [old_step_words(step, self.period) for step in source.not_taken_out]
-        said += [step_words(step, self.period) for step in source.steps]
-        said += [break_words(one, self.period) for one in self.period.changed_breaks]
+            notes.append('the pace is by a cell file that is not the one that the node ran with')
+        notes += [old_step_words(step, self.period) for step in source.not_taken_out]
+        notes += [step_words(step, self.period) for step in source.steps]
+        notes += [break_words(pause, self.period) for pause in self.period.changed_breaks]
         if shown.performance is not None and shown.performance > 1 and not self._lacks_time:
-            said.append('faster than the pace: some durations in the cell file are too long')
+            notes.append('faster than the pace: some durations in the cell file are too long')
         scripts = shown.times.scripts
         for made, pace in shown.paces.items():
             if not pace.is_exact:
-                said.append(f'the pace of {scripts[made].name} is no exact one: {pace.period}')
-        return tuple(dict.fromkeys(said))
+                notes.append(f'the pace of {scripts[made].name} is no exact one: {pace.period}')
+        return tuple(dict.fromkeys(notes))
 
 
 def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
@@ -200,14 +202,16 @@ def with_steps(source: Source, reading: Reading, period: Period) -> Source:
     begin, end = period.on_clock
     wanted = Wanted(events=(e.ClockStepped.event,), before_seq=steady.since + 1)
     old = (
-        Step(one.seq, us_of(one.time), us_of(one.seconds), 0)
-        for one in (reading.events(wanted) if steady.since else ())
-        if isinstance(one, e.ClockStepped)
+        Step(event.seq, us_of(event.time), us_of(event.seconds), 0)
+        for event in (reading.events(wanted) if steady.since else ())
+        if isinstance(event, e.ClockStepped)
     )
     return replace(
         source,
         steps=tuple(steady.within(period.begin_us, period.end_us)),
-        not_taken_out=tuple(one for one in old if begin <= max(one.times_us) and one.at_us <= end),
+        not_taken_out=tuple(
+            step for step in old if begin <= max(step.times_us) and step.at_us <= end
+        ),
     )
 
 
@@ -235,7 +239,7 @@ def account_of(fold: AccountFold, period: Period, paces: Paces, source: Source) 
         source.beside(fold.books.seqs),
         fold.books,
         cell is not None,
-        bool(named) and any(one != named for one in times.cells),
+        bool(named) and any(cell_digest != named for cell_digest in times.cells),
     )
 
 

@@ -52,14 +52,14 @@ def shift_at(shifts: Shifts, now: float) -> Now:
     """
     moment, zone = us_of(now), zone_of(shifts)
     turns = list(_turns(shifts, moment - _LOOK_BACK_US, moment + _LOOK_BACK_US, zone))
-    begun = [one for one in turns if one.period.begin_us <= moment]
-    running = [one for one in begun if one.period.end_us > moment]
+    begun = [turn for turn in turns if turn.period.begin_us <= moment]
+    running = [turn for turn in begun if turn.period.end_us > moment]
     if running:
-        turn = max(running, key=lambda one: one.period.begin_us)
+        turn = max(running, key=lambda turn: turn.period.begin_us)
         return Now(turn.period, turn)
-    turn = max(begun, key=lambda one: one.period.end_us)
-    coming = (one for one in turns if one.period.begin_us > moment)
-    return Now(turn.period, turn, min(coming, key=lambda one: one.period.begin_us))
+    turn = max(begun, key=lambda turn: turn.period.end_us)
+    coming = (turn for turn in turns if turn.period.begin_us > moment)
+    return Now(turn.period, turn, min(coming, key=lambda turn: turn.period.begin_us))
 
 
 def _turns(shifts: Shifts, begin: int, end: int, zone: tzinfo | None) -> Iterator[Turn]:
@@ -133,12 +133,12 @@ def day_columns(
     :param now: seconds since the epoch; a day is as long as it has gone
     """
     zone = None if shifts is None else zone_of(shifts)
-    found = []
+    columns = []
     for day in _days_to(last, count):
         period = day_on(day, zone, now)
         title = f'{day:%a %m-%d}'
-        found.append((title, period if shifts is None else planned_by(shifts, period)))
-    return found
+        columns.append((title, period if shifts is None else planned_by(shifts, period)))
+    return columns
 
 
 def shift_columns(shifts: Shifts, last: date, count: int, now: float) -> list[tuple[str, Period]]:
@@ -147,10 +147,10 @@ def shift_columns(shifts: Shifts, last: date, count: int, now: float) -> list[tu
     begun = [turn for turn in turns if turn.period.begin_us < us_of(now)]
     return [
         (
-            f'{one.shift} {one.day:%m-%d}',
-            replace(one.period, end_us=min(one.period.end_us, us_of(now))),
+            f'{turn.shift} {turn.day:%m-%d}',
+            replace(turn.period, end_us=min(turn.period.end_us, us_of(now))),
         )
-        for one in sorted(begun, key=lambda one: one.period.begin_us)
+        for turn in sorted(begun, key=lambda turn: turn.period.begin_us)
     ]
 
 
@@ -185,11 +185,11 @@ def changed_breaks(shifts: Shifts, begin: int, end: int) -> tuple[ChangedBreak, 
     """Return the breaks between two moments in which the clocks change."""
     zone = zone_of(shifts)
     return tuple(
-        one
+        pause
         for day in _days(begin, end, zone)
         for shift in shifts.shifts.values()
         if day.weekday() in shift.days
-        for one in _changed(shift, day, zone)
+        for pause in _changed(shift, day, zone)
     )
 
 
@@ -208,11 +208,11 @@ def _planned(shift: Shift, day: date, zone: tzinfo | None) -> Planned:
 
 
 def _changed(shift: Shift, day: date, zone: tzinfo | None) -> tuple[ChangedBreak, ...]:
-    found = (
+    breaks = (
         ChangedBreak(shift.name, begin, end, pause.minutes * 60 * US)
         for pause, (begin, end) in _breaks(shift, day, zone)
     )
-    return tuple(one for one in found if one.took_us != one.usual_us)
+    return tuple(pause for pause in breaks if pause.took_us != pause.usual_us)
 
 
 def _breaks(

@@ -187,7 +187,7 @@ class Course:
     def _operating(self, cause: Cause | None) -> tuple[str, ...]:
         """Return the components that operate: without a node that is not known."""
         if self._working is None:
-            running = {one.component for one in self._standing.spans.open()}
+            running = {span.component for span in self._standing.spans.open()}
             self._working = tuple(sorted(running))
         is_known = is_busy(cause) and (cause is None or cause.loss is not Loss.NO_NODE)
         return self._working if is_known else ()

@@ -78,17 +78,17 @@ class Figures:
     @property
     def produced(self) -> int:
         """Produced quantity."""
-        return sum(one.produced for one in self.times.made)
+        return sum(job.produced for job in self.times.made)
 
     @property
     def good(self) -> int:
         """Good quantity."""
-        return sum(one.good for one in self.times.made)
+        return sum(job.good for job in self.times.made)
 
     @property
     def first_pass(self) -> int | None:
         """Good quantity of the first pass; None: books of an older program do not know it."""
-        return self.of_causes(sum(one.first_pass for one in self.times.made))
+        return self.of_causes(sum(job.first_pass for job in self.times.made))
 
     @property
     def first_pass_yield(self) -> Fraction | None:
@@ -109,12 +109,12 @@ class Figures:
     @property
     def net_us(self) -> Fraction:
         """The time for the items at the pace of their scripts."""
-        return self._at_pace((one.digest, one.produced) for one in self.times.made)
+        return self._at_pace((job.digest, job.produced) for job in self.times.made)
 
     @property
     def value_us(self) -> Fraction:
         """The same for the good ones."""
-        return self._at_pace((one.digest, one.good) for one in self.times.made)
+        return self._at_pace((job.digest, job.good) for job in self.times.made)
 
     @property
     def rework_us(self) -> Fraction:
@@ -181,14 +181,14 @@ class Figures:
 
         :param component: that they are of; None: all
         """
-        found = [
+        faults_us = [
             us
             for name, faults in self.times.long_faults.items()
             if component in (None, name)
             for us in faults
             if us >= self.micro_stop_us
         ]
-        return StopClass(len(found), sum(found))
+        return StopClass(len(faults_us), sum(faults_us))
 
     def micro_stops(self, component: str | None = None) -> StopClass:
         """Return all other own faults."""
@@ -207,14 +207,14 @@ class Figures:
 
     # --- components -------------------------------------------------------------------------
 
-    def mtbf_us(self, one: Repairs) -> Fraction | None:
+    def mtbf_us(self, repairs: Repairs) -> Fraction | None:
         """Return the mean operating time between failures."""
-        operated = self.of_causes(self.times.operated_us.get(one.component, 0))
-        return None if operated is None else Fraction(operated, one.failures)
+        operated = self.of_causes(self.times.operated_us.get(repairs.component, 0))
+        return None if operated is None else Fraction(operated, repairs.failures)
 
-    def mttr_us(self, one: Repairs) -> Fraction:
+    def mttr_us(self, repairs: Repairs) -> Fraction:
         """Return the mean time to repair: that which is booked to its holds."""
-        return Fraction(one.repair_us, one.failures)
+        return Fraction(repairs.repair_us, repairs.failures)
 
     # --- the waterfall ----------------------------------------------------------------------
 
@@ -238,12 +238,12 @@ class Figures:
 
     def of_stops(self, us: int) -> Fraction | None:
         """Return the share of the time of all stops that are long enough to have a reason."""
-        return _ratio(us, sum(one.us for one in self.times.by_reason))
+        return _ratio(us, sum(reason.us for reason in self.times.by_reason))
 
     @property
     def not_classified(self) -> Fraction | None:
         """The share of the stops that have no reason, by their time."""
-        return self.of_stops(sum(one.us for one in self.times.by_reason if not one.code))
+        return self.of_stops(sum(reason.us for reason in self.times.by_reason if not reason.code))
 
     def of_planned(self, us: Fraction | int) -> Fraction | None:
         """Return the share of the planned time."""
@@ -251,7 +251,7 @@ class Figures:
 
     def steps_seen(self) -> Iterator[Bar]:
         """Yield the waterfall without losses that are written as 0.0 s."""
-        return (one for one in self.waterfall() if one.loss is None or is_seen(one.us))
+        return (bar for bar in self.waterfall() if bar.loss is None or is_seen(bar.us))
 
     def loss_us(self, loss: Loss) -> Fraction:
         """Return what a loss takes away."""
@@ -293,9 +293,9 @@ def figures(times: Times, paces: Paces, micro_stop_us: int = MICRO_STOP_US) -> F
 
     :param micro_stop_us: a shorter own fault is a micro-stop
     """
-    found = {digest: paces.of(digest, script) for digest, script in times.scripts.items()}
-    known = {digest: one for digest, one in found.items() if one is not None}
-    unpaced = {one.script or one.job: one.digest for one in times.made if one.produced}
+    by_digest = {digest: paces.of(digest, script) for digest, script in times.scripts.items()}
+    known = {digest: line_pace for digest, line_pace in by_digest.items() if line_pace is not None}
+    unpaced = {job.script or job.job: job.digest for job in times.made if job.produced}
     lacking = tuple(name for name, key in unpaced.items() if key not in known)
     return Figures(times, known, lacking, micro_stop_us)
 

@@ -115,7 +115,7 @@ class AccountFold:
         total = deepcopy(self._total)
         for slot in self._slots.until(self._course.rest(end)):
             total.add(slot, is_planned=self._planned.includes(slot.until_us))
-        used = (self._script(one.digest) for one in total.made)
+        used = (self._script(job.digest) for job in total.made)
         return total.times(self._planned.before(max(end, self._begin)), dict(filter(None, used)))
 
     def _script(self, digest: str) -> tuple[str, Script] | None:

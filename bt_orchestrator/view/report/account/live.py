@@ -208,17 +208,17 @@ def live_line(live: Live) -> str:
     """Return the most important of it on one line."""
     period, shown, stopped = live.account.period, live.account.figures, live.stopped
     factors = ' x '.join(map(percent, (shown.availability, shown.performance, shown.quality)))
-    said = [
+    parts = [
         f'{period.clock(period.end_us)}  {period.name}: OEE {percent(shown.oee)} = {factors}',
         f'made {shown.produced}, {shown.good} of them good',
     ]
     if shown.lack is not None:
-        said.append(LACKS[shown.lack])
+        parts.append(LACKS[shown.lack])
     if stopped is not None:
-        said.append(f'{cause_words(stopped.cause)} since {period.clock(stopped.since_us)}')
+        parts.append(f'{cause_words(stopped.cause)} since {period.clock(stopped.since_us)}')
     if not live.runs:
-        said.append(over_words(live))
-    return ', '.join(said)
+        parts.append(over_words(live))
+    return ', '.join(parts)
 
 
 def cause_words(cause: Cause) -> str:

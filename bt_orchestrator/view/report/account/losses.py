@@ -135,7 +135,7 @@ WORDS: Mapping[Loss, Words] = {
     ),
 }
 
-OF_STOP_REASON: Mapping[StopReason, Loss] = {one: Loss(one.value) for one in StopReason}
+OF_STOP_REASON: Mapping[StopReason, Loss] = {reason: Loss(reason.value) for reason in StopReason}
 
 
 def is_stop(loss: Loss) -> bool:

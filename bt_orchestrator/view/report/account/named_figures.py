@@ -104,34 +104,34 @@ def of_parts(loss: Loss) -> Iterator[Figure]:
 def _of_made(name: str, by: By) -> tuple[Figure, ...]:
     def made(shown: Figures) -> list[Made]:
         return [
-            one for one in shown.times.made if name == (one.job if by is By.JOB else one.product)
+            job for job in shown.times.made if name == (job.job if by is By.JOB else job.product)
         ]
 
     def good_of_produced(shown: Figures) -> Fraction | None:
-        produced = sum(one.produced for one in made(shown))
-        return Fraction(sum(one.good for one in made(shown)), produced) if produced else None
+        produced = sum(job.produced for job in made(shown))
+        return Fraction(sum(job.good for job in made(shown)), produced) if produced else None
 
     def first_pass_yield(shown: Figures) -> Fraction | None:
-        passed = shown.of_causes(sum(one.first_pass for one in made(shown)))
-        produced = sum(one.produced for one in made(shown))
+        passed = shown.of_causes(sum(job.first_pass for job in made(shown)))
+        produced = sum(job.produced for job in made(shown))
         return Fraction(passed, produced) if produced and passed is not None else None
 
     def at_pace(shown: Figures) -> Fraction | None:
-        left = [one for one in made(shown) if one.produced]
-        if any(one.digest not in shown.paces for one in left):
+        left = [job for job in made(shown) if job.produced]
+        if any(job.digest not in shown.paces for job in left):
             return None
         return sum(
-            (shown.paces[one.digest].limit.per_item_us * one.produced for one in left), Fraction(0)
+            (shown.paces[job.digest].limit.per_item_us * job.produced for job in left), Fraction(0)
         )
 
     def count(field: str, title: str) -> Figure:
         return Figure(
-            field, title, Unit.COUNT, lambda shown: sum(getattr(one, field) for one in made(shown))
+            field, title, Unit.COUNT, lambda shown: sum(getattr(job, field) for job in made(shown))
         )
 
     def again(field: str, title: str) -> Figure:
         def told(shown: Figures) -> int | None:
-            return shown.of_causes(sum(getattr(one, field) for one in made(shown)))
+            return shown.of_causes(sum(getattr(job, field) for job in made(shown)))
 
         return Figure(field, title, Unit.COUNT, told)
 
@@ -170,7 +170,7 @@ def _of_component(name: str) -> tuple[Figure, ...]:
         return 0 if failed is None else failed.failures
 
     def attempts(shown: Figures) -> int:
-        return sum(one.times for one in shown.times.failing if one.component == name)
+        return sum(failure.times for failure in shown.times.failing if failure.component == name)
 
     def operated(shown: Figures) -> int | None:
         return shown.of_causes(shown.times.operated_us.get(name, 0))
@@ -219,6 +219,6 @@ def names_of(shown: Figures, by: By) -> Iterable[str]:
     times = shown.times
     if by is By.COMPONENT:
         lists = (times.stops, times.repairs, times.failing)
-        named = (one.component for found in lists for one in found)
+        named = (record.component for records in lists for record in records)
         return dict.fromkeys(filter(None, (*named, *times.operated_us)))
-    return dict.fromkeys(one.job if by is By.JOB else one.product for one in times.made)
+    return dict.fromkeys(job.job if by is By.JOB else job.product for job in times.made)

@@ -77,7 +77,7 @@ class Period:
     def changed_breaks(self) -> tuple[ChangedBreak, ...]:
         """Breaks in it that were longer or shorter than usual."""
         begin, end = self.on_clock
-        return tuple(one for one in self.breaks if begin <= one.begin_us < end)
+        return tuple(pause for pause in self.breaks if begin <= pause.begin_us < end)
 
     @property
     def on_clock(self) -> tuple[int, int]:

@@ -50,7 +50,7 @@ def account_plain(account: Account) -> dict[str, Any]:
         },
         'stops': [stop_plain(stop) for stop in times.stops],
         'reasons': [_reason(account, share) for share in shares(times.by_reason)],
-        'stops_by_reason': [_summed_reason(one) for one in times.by_reason],
+        'stops_by_reason': [_summed_reason(reason) for reason in times.by_reason],
         'not_classified': _number(shown.not_classified),
         'line_stops': [line_stop_plain(account, stop) for stop in times.line_stops],
         'line_stops_all': {
@@ -63,9 +63,9 @@ def account_plain(account: Account) -> dict[str, Any]:
             'count': times.holds_left_out,
             'seconds': {loss.value: seconds_of(us) for loss, us in times.left_out_us.items()},
         },
-        'failed_attempts': [summed(one) for one in times.failing],
-        'scrap_and_rework': [flaw_plain(one) for one in times.flaws],
-        'measured': [measured_plain(one) for one in times.measured],
+        'failed_attempts': [summed(failure) for failure in times.failing],
+        'scrap_and_rework': [flaw_plain(flaw) for flaw in times.flaws],
+        'measured': [measured_plain(measurement) for measurement in times.measured],
         'components': [_component(shown, repair) for repair in times.repairs],
         'operated_s': {name: seconds_of(us) for name, us in times.operated_us.items()},
     }
@@ -85,8 +85,8 @@ def _bar(bar: Bar) -> dict[str, Any]:
     return {'title': bar.title, 'loss': loss, 'seconds': seconds_of(bar.us)}
 
 
-def _class(one: StopClass) -> dict[str, Any]:
-    return {'times': one.times, 'seconds': seconds_of(one.us)}
+def _class(stop_class: StopClass) -> dict[str, Any]:
+    return {'times': stop_class.times, 'seconds': seconds_of(stop_class.us)}
 
 
 def stop_plain(stop: Stop) -> dict[str, Any]:
@@ -94,14 +94,14 @@ def stop_plain(stop: Stop) -> dict[str, Any]:
     return {**summed(stop), 'loss': stop.loss.value, 'part': stop.part.value or None}
 
 
-def _component(shown: Figures, one: Repairs) -> dict[str, Any]:
+def _component(shown: Figures, repairs: Repairs) -> dict[str, Any]:
     return {
-        'component': one.component,
-        'failures': one.failures,
-        'down_s': seconds_of(one.down_us),
-        'repair_s': seconds_of(one.repair_us),
-        'mtbf_s': seconds_of(shown.mtbf_us(one)),
-        'mttr_s': seconds_of(shown.mttr_us(one)),
+        'component': repairs.component,
+        'failures': repairs.failures,
+        'down_s': seconds_of(repairs.down_us),
+        'repair_s': seconds_of(repairs.repair_us),
+        'mtbf_s': seconds_of(shown.mtbf_us(repairs)),
+        'mttr_s': seconds_of(shown.mttr_us(repairs)),
     }
 
 
@@ -131,29 +131,29 @@ def _source(account: Account) -> dict[str, Any]:
 
 
 def _job(shown: Figures, number: int) -> dict[str, Any]:
-    one = shown.times.made[number]
-    pace = shown.paces.get(one.digest)
+    job = shown.times.made[number]
+    pace = shown.paces.get(job.digest)
     return {
-        'job': one.job,
-        'script': one.script,
-        'recipe': one.recipe or None,
-        'recipe_version': one.recipe_version,
+        'job': job.job,
+        'script': job.script,
+        'recipe': job.recipe or None,
+        'recipe_version': job.recipe_version,
         'pace_s': None if pace is None else pace.per_item_s,
-        'produced': one.produced,
-        'good': one.good,
-        'nonconforming': one.nonconforming,
-        'rejected': one.rejected,
-        'by_hand': one.by_hand,
-        'outside_planned_time': one.outside,
-        'first_pass': shown.of_causes(one.first_pass),
-        'further_attempts': shown.of_causes(one.attempts),
-        'rework_rounds': shown.of_causes(one.rounds),
+        'produced': job.produced,
+        'good': job.good,
+        'nonconforming': job.nonconforming,
+        'rejected': job.rejected,
+        'by_hand': job.by_hand,
+        'outside_planned_time': job.outside,
+        'first_pass': shown.of_causes(job.first_pass),
+        'further_attempts': shown.of_causes(job.attempts),
+        'rework_rounds': shown.of_causes(job.rounds),
     }
 
 
-def summed(one: Stop | FailingTask) -> dict[str, Any]:
+def summed(record: Stop | FailingTask) -> dict[str, Any]:
     """Return equal stops, or failures."""
-    plain = one._asdict()
+    plain = record._asdict()
     seconds = seconds_of(plain.pop('us'))
     return {**plain, 'seconds': seconds}
 
@@ -170,8 +170,8 @@ def _reason(account: Account, share: ReasonShare) -> dict[str, Any]:
     }
 
 
-def _summed_reason(one: ReasonSum) -> dict[str, Any]:
-    named = {**one._asdict(), 'code': one.code or None, 'loss': one.loss.value}
+def _summed_reason(reason: ReasonSum) -> dict[str, Any]:
+    named = {**reason._asdict(), 'code': reason.code or None, 'loss': reason.loss.value}
     seconds = seconds_of(named.pop('us'))
     return {**named, 'seconds': seconds}
 
@@ -265,8 +265,8 @@ def _rows(plain: dict[str, Any]) -> Iterator[Row]:
     if plain['lack'] is not None:
         yield Row('note', plain['lack'], detail=LACKS[Lack(plain['lack'])])
     for name in ('clock_set', 'changed_breaks'):
-        for one in plain.get(name, ()):
-            yield Row('note', name, detail=one['from'], seconds=one['seconds'])
+        for record in plain.get(name, ()):
+            yield Row('note', name, detail=record['from'], seconds=record['seconds'])
     for bar in plain['waterfall']:
         part = 'loss' if bar['loss'] else 'time'
         name = bar['loss'] or bar['title']
@@ -274,36 +274,53 @@ def _rows(plain: dict[str, Any]) -> Iterator[Row]:
     for name, seconds in plain['loss_parts'].items():
         yield Row('part of loss', name, seconds=seconds)
     for name in ('micro_stops', 'breakdowns'):
-        found = plain['own_fault_classes'][name]
-        yield Row('class', name, number=found['times'], seconds=found['seconds'])
+        stop_class = plain['own_fault_classes'][name]
+        yield Row('class', name, number=stop_class['times'], seconds=stop_class['seconds'])
     for job in plain['jobs']:
         yield from (Row('job', job['job'], detail=kind, number=job[kind]) for kind in _COUNTS)
-    for one in plain['stops']:
+    for record in plain['stops']:
         yield Row(
-            'stop', one['loss'], one['component'], one['detail'], one['times'], one['seconds']
+            'stop',
+            record['loss'],
+            record['component'],
+            record['detail'],
+            record['times'],
+            record['seconds'],
         )
-    for one in plain['reasons']:
-        detail = one['group'] or ''
-        code, share = one['code'] or 'not_classified', one['share']
-        yield Row('reason', code, '', detail, one['times'], one['seconds'], share)
-    for one in plain['line_stops']:
-        about = one['component'], one['detail']
-        yield Row('line stop', one['stop'], *about, seconds=one['seconds'], code=one['code'] or '')
-    for one in plain['holds']:
-        yield Row('hold', one['hold'], detail=one['words'], seconds=one['lost_s'])
-    for one in plain['failed_attempts']:
-        named = one['task'], one['component'], one['reason']
-        yield Row('failed attempt', *named, one['times'], one['seconds'])
-    for one in plain['scrap_and_rework']:
-        why = ' '.join(filter(None, (one['decision'], one['task'], one['reason'], one['bound'])))
-        yield Row(one['effect'], one['product'], one['component'], why, one['times'])
-    for one in plain['measured']:
-        what = f'{one["task"]} {one["value"]}'
+    for record in plain['reasons']:
+        detail = record['group'] or ''
+        code, share = record['code'] or 'not_classified', record['share']
+        yield Row('reason', code, '', detail, record['times'], record['seconds'], share)
+    for record in plain['line_stops']:
+        about = record['component'], record['detail']
+        yield Row(
+            'line stop',
+            record['stop'],
+            *about,
+            seconds=record['seconds'],
+            code=record['code'] or '',
+        )
+    for record in plain['holds']:
+        yield Row('hold', record['hold'], detail=record['words'], seconds=record['lost_s'])
+    for record in plain['failed_attempts']:
+        named = record['task'], record['component'], record['reason']
+        yield Row('failed attempt', *named, record['times'], record['seconds'])
+    for record in plain['scrap_and_rework']:
+        why = ' '.join(
+            filter(None, (record['decision'], record['task'], record['reason'], record['bound']))
+        )
+        yield Row(record['effect'], record['product'], record['component'], why, record['times'])
+    for record in plain['measured']:
+        what = f'{record["task"]} {record["value"]}'
         for name in ('least', 'mean', 'greatest'):
-            yield Row('measured', what, one['component'], name, one['times'], None, one[name])
-    for one in plain['components']:
+            yield Row(
+                'measured', what, record['component'], name, record['times'], None, record[name]
+            )
+    for record in plain['components']:
         for name in ('mtbf_s', 'mttr_s'):
-            yield Row('component', name[:-2], one['component'], '', one['failures'], one[name])
+            yield Row(
+                'component', name[:-2], record['component'], '', record['failures'], record[name]
+            )
 
 
 _COUNTS = ('good', 'nonconforming', 'rejected', 'by_hand', 'outside_planned_time')

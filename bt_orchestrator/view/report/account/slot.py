@@ -136,8 +136,8 @@ class Slot:
         us, whole = until - begin, self.until_us - self.begin_us
         is_first = begin == self.begin_us
         stops = (
-            one if is_first else replace(one, begun=0, goes_on=True)
-            for one in (replace(stop, us=us) for stop in self.stops)
+            piece if is_first else replace(piece, begun=0, goes_on=True)
+            for piece in (replace(stop, us=us) for stop in self.stops)
         )
         holds = (
             replace(

@@ -107,13 +107,13 @@ class Slots:
 
     def until(self, rest: Stretch | None) -> Sequence[Slot]:
         """Return what is not complete, with some more time, and change nothing."""
-        found: list[Slot] = []
-        more = Slots(self._holds, found.append, self._begin, self._borders, steady=self._steady)
+        slots: list[Slot] = []
+        more = Slots(self._holds, slots.append, self._begin, self._borders, steady=self._steady)
         more._open, more._cell, more._digest = deepcopy(self._open), self._cell, self._digest
         if rest is not None:
             more.passes(rest)
         more.close()
-        return found
+        return slots
 
     def close(self) -> None:
         """Hand over the last slot, as far as it has gone."""
@@ -196,12 +196,12 @@ class OpenSlot:
         self._released = [hold for hold in slot.holds if hold.released_us is not None]
         self._held = {hold.hold: hold for hold in slot.holds if hold.released_us is None}
         self._before = {hold.hold for hold in slot.holds if hold.raised_us <= slot.begin_us}
-        self._made = {(one.job, one.digest): one for one in slot.made}
-        for one in slot.failed:
-            key = (one.component, one.task, one.reason)
-            self._failed[key], self._took[key] = one.times, one.us
+        self._made = {(job.job, job.digest): job for job in slot.made}
+        for failure in slot.failed:
+            key = (failure.component, failure.task, failure.reason)
+            self._failed[key], self._took[key] = failure.times, failure.us
         self._flaws.update({flaw.of: flaw.times for flaw in slot.flaws})
-        self._measured = {one.of: one for one in slot.measured}
+        self._measured = {measurement.of: measurement for measurement in slot.measured}
         self._operated.update(slot.operated_us)
         self._working = tuple(slot.operated_us) if slot.is_steady else None
         self._cell, self._cells = slot.cell, dict.fromkeys(slot.cells)
@@ -354,18 +354,18 @@ class OpenSlot:
         """
         if len(self._released) <= MOST_HOLDS:
             return (*self._released, *self._held.values()), self._rest_before
-        within = [one for one in self._released if one.hold not in self._before]
-        within.sort(key=lambda one: (-one.lost_us, -one.stood_us))
+        within = [hold for hold in self._released if hold.hold not in self._before]
+        within.sort(key=lambda hold: (-hold.lost_us, -hold.stood_us))
         left_out = within[MOST_HOLDS:]
-        gone = {one.hold for one in left_out}
-        told = [one for one in self._released if one.hold not in gone]
-        rests = {(one.loss, one.component): replace(one) for one in self._rest_before}
-        for one in left_out:
+        gone = {hold.hold for hold in left_out}
+        holds = [hold for hold in self._released if hold.hold not in gone]
+        rests = {(rest.loss, rest.component): replace(rest) for rest in self._rest_before}
+        for hold in left_out:
             rest = rests.setdefault(
-                (one.loss, one.component), RestOfHolds(one.loss, one.component)
+                (hold.loss, hold.component), RestOfHolds(hold.loss, hold.component)
             )
-            rest.told += bool(one.stood_us)
-            rest.lost_us += one.lost_us
-            rest.failures += bool(one.component and (one.fails or one.down_us))
-            rest.down_us += one.down_us
-        return (*told, *self._held.values()), tuple(rests.values())
+            rest.told += bool(hold.stood_us)
+            rest.lost_us += hold.lost_us
+            rest.failures += bool(hold.component and (hold.fails or hold.down_us))
+            rest.down_us += hold.down_us
+        return (*holds, *self._held.values()), tuple(rests.values())

@@ -76,12 +76,12 @@ class OrdersAtHand:
             for job in event.jobs:
                 self._orders.setdefault(job, _Order()).lacks.add(event.component)
         elif isinstance(event, e.ComponentInService):
-            for one in self._orders.values():
-                one.lacks.discard(event.component)
+            for job_order in self._orders.values():
+                job_order.lacks.discard(event.component)
         elif isinstance(event, e.ScriptReleased):
-            for one in self._orders.values():
-                if one.unreleased == event.digest:
-                    one.unreleased = ''
+            for job_order in self._orders.values():
+                if job_order.unreleased == event.digest:
+                    job_order.unreleased = ''
         elif isinstance(event, _LEAVES):
             self._orders.pop(event.job, None)
         elif isinstance(event, _CHANGES):
@@ -91,13 +91,14 @@ class OrdersAtHand:
     def plain(self) -> dict[str, Any]:
         """Return what it knows, as JSON carries it."""
         return {
-            job: {**vars(one), 'lacks': sorted(one.lacks)} for job, one in self._orders.items()
+            job: {**vars(order), 'lacks': sorted(order.lacks)}
+            for job, order in self._orders.items()
         }
 
     def go_on_from(self, plain: Mapping[str, Any]) -> None:
         """Know what another one knew."""
         self._orders = {
-            job: _Order(**{**one, 'lacks': set(one['lacks'])}) for job, one in plain.items()
+            job: _Order(**{**order, 'lacks': set(order['lacks'])}) for job, order in plain.items()
         }
 
     def _queued(self, event: e.OrderEvent) -> None:
@@ -248,19 +249,19 @@ class Standing:
                 return Cause(Loss.OPERATOR, JOB_PAUSED, part=Part.PAUSED)
             first = next(iter((*self._out, *self._unready)), '')
             return Cause(Loss.WAITING, self._trouble(), first)
-        if all(one.section is None and one.job is not None for one in running):
+        if all(span.section is None and span.job is not None for span in running):
             return Cause(Loss.SETUP, 'initialization')
-        again = next((one for one in running if one.attempt > 1 or one.round), None)
+        again = next((span for span in running if span.attempt > 1 or span.round), None)
         if again is not None:
             return Cause(Loss.REWORK, f'{again.name} again', again.component)
         return None
 
     def _trouble(self) -> str:
         """Say which components could not work."""
-        said = [f'{", ".join(self._out)} out of service'] if self._out else []
+        troubles = [f'{", ".join(self._out)} out of service'] if self._out else []
         unready = [name for name in self._unready if name not in self._out]
-        said += [f'{", ".join(unready)} not ready'] if unready else []
-        return '; '.join(said) or 'nothing could start'
+        troubles += [f'{", ".join(unready)} not ready'] if unready else []
+        return '; '.join(troubles) or 'nothing could start'
 
     # --- folds ------------------------------------------------------------------------------
 
@@ -291,7 +292,7 @@ class Standing:
     def plain(self) -> dict[str, Any]:
         """Return what it knows, as JSON carries it."""
         return {
-            'spans': [to_record(one) for one in self.spans.open()],
+            'spans': [to_record(span) for span in self.spans.open()],
             'holds': [to_record(hold) for hold in self.holds.values()],
             'failures': sorted(self._failures),
             'state': to_plain(self._state),

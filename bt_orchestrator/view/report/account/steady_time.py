@@ -128,12 +128,12 @@ class SteadyTime:
         pieces = list(pieces)
         aheads = [self._ahead_us, *(step.ahead_us for step in self.steps)]
         borders = [-_FAR_US, *(step.at_us for step in self.steps), _FAR_US]
-        found = (
+        intervals = (
             (max(begin - ahead, since), min(end - ahead, until))
             for ahead, (since, until) in zip(aheads, pairwise(borders), strict=True)
             for begin, end in pieces
         )
-        return [one for one in found if one[0] < one[1]]
+        return [interval for interval in intervals if interval[0] < interval[1]]
 
     def as_shown_at(self, moment: int) -> SteadyTime:
         """Return the same steps in the time that goes on as the clock did at a moment."""
@@ -142,16 +142,16 @@ class SteadyTime:
             step._replace(at_us=step.at_us + ahead, ahead_us=step.ahead_us - ahead)
             for step in self.steps
         ]
-        found = SteadyTime(self.since, steps, self._ahead_us - ahead)
-        found.known = _FAR_US
-        return found
+        steady_time = SteadyTime(self.since, steps, self._ahead_us - ahead)
+        steady_time.known = _FAR_US
+        return steady_time
 
     def up_to(self, seq: int) -> SteadyTime:
         """Return the known steps up to an event, after which there are no others."""
         steps = (step for step in self.steps if step.seq <= seq)
-        found = SteadyTime(self.since, steps, self._ahead_us)
-        found.known = _FAR_US
-        return found
+        steady_time = SteadyTime(self.since, steps, self._ahead_us)
+        steady_time.known = _FAR_US
+        return steady_time
 
     def _step_us(self, event: e.Event, wall: int) -> int:
         """Return by how much the clock was set before an event."""

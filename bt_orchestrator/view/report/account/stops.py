@@ -116,14 +116,14 @@ class OpenHolds:
 
     def plain(self) -> dict[str, Any]:
         """Return what it knows, as JSON carries it."""
-        said = None if self._said is None else to_record(self._said)
-        return {'open': [asdict(one) for one in self.open.values()], 'said': said}
+        decision = None if self._said is None else to_record(self._said)
+        return {'open': [asdict(hold) for hold in self.open.values()], 'said': decision}
 
     def go_on_from(self, plain: Mapping[str, Any]) -> None:
         """Know what another one knew."""
-        self.open = {one['hold']: Held(**one) for one in plain['open']}
-        said = plain['said']
-        decided = None if said is None else from_record(said)
+        self.open = {hold['hold']: Held(**hold) for hold in plain['open']}
+        decision = plain['said']
+        decided = None if decision is None else from_record(decision)
         self._said = decided if isinstance(decided, e.OperatorDecided) else None
 
 
@@ -149,7 +149,7 @@ OF_COMPONENTS = (
 )
 """Why a hold is a failure of its component; all else is about data, an item or a command."""
 
-_REASONS = frozenset(one.value for one in OF_COMPONENTS)
+_REASONS = frozenset(reason.value for reason in OF_COMPONENTS)
 
 
 def failing_component(hold: e.HoldRaised) -> str:

@@ -96,12 +96,12 @@ def class_lines(shown: Figures) -> Iterator[str]:
     """Yield the micro-stops and the breakdowns."""
     limit = duration(shown.micro_stop_us)
     rows = [
-        (title, str(found.times), duration(found.us))
-        for title, found in (
+        (title, str(stop_class.times), duration(stop_class.us))
+        for title, stop_class in (
             (f'micro-stops, shorter than {limit}', shown.micro_stops()),
             ('breakdowns', shown.breakdowns()),
         )
-        if is_seen(found.us)
+        if is_seen(stop_class.us)
     ]
     if rows:
         yield from table(('', 'times', 'time'), rows)
@@ -109,11 +109,11 @@ def class_lines(shown: Figures) -> Iterator[str]:
 
 def _made(shown: Figures) -> Iterator[str]:
     rows = []
-    for one in shown.times.made:
-        pace = shown.paces.get(one.digest)
+    for job in shown.times.made:
+        pace = shown.paces.get(job.digest)
         per_item = UNKNOWN if pace is None else f'{pace.per_item_s:.1f} s'
-        counts = (one.good, one.nonconforming, one.rejected, one.by_hand, one.outside)
-        rows.append((one.job, one.script, per_item, *map(str, counts)))
+        counts = (job.good, job.nonconforming, job.rejected, job.by_hand, job.outside)
+        rows.append((job.job, job.script, per_item, *map(str, counts)))
     if rows:
         titles = ('good', 'nonconforming', 'rejected', 'by hand', 'outside planned time')
         yield from table(('job', 'script', 'pace', *titles), rows)
@@ -140,22 +140,22 @@ def _reasons_title(shown: Figures) -> str:
 def reason_lines(account: Account) -> Iterator[str]:
     """Yield the reasons of stops, the longest first."""
     shown, period = account.figures, account.period
-    found = shares(shown.times.by_reason)
+    reasons = shares(shown.times.by_reason)
     rows = []
-    for one in found:
-        reason = period.reasons.get(one.code)
-        code = one.code if reason is not None else ''
+    for share in reasons:
+        reason = period.reasons.get(share.code)
+        code = share.code if reason is not None else ''
         group = reason.group if reason is not None else ''
-        said = period.reason_words(one.code)
-        numbers = (str(one.times), duration(one.us), percent(shown.of_stops(one.us)))
-        rows.append((said, code, group, *numbers))
+        words = period.reason_words(share.code)
+        numbers = (str(share.times), duration(share.us), percent(shown.of_stops(share.us)))
+        rows.append((words, code, group, *numbers))
     yield from _pareto(('', 'code', 'group', 'times', 'time', 'of all'), rows)
 
 
 def line_stop_lines(account: Account) -> Iterator[str]:
     """Yield the longest stops with their names and their reasons, the longest first."""
     period = account.period
-    found = sorted(account.figures.times.line_stops, key=lambda one: (-one.us, one.span.seq))
+    stops = sorted(account.figures.times.line_stops, key=lambda stop: (-stop.us, stop.span.seq))
     rows = [
         (
             period.clock(stop.span.since_us),
@@ -164,7 +164,7 @@ def line_stop_lines(account: Account) -> Iterator[str]:
             account.stop_name(stop),
             period.reason_words('' if stop.reason is None else stop.reason.code),
         )
-        for stop in found
+        for stop in stops
     ]
     yield from _pareto(('from', 'time', '', 'name', 'reason'), rows)
 
@@ -174,8 +174,8 @@ def hold_lines(times: Times, period: Period) -> Iterator[str]:
     for held in times.holds:
         yield f'{_from_to(period, held)}  {held.words}'
         if held.answer:
-            said = f': {held.reason}' if held.reason else ''
-            yield f'  {held.answer} by {held.who}{said}'
+            reason = f': {held.reason}' if held.reason else ''
+            yield f'  {held.answer} by {held.who}{reason}'
     if times.holds_left_out:
         us = sum(times.left_out_us.values())
         yield f'and {times.holds_left_out} others, {duration(us)} together'
@@ -197,17 +197,20 @@ def first_pass_words(shown: Figures) -> str:
 
 def flaw_lines(times: Times) -> Iterator[str]:
     """Yield the causes of scrap and rework, the most frequent first."""
-    products = {one.of.product for one in times.flaws}
+    products = {flaw.of.product for flaw in times.flaws}
     rows = []
-    for one in times.flaws:
-        named = (EFFECTS[one.of.effect], one.of.product if len(products) > 1 else '')
-        rows.append((': '.join(filter(None, named)), flaw_words(one.of), str(one.times)))
+    for flaw in times.flaws:
+        named = (EFFECTS[flaw.of.effect], flaw.of.product if len(products) > 1 else '')
+        rows.append((': '.join(filter(None, named)), flaw_words(flaw.of), str(flaw.times)))
     yield from _pareto(('', 'cause', 'times'), rows)
 
 
 def measured_lines(times: Times) -> Iterator[str]:
     """Yield the measured values of each task with a verdict."""
-    rows = [(measured_name(one), *measured_texts(one)) for one in times.measured]
+    rows = [
+        (measured_name(measurement), *measured_texts(measurement))
+        for measurement in times.measured
+    ]
     yield from _pareto(('', *MEASURED_TITLES), rows)
 
 
@@ -215,24 +218,24 @@ def failing_lines(times: Times) -> Iterator[str]:
     """Yield the tasks that failed most often."""
     rows = [
         (
-            f'{one.component or "nothing sent"}: {one.task}, {one.reason}',
-            str(one.times),
-            duration(one.us),
+            f'{failure.component or "nothing sent"}: {failure.task}, {failure.reason}',
+            str(failure.times),
+            duration(failure.us),
         )
-        for one in times.failing
+        for failure in times.failing
     ]
     yield from _pareto(('', 'times', 'took'), rows)
 
 
 def _repairs(shown: Figures) -> Iterator[str]:
     rows = []
-    for one in shown.times.repairs:
-        between, repair = shown.mtbf_us(one), shown.mttr_us(one)
+    for repairs in shown.times.repairs:
+        between, repair = shown.mtbf_us(repairs), shown.mttr_us(repairs)
         rows.append(
             (
-                one.component,
-                str(one.failures),
-                duration(one.down_us),
+                repairs.component,
+                str(repairs.failures),
+                duration(repairs.down_us),
                 UNKNOWN if between is None else duration(between),
                 duration(repair),
             )

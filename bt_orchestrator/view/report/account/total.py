@@ -68,12 +68,12 @@ class Times:
     @property
     def line_stops_count(self) -> int:
         """How many stops there were that are long enough for the list."""
-        return sum(one.times for one in self.by_reason)
+        return sum(reason.times for reason in self.by_reason)
 
     @property
     def line_stops_us(self) -> int:
         """Their planned time."""
-        return sum(one.us for one in self.by_reason)
+        return sum(reason.us for reason in self.by_reason)
 
     @property
     def short_stops_us(self) -> int:
@@ -130,7 +130,7 @@ class Total:
     @property
     def made(self) -> tuple[Made, ...]:
         """The jobs whose items left the line, the first first."""
-        return tuple(replace(one) for one in self._made.values())
+        return tuple(replace(job) for job in self._made.values())
 
     def add(self, slot: Slot, *, is_planned: bool) -> None:
         """Take in the next slot."""
@@ -241,13 +241,17 @@ class Total:
             self.made,
             scripts,
             self._sorted_stops(),
-            tuple(sorted((one[3] for one in self._told), key=lambda held: held.raised_us)),
+            tuple(sorted((entry[3] for entry in self._told), key=lambda held: held.raised_us)),
             self._left_out_count,
             dict(self._left_out),
             self._failing(),
-            tuple(sorted(self._repairs.values(), key=lambda one: (-one.down_us, one.component))),
+            tuple(
+                sorted(
+                    self._repairs.values(), key=lambda record: (-record.down_us, record.component)
+                )
+            ),
             self._sorted_flaws(),
-            tuple(sorted(self._measured.values(), key=lambda one: one.of.order)),
+            tuple(sorted(self._measured.values(), key=lambda record: record.of.order)),
             {name: us for name, us in sorted(self._operated.items()) if us},
             self._cell,
             tuple(self._cells),
@@ -257,19 +261,23 @@ class Total:
 
     def _sorted_stops(self) -> tuple[Stop, ...]:
         """Return the stops, the longest first."""
-        found = (
+        stops = (
             Stop(stop.loss, stop.detail, stop.component, stop.begun, stop.us, stop.part)
             for stop in self._stops.values()
         )
         return tuple(
-            sorted(found, key=lambda one: (-one.us, one.loss.value, *one[1:3], one.part.value))
+            sorted(
+                stops, key=lambda stop: (-stop.us, stop.loss.value, *stop[1:3], stop.part.value)
+            )
         )
 
     def _failing(self) -> tuple[FailingTask, ...]:
         """Return the tasks that failed, the most frequent first."""
-        found = (FailingTask(*key, n, self._took[key]) for key, n in self._failures.items())
-        return tuple(sorted(found, key=lambda one: (-one.times, -one.us, one[:3])))
+        failures = (FailingTask(*key, n, self._took[key]) for key, n in self._failures.items())
+        return tuple(
+            sorted(failures, key=lambda failure: (-failure.times, -failure.us, failure[:3]))
+        )
 
     def _sorted_flaws(self) -> tuple[FlawSum, ...]:
-        found = (FlawSum(flaw, n) for flaw, n in self._flaws.items())
-        return tuple(sorted(found, key=lambda one: (-one.times, one.of.order)))
+        flaws = (FlawSum(flaw, n) for flaw, n in self._flaws.items())
+        return tuple(sorted(flaws, key=lambda flaw: (-flaw.times, flaw.of.order)))

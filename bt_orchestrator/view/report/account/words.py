@@ -73,21 +73,21 @@ _OLD_BOOKS = {
 }
 
 
-def break_words(one: ChangedBreak, period: Period) -> str:
+def break_words(pause: ChangedBreak, period: Period) -> str:
     """Say how long a break was."""
-    begin, end = (_by_the_clock(period).when(us)[:-3] for us in (one.begin_us, one.end_us))
-    way = 'back' if one.took_us > one.usual_us else 'forward'
-    took = duration(one.took_us) if one.took_us else 'no time'
+    begin, end = (_by_the_clock(period).when(us)[:-3] for us in (pause.begin_us, pause.end_us))
+    way = 'back' if pause.took_us > pause.usual_us else 'forward'
+    took = duration(pause.took_us) if pause.took_us else 'no time'
     return (
-        f'the break of shift {one.shift} from {begin} to {end} took {took} instead of '
-        f'{duration(one.usual_us)}: the clocks went {way} in it'
+        f'the break of shift {pause.shift} from {begin} to {end} took {took} instead of '
+        f'{duration(pause.usual_us)}: the clocks went {way} in it'
     )
 
 
 def clock_plain(period: Period, steps: tuple[Step, ...]) -> dict[str, list[dict[str, Any]]]:
     """Return both for a program; nothing if there is nothing to tell."""
     iso = _by_the_clock(period).iso
-    told = {
+    changes = {
         'clock_set': [
             {'seconds': step.by_us / US, 'from': iso(before), 'to': iso(after)}
             for step in steps
@@ -95,16 +95,16 @@ def clock_plain(period: Period, steps: tuple[Step, ...]) -> dict[str, list[dict[
         ],
         'changed_breaks': [
             {
-                'shift': one.shift,
-                'from': iso(one.begin_us),
-                'to': iso(one.end_us),
-                'seconds': one.took_us / US,
-                'usual_seconds': one.usual_us / US,
+                'shift': pause.shift,
+                'from': iso(pause.begin_us),
+                'to': iso(pause.end_us),
+                'seconds': pause.took_us / US,
+                'usual_seconds': pause.usual_us / US,
             }
-            for one in period.changed_breaks
+            for pause in period.changed_breaks
         ],
     }
-    return {name: found for name, found in told.items() if found}
+    return {name: records for name, records in changes.items() if records}
 
 
 def _by_the_clock(period: Period) -> Period:

@@ -73,10 +73,10 @@ def are_known(wanted: Sequence[State]) -> bool:
     )
 
 
-def _is(one: State, wanted: State) -> bool:
-    if bool(one.machine) != bool(wanted.machine):
+def _is(state: State, wanted: State) -> bool:
+    if bool(state.machine) != bool(wanted.machine):
         return False
-    return one.number == wanted.number if wanted.number else one.text == wanted.text
+    return state.number == wanted.number if wanted.number else state.text == wanted.text
 
 
 # The return values of the methods of ISA-95 Job Control (OPC 10031-4, annex B.2).

@@ -141,13 +141,13 @@ def _other_source(order: JobOrder, now: ListedJob, read: _Reading) -> dict[str, 
     if wanted.over(was) == was:
         return {}
     named = {'recipe': list(wanted.recipes), 'version': wanted.version, 'bind': wanted.bind}
-    return {key: one for key, one in named.items() if one}
+    return {key: value for key, value in named.items() if value}
 
 
 def reason_in(order: JobOrder) -> str:
     """Return the reason that an order carries as a parameter; empty: none."""
-    found = (parameter.value for parameter in order.parameters if parameter.id == REASON)
-    return next((one.text if isinstance(one, Text) else str(one) for one in found), '')
+    values = (parameter.value for parameter in order.parameters if parameter.id == REASON)
+    return next((value.text if isinstance(value, Text) else str(value) for value in values), '')
 
 
 def _read(
@@ -199,7 +199,7 @@ class _Reading:
         if fault is not None:
             yield Finding('JobOrderID', f'{order.id!r} cannot be one: {fault}', _MALFORMED)
         if order.description:
-            self.details[DESCRIPTION] = [text_to_plain(one) for one in order.description]
+            self.details[DESCRIPTION] = [text_to_plain(text) for text in order.description]
         yield from self._read_masters()
         yield from self._read_parameters()
         yield from self._read_resources()
@@ -207,7 +207,7 @@ class _Reading:
     def _read_masters(self) -> Iterator[Finding]:
         masters = self.order.work_masters
         if len(masters) != 1 and (masters or self.is_whole):
-            named = ', '.join(one.id for one in masters) or 'none'
+            named = ', '.join(master.id for master in masters) or 'none'
             yield Finding('WorkMasterID', f'expected exactly one, found {named}')
         for master in masters[:1]:
             if not master.id:
@@ -217,19 +217,19 @@ class _Reading:
 
     def _read_parameters(self) -> Iterator[Finding]:
         where = 'JobOrderParameters'
-        for one, is_first in _with_first(self.order.parameters):
-            if not is_first and (one.id in _ONCE or one.id in KINDS):
-                yield Finding(f'{where}.{one.id}', 'is given twice; give it once')
-            elif one.id == RUNS_PLANNED:
-                yield from self._read_quantity(f'{where}.{one.id}', one.value)
-            elif one.id == RECIPE_VERSION and self.of_recipe:
-                yield from self._read_version(f'{where}.{one.id}', one.value)
-            elif one.id in KINDS:
-                yield from self._read_named(f'{where}.{one.id}', one)
-            elif one.id == OTHER:
-                yield from self._read_others(f'{where}.{one.id}', one.value)
-            elif one.id != REASON:
-                yield from self._read_params(where, (one,))
+        for parameter, is_first in _with_first(self.order.parameters):
+            if not is_first and (parameter.id in _ONCE or parameter.id in KINDS):
+                yield Finding(f'{where}.{parameter.id}', 'is given twice; give it once')
+            elif parameter.id == RUNS_PLANNED:
+                yield from self._read_quantity(f'{where}.{parameter.id}', parameter.value)
+            elif parameter.id == RECIPE_VERSION and self.of_recipe:
+                yield from self._read_version(f'{where}.{parameter.id}', parameter.value)
+            elif parameter.id in KINDS:
+                yield from self._read_named(f'{where}.{parameter.id}', parameter)
+            elif parameter.id == OTHER:
+                yield from self._read_others(f'{where}.{parameter.id}', parameter.value)
+            elif parameter.id != REASON:
+                yield from self._read_params(where, (parameter,))
 
     def _read_quantity(self, where: str, value: object) -> Iterator[Finding]:
         if not isinstance(value, int) or isinstance(value, bool):
@@ -286,20 +286,21 @@ class _Reading:
             resources = getattr(self.order, attribute)
             if resources:
                 self.details[name] = [dict(resource) for resource in resources]
-        for one in self.order.equipment:
-            id_ = one.get('ID')
+        for device in self.order.equipment:
+            id_ = device.get('ID')
             if self.components and id_ not in self.components:
                 there = ', '.join(sorted(self.components))
                 yield Finding(EQUIPMENT, f'there is no {id_!r} in this cell; it has {there}')
             elif self.of_recipe:
-                yield from self._read_use(str(id_ or ''), str(one.get(USE) or ''))
+                yield from self._read_use(str(id_ or ''), str(device.get(USE) or ''))
 
     def _read_use(self, component: str, operation: str) -> Iterator[Finding]:
         """Bind an operation; what only has to be there says no use."""
         if operation and self.bind.setdefault(operation, component) != component:
-            found = f'{self.bind[operation]}, {component}'
+            components = f'{self.bind[operation]}, {component}'
             yield Finding(
-                EQUIPMENT, f'`{operation}` is to be done by two: {found}; leave it at one of them'
+                EQUIPMENT,
+                f'`{operation}` is to be done by two: {components}; leave it at one of them',
             )
 
 
@@ -328,10 +329,10 @@ def job_order(job: ListedJob) -> JobOrder:
     status, details = job.status, job.details
     params = tuple(Parameter(name, value) for name, value in job.params.items())
     named = tuple(named_parameters(details))
-    told = {*_STANDARD, *(one.id for one in named)}
+    ids = {*_STANDARD, *(parameter.id for parameter in named)}
     choice = job.choice
     version = choice.version if choice is not None else None
-    others = {key: value for key, value in details.items() if key not in told}
+    others = {key: value for key, value in details.items() if key not in ids}
     return JobOrder(
         status.id,
         texts_from_plain(details.get(DESCRIPTION)),
@@ -357,4 +358,4 @@ _STANDARD = {DESCRIPTION, *RESOURCES}
 
 def _resources(plain: object) -> tuple[Resource, ...]:
     several = plain if isinstance(plain, (list, tuple)) else []
-    return tuple(one for one in several if isinstance(one, Mapping))
+    return tuple(resource for resource in several if isinstance(resource, Mapping))

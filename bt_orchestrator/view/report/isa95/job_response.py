@@ -186,7 +186,7 @@ def b2mml(response: JobResponse) -> dict[str, object]:
     if response.lots:
         plain['MaterialActual'] = [_material(*lot) for lot in response.lots]
     plain['JobResponseData'] = [
-        {'ID': one.id, 'Value': list(_b2mml_values(one.value))} for one in response.data
+        {'ID': entry.id, 'Value': list(_b2mml_values(entry.value))} for entry in response.data
     ]
     return {'JobResponse': plain}
 
@@ -203,8 +203,8 @@ def _material(name: str, lot: str, items: int) -> dict[str, object]:
 
 
 def _b2mml_values(value: object) -> Iterator[dict[str, str]]:
-    for one in value if isinstance(value, tuple) else (value,):
-        known = one.text if isinstance(one, Text) else one
+    for member in value if isinstance(value, tuple) else (value,):
+        known = member.text if isinstance(member, Text) else member
         text = known if isinstance(known, str) else json_of(known)
         yield {'ValueString': text, 'DataType': _DATA_TYPES.get(type(known), 'string')}
 

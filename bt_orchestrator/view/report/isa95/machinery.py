@@ -69,7 +69,7 @@ def named_to_plain(parameter: Parameter) -> object:
         return value
     plain: dict[str, object] = {'Value': value}
     if parameter.description:
-        plain['Description'] = [text_to_plain(one) for one in parameter.description]
+        plain['Description'] = [text_to_plain(text) for text in parameter.description]
     if parameter.unit:
         plain['EngineeringUnits'] = parameter.unit
     if parameter.parts:
@@ -103,7 +103,7 @@ def named_from_plain(name: str, plain: object) -> Parameter:
         _value_from_plain(kind, plain['Value']),
         texts_from_plain(plain.get('Description')),
         str(plain.get('EngineeringUnits', '')),
-        tuple(named_from_plain(str(one), value) for one, value in inner),
+        tuple(named_from_plain(str(key), value) for key, value in inner),
     )
 
 
@@ -111,9 +111,9 @@ def _fits(kind: Kind, value: object) -> bool:
     several = value if isinstance(value, tuple) else (value,)
     match kind:
         case Kind.TEXTS:
-            return all(isinstance(one, (Text, str)) for one in several)
+            return all(isinstance(member, (Text, str)) for member in several)
         case Kind.NAMES:
-            return all(isinstance(one, str) for one in several)
+            return all(isinstance(member, str) for member in several)
         case Kind.NUMBER:
             return _is_finite(value)
         case Kind.WHOLE:
@@ -137,9 +137,12 @@ def _value_to_plain(kind: Kind | None, value: object) -> object:
     if kind is Kind.NAMES:
         return list(several)
     if kind is Kind.TEXTS:
-        return [text_to_plain(one if isinstance(one, Text) else Text(str(one))) for one in several]
+        return [
+            text_to_plain(member if isinstance(member, Text) else Text(str(member)))
+            for member in several
+        ]
     if isinstance(value, tuple):
-        return [_value_to_plain(None, one) for one in value]
+        return [_value_to_plain(None, member) for member in value]
     return text_to_plain(value) if isinstance(value, Text) else value
 
 
@@ -152,5 +155,5 @@ def _value_from_plain(kind: Kind | None, plain: object) -> object:
     if kind is Kind.NUMBER and isinstance(plain, int):
         return float(plain)  # JSON does not tell 4.0 from 4
     if isinstance(plain, (list, tuple)):
-        return tuple(_value_from_plain(None, one) for one in plain)
+        return tuple(_value_from_plain(None, member) for member in plain)
     return plain

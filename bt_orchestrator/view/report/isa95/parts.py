@@ -57,4 +57,4 @@ def texts_from_plain(plain: object) -> tuple[Text, ...]:
     if plain is None:
         return ()
     several = plain if isinstance(plain, (list, tuple)) else [plain]
-    return tuple(text_from_plain(one) for one in several)
+    return tuple(text_from_plain(member) for member in several)

@@ -60,7 +60,7 @@ class ItemFold:
                 for key, task in tasks
             }
             standing = state.sections.values()
-            self._slots = {one.slot: one.number for one in standing if one.slot}
+            self._slots = {section.slot: section.number for section in standing if section.slot}
 
     @property
     def is_known(self) -> bool:
@@ -168,7 +168,7 @@ class ItemFold:
             return
         stay.until = time
         others = sorted((section, item) for item, section in self._slots.items())
-        stay.beside = tuple(Neighbour(*one) for one in others if one[1] != self.history.item)
+        stay.beside = tuple(Neighbour(*pair) for pair in others if pair[1] != self.history.item)
 
     # --- people, and the node ---------------------------------------------------------------
 

@@ -103,15 +103,15 @@ class TimeUse(NamedTuple):
 
 def chapters(history: ItemHistory) -> list[Chapter]:
     """Return the story of an item."""
-    entries = sorted(_entries(history), key=lambda one: (one.time, _rank(one)))
-    found = list(_places(history))
-    if not found:
+    entries = sorted(_entries(history), key=lambda record: (record.time, _rank(record)))
+    places = list(_places(history))
+    if not places:
         begin = entries[0].time if entries else 0.0
-        found = [Chapter('', begin, history.ended, '')]
+        places = [Chapter('', begin, history.ended, '')]
     for entry in entries:
-        begun = [one for one in found if one.since <= entry.time]
-        (begun[-1] if begun else found[0]).entries.append(entry)
-    return found
+        begun = [place for place in places if place.since <= entry.time]
+        (begun[-1] if begun else places[0]).entries.append(entry)
+    return places
 
 
 def wait_words(waited: Waited) -> str:
@@ -140,11 +140,11 @@ def time_uses(history: ItemHistory) -> list[TimeUse]:
     taken = history.work
     worked_s = covered_s(taken)
     waited: dict[tuple[str, str], float] = {}
-    told = {*history.idle, *(waited for task in history.tasks for waited in task.waited)}
-    for one in sorted(told, key=lambda w: w.start):
-        span = Span(one.start, one.end)
+    waits = {*history.idle, *(waited for task in history.tasks for waited in task.waited)}
+    for wait in sorted(waits, key=lambda w: w.start):
+        span = Span(wait.start, wait.end)
         more_s = covered_s([*taken, span]) - covered_s(taken)
-        key = (wait_words(one), one.kind)
+        key = (wait_words(wait), wait.kind)
         waited[key] = waited.get(key, 0.0) + more_s
         taken.append(span)
     uses = [TimeUse(*key, seconds) for key, seconds in waited.items() if seconds > 0]
@@ -246,8 +246,10 @@ def _values(mapping: Mapping[str, Any]) -> str:
 
 def _at_work(others: Iterable[AtWork]) -> str:
     named_once = dict.fromkeys(
-        f'{one.component} {one.name} ({one.item})' if one.item else f'{one.component} {one.name}'
-        for one in others
+        f'{other.component} {other.name} ({other.item})'
+        if other.item
+        else f'{other.component} {other.name}'
+        for other in others
     )
     return ', '.join(named_once)
 
@@ -259,26 +261,34 @@ def _hold(held: Held) -> Entry:
     return Entry(held.time, HOLD, '', what, words=held.words, seconds=seconds)
 
 
-def _decision(one: Decision) -> Entry:
-    who = named(one.who, one.known) if one.known else one.who or 'somebody'
-    role = f', {one.role},' if one.role else ''
-    about = f' of hold {one.hold}' if one.hold else (' for the whole cell' if one.of_cell else '')
+def _decision(decision: Decision) -> Entry:
+    who = named(decision.who, decision.known) if decision.known else decision.who or 'somebody'
+    role = f', {decision.role},' if decision.role else ''
+    about = (
+        f' of hold {decision.hold}'
+        if decision.hold
+        else (' for the whole cell' if decision.of_cell else '')
+    )
     return Entry(
-        one.time, DECISION, '', f'{who}{role} decided {one.what}{about}', words=one.reason
+        decision.time,
+        DECISION,
+        '',
+        f'{who}{role} decided {decision.what}{about}',
+        words=decision.reason,
     )
 
 
-def _restart(one: Restart) -> Entry:
-    silent = duration(max(0.0, one.time - one.silent_since))
-    words = one.words or 'it went on from its last event'
+def _restart(restart: Restart) -> Entry:
+    silent = duration(max(0.0, restart.time - restart.silent_since))
+    words = restart.words or 'it went on from its last event'
     what = f'the orchestrator was started again, {silent} after its last event'
-    return Entry(one.time, RESTART, '', what, words=words)
+    return Entry(restart.time, RESTART, '', what, words=words)
 
 
-def _clock_set(one: ClockSet) -> Entry:
-    way = 'back' if one.seconds < 0 else 'forward'
-    what = f'the clock was set {way} by {duration(abs(one.seconds))}'
-    return Entry(one.time, CLOCK, '', what, words='times here go on as if it had not been set')
+def _clock_set(change: ClockSet) -> Entry:
+    way = 'back' if change.seconds < 0 else 'forward'
+    what = f'the clock was set {way} by {duration(abs(change.seconds))}'
+    return Entry(change.time, CLOCK, '', what, words='times here go on as if it had not been set')
 
 
 def _places(history: ItemHistory) -> Iterator[Chapter]:
@@ -286,5 +296,7 @@ def _places(history: ItemHistory) -> Iterator[Chapter]:
         since = stay.since
         if number == 0 and history.started is not None:
             since = history.started
-        beside = ', '.join(f'section {one.section}: {one.item}' for one in stay.beside)
+        beside = ', '.join(
+            f'section {neighbour.section}: {neighbour.item}' for neighbour in stay.beside
+        )
         yield Chapter(f'Section {stay.section}', since, stay.until, beside)

@@ -56,19 +56,21 @@ class ItemWaits:
     def before(self, key: e.TaskKey | None) -> list[Waited]:
         """Return what a task waited for before it began, or was passed, each part once."""
         waited = self._pending.pop(key, [])
-        return [one for one in waited if one.seconds >= LEAST_S]
+        return [wait for wait in waited if wait.seconds >= LEAST_S]
 
     def rest(self) -> list[Waited]:
         """Return what was waited for by tasks that never began."""
-        found = (one for key in tuple(self._pending) for one in self.before(key))
-        return sorted(dict.fromkeys(found), key=lambda one: one.start)
+        waits = (wait for key in tuple(self._pending) for wait in self.before(key))
+        return sorted(dict.fromkeys(waits), key=lambda wait: wait.start)
 
     def _ask(self, state: CellState, until: float) -> None:
         """Ask what the item has waited for until now; the end of a delay is a moment too."""
         item = state.items.get(self._item)
         while self._time < until:
-            found = () if item is None else tuple(of_item(state, item, self))
-            waits = tuple(one._replace(wait=at_bottom(state, one.wait, self)) for one in found)
+            waitings = () if item is None else tuple(of_item(state, item, self))
+            waits = tuple(
+                waiting._replace(wait=at_bottom(state, waiting.wait, self)) for waiting in waitings
+            )
             delayed = (key for key, t in state.tasks.items() if t.phase is Phase.RETRYING)
             end = min([until, *filter(self._time.__lt__, map(self._over, delayed))])
             self._note(self._time, end, waits)

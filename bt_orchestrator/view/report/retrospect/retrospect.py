@@ -262,7 +262,11 @@ class Retrospect:
 
     def worst_deviation(self) -> Deviation | None:
         """Return the attempt that ended earliest or latest against its forecast."""
-        known = [(abs(one.late_us), one) for one in self._pairs() if one.late_us is not None]
+        known = [
+            (abs(deviation.late_us), deviation)
+            for deviation in self._pairs()
+            if deviation.late_us is not None
+        ]
         late_us, worst = max(known, key=lambda pair: pair[0], default=(0, None))
         return worst if late_us >= self._least_us() else None
 
@@ -270,11 +274,11 @@ class Retrospect:
         for key, real in self.real.works.items():
             yield Deviation(real, self.forecast.works.get(key))
 
-    def _deviates(self, one: Deviation) -> bool:
-        if one.forecast is None or one.late_us is None:
+    def _deviates(self, deviation: Deviation) -> bool:
+        if deviation.forecast is None or deviation.late_us is None:
             return True
-        return bool(one.real.reason and not one.forecast.reason) or (
-            abs(one.late_us) >= self._least_us()
+        return bool(deviation.real.reason and not deviation.forecast.reason) or (
+            abs(deviation.late_us) >= self._least_us()
         )
 
     def _least_us(self) -> float:

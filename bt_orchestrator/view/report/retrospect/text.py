@@ -26,52 +26,55 @@ MOST_TASKS = 10
 _COLUMNS = ('forecast', 'real', 'difference')
 
 
-def period_of(found: Retrospect) -> Period:
+def period_of(retrospect: Retrospect) -> Period:
     """Return the time of a job."""
-    begin_us, until_us = found.begin_us, found.real.until_us
-    return Period.all_planned(f'job {found.job}', begin_us, until_us, found.steady)
+    begin_us, until_us = retrospect.begin_us, retrospect.real.until_us
+    return Period.all_planned(f'job {retrospect.job}', begin_us, until_us, retrospect.steady)
 
 
-def retrospect_text(found: Retrospect) -> Iterator[str]:
+def retrospect_text(retrospect: Retrospect) -> Iterator[str]:
     """Yield the lines; each part is left out where it has nothing to say."""
-    period, times = period_of(found), found.real.times
+    period, times = period_of(retrospect), retrospect.real.times
     cell = f'cell {times.cell}, ' if times.cell else ''
-    yield f'{cell}job {found.job}, started {period.when(found.begin_us)}: forecast and reality'
-    yield from (f'  {note}' for note in notes(found))
+    started = period.when(retrospect.begin_us)
+    yield f'{cell}job {retrospect.job}, started {started}: forecast and reality'
+    yield from (f'  {note}' for note in notes(retrospect))
     yield ''
-    yield from table(('', *_COLUMNS), [*_ends(found, period), *map(_counted, found.items())])
-    yield from titled('where the time went', _where(found))
-    yield from titled('at work', _timed(found.busy()))
-    yield from titled('tasks that took longer or shorter', _tasks(found))
-    yield from _deviations(found, period)
+    yield from table(
+        ('', *_COLUMNS), [*_ends(retrospect, period), *map(_counted, retrospect.items())]
+    )
+    yield from titled('where the time went', _where(retrospect))
+    yield from titled('at work', _timed(retrospect.busy()))
+    yield from titled('tasks that took longer or shorter', _tasks(retrospect))
+    yield from _deviations(retrospect, period)
     yield from titled('stops, the longest first', stop_lines(times))
     yield from titled('holds', hold_lines(times, period))
     yield from titled('failed attempts', failing_lines(times))
 
 
-def notes(found: Retrospect) -> Iterator[str]:
+def notes(retrospect: Retrospect) -> Iterator[str]:
     """Say what the forecast is, and what limits it."""
-    durations = 'that tasks had taken before' if found.usual else 'of the cell file'
-    run = f'a virtual run from event {found.first_seq} on'
+    durations = 'that tasks had taken before' if retrospect.usual else 'of the cell file'
+    run = f'a virtual run from event {retrospect.first_seq} on'
     yield f'the forecast is {run}, with the durations {durations}'
-    if found.real.end_us is None:
-        until = period_of(found).when(found.real.until_us)
+    if retrospect.real.end_us is None:
+        until = period_of(retrospect).when(retrospect.real.until_us)
         yield f'the job has not ended: times and items are compared up to {until}'
-    if found.cell_differs:
+    if retrospect.cell_differs:
         yield 'the node ran with another cell file than this one'
 
 
-def _ends(found: Retrospect, period: Period) -> Iterator[tuple[str, ...]]:
-    ends = found.forecast.end_us, found.real.end_us
-    told = [UNKNOWN if end is None else period.clock(end) for end in ends]
-    late_us = found.late_us
-    yield 'end', *told, UNKNOWN if late_us is None else _more(late_us)
+def _ends(retrospect: Retrospect, period: Period) -> Iterator[tuple[str, ...]]:
+    ends = retrospect.forecast.end_us, retrospect.real.end_us
+    texts = [UNKNOWN if end is None else period.clock(end) for end in ends]
+    late_us = retrospect.late_us
+    yield 'end', *texts, UNKNOWN if late_us is None else _more(late_us)
 
 
-def _where(found: Retrospect) -> Iterator[str]:
-    pairs = [pair._replace(what=title_of(pair.what)) for pair in found.times()]
+def _where(retrospect: Retrospect) -> Iterator[str]:
+    pairs = [pair._replace(what=title_of(pair.what)) for pair in retrospect.times()]
     shown = [pair for pair in pairs if is_seen(pair.forecast) or is_seen(pair.real)]
-    yield from _timed([*shown, found.total])
+    yield from _timed([*shown, retrospect.total])
 
 
 def _timed(pairs: Iterable[Pair]) -> Iterator[str]:
@@ -83,8 +86,8 @@ def _timed(pairs: Iterable[Pair]) -> Iterator[str]:
         yield from table(('', *_COLUMNS), rows)
 
 
-def _tasks(found: Retrospect) -> Iterator[str]:
-    pairs = list(found.tasks())
+def _tasks(retrospect: Retrospect) -> Iterator[str]:
+    pairs = list(retrospect.tasks())
     rows = [
         (
             f'{pair.component} {pair.name}',
@@ -101,28 +104,31 @@ def _tasks(found: Retrospect) -> Iterator[str]:
         yield f'and {len(pairs) - MOST_TASKS} more'
 
 
-def _deviations(found: Retrospect, period: Period) -> Iterator[str]:
-    for which, one in (('first', found.first_deviation()), ('worst', found.worst_deviation())):
-        if one is not None:
+def _deviations(retrospect: Retrospect, period: Period) -> Iterator[str]:
+    for which, deviation in (
+        ('first', retrospect.first_deviation()),
+        ('worst', retrospect.worst_deviation()),
+    ):
+        if deviation is not None:
             yield ''
-            yield f'{which} deviation, at {period.clock(one.real.end_us)}:'
-            yield f'  {words_of(one)}'
+            yield f'{which} deviation, at {period.clock(deviation.real.end_us)}:'
+            yield f'  {words_of(deviation)}'
 
 
-def words_of(one: Deviation) -> str:
+def words_of(deviation: Deviation) -> str:
     """Say of an attempt how it went otherwise."""
-    real, forecast = one.real, one.forecast
+    real, forecast = deviation.real, deviation.forecast
     end = f'failed: {real.reason}' if real.reason else 'ended'
-    if forecast is None or one.late_us is None:
+    if forecast is None or deviation.late_us is None:
         return f'{_work(real)} {end}; it is not in the forecast'
-    if not is_seen(one.late_us):
+    if not is_seen(deviation.late_us):
         return f'{_work(real)} {end}'
     began = _late(real.start_us - forecast.start_us)
     took = f'took {duration(real.took_us)}'
     if is_seen(real.took_us - forecast.took_us):
         took += f' in place of {duration(forecast.took_us)}'
     comma = ',' if real.reason else ''
-    return f'{_work(real)} {end}{comma} {_late(one.late_us)}: it began {began} and {took}'
+    return f'{_work(real)} {end}{comma} {_late(deviation.late_us)}: it began {began} and {took}'
 
 
 def _work(real: Work) -> str:
@@ -157,22 +163,22 @@ def _more(us: int) -> str:
 # A job beside its forecast, as plain data.
 
 
-def retrospect_plain(found: Retrospect) -> dict[str, Any]:
+def retrospect_plain(retrospect: Retrospect) -> dict[str, Any]:
     """Return everything; times in seconds, null: not known."""
-    times = found.real.times
+    times = retrospect.real.times
     return {
-        'job': found.job,
+        'job': retrospect.job,
         'cell': times.cell or None,
-        'started': period_of(found).iso(found.begin_us),
-        'first_seq': found.first_seq,
-        'durations': 'usual' if found.usual else 'cell file',
-        'notes': list(notes(found)),
-        'forecast': _course(found, found.forecast),
-        'real': _course(found, found.real),
-        'late_s': seconds_of(found.late_us),
-        'items': [pair._asdict() for pair in found.items()],
-        'time': [_plain_times(pair) for pair in (*found.times(), found.total)],
-        'components': [_plain_times(pair) for pair in found.busy()],
+        'started': period_of(retrospect).iso(retrospect.begin_us),
+        'first_seq': retrospect.first_seq,
+        'durations': 'usual' if retrospect.usual else 'cell file',
+        'notes': list(notes(retrospect)),
+        'forecast': _course(retrospect, retrospect.forecast),
+        'real': _course(retrospect, retrospect.real),
+        'late_s': seconds_of(retrospect.late_us),
+        'items': [pair._asdict() for pair in retrospect.items()],
+        'time': [_plain_times(pair) for pair in (*retrospect.times(), retrospect.total)],
+        'components': [_plain_times(pair) for pair in retrospect.busy()],
         'tasks': [
             {
                 'component': task.component,
@@ -181,18 +187,18 @@ def retrospect_plain(found: Retrospect) -> dict[str, Any]:
                 'forecast_s': seconds_of(task.forecast_us),
                 'real_s': seconds_of(task.real_us),
             }
-            for task in found.tasks()
+            for task in retrospect.tasks()
         ],
-        'first_deviation': _deviation(found, found.first_deviation()),
-        'worst_deviation': _deviation(found, found.worst_deviation()),
+        'first_deviation': _deviation(retrospect, retrospect.first_deviation()),
+        'worst_deviation': _deviation(retrospect, retrospect.worst_deviation()),
         'stops': [stop_plain(stop) for stop in times.stops],
-        'holds': [held_plain(held, period_of(found)) for held in times.holds],
-        'failed_attempts': [summed(one) for one in times.failing],
+        'holds': [held_plain(held, period_of(retrospect)) for held in times.holds],
+        'failed_attempts': [summed(failure) for failure in times.failing],
     }
 
 
-def _course(found: Retrospect, course: Course) -> dict[str, Any]:
-    when = period_of(found).iso
+def _course(retrospect: Retrospect, course: Course) -> dict[str, Any]:
+    when = period_of(retrospect).iso
     return {
         'end': None if course.end_us is None else when(course.end_us),
         'compared_to': when(course.until_us),
@@ -204,26 +210,28 @@ def _plain_times(pair: Pair) -> dict[str, Any]:
     return {'what': pair.what, 'forecast_s': seconds[0], 'real_s': seconds[1]}
 
 
-def _deviation(found: Retrospect, one: Deviation | None) -> dict[str, Any] | None:
-    if one is None:
+def _deviation(retrospect: Retrospect, deviation: Deviation | None) -> dict[str, Any] | None:
+    if deviation is None:
         return None
-    task = one.real.key.task
+    task = deviation.real.key.task
     return {
-        'words': words_of(one),
+        'words': words_of(deviation),
         'section': task.section,
         'item': task.item,
         'task': task.task,
-        'name': one.real.name,
-        'component': one.real.component,
-        'round': one.real.key.round,
-        'attempt': one.real.key.attempt,
-        'reason': one.real.reason or None,
-        'late_s': seconds_of(one.late_us),
-        'forecast': None if one.forecast is None else _plain_work(found, one.forecast),
-        'real': _plain_work(found, one.real),
+        'name': deviation.real.name,
+        'component': deviation.real.component,
+        'round': deviation.real.key.round,
+        'attempt': deviation.real.key.attempt,
+        'reason': deviation.real.reason or None,
+        'late_s': seconds_of(deviation.late_us),
+        'forecast': None
+        if deviation.forecast is None
+        else _plain_work(retrospect, deviation.forecast),
+        'real': _plain_work(retrospect, deviation.real),
     }
 
 
-def _plain_work(found: Retrospect, work: Work) -> dict[str, Any]:
-    when = period_of(found).iso
+def _plain_work(retrospect: Retrospect, work: Work) -> dict[str, Any]:
+    when = period_of(retrospect).iso
     return {'from': when(work.start_us), 'to': when(work.end_us)}

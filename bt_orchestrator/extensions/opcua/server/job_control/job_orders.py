@@ -88,11 +88,11 @@ class Jobs:
 
     def listed(self, status: CellStatus) -> dict[str, ListedJob]:
         """Return the jobs of a status, and all that ended, with what else is known of them."""
-        found = {one.status.id: one for one in self.followed.ended()}
+        jobs = {job.status.id: job for job in self.followed.ended()}
         for job in status.jobs:
             known = self.followed.get(job.id)
-            found[job.id] = ListedJob(job) if known is None else replace(known, status=job)
-        return found
+            jobs[job.id] = ListedJob(job) if known is None else replace(known, status=job)
+        return jobs
 
     async def ask(self, name: str) -> ListedJob | None:
         """Return a job in its present state; None: it is not listed.
@@ -149,13 +149,13 @@ class Jobs:
 
 def _all_jobs(door: CellLink) -> list[ListedJob]:
     """Return all listed jobs, page by page."""
-    found: list[ListedJob] = []
+    jobs: list[ListedJob] = []
     while True:
         try:
-            page = door.jobs(found[-1].status.id if found else '')
+            page = door.jobs(jobs[-1].status.id if jobs else '')
         except CommandRefused:  # it has gone meanwhile: from the first again
-            found.clear()
+            jobs.clear()
             continue
         if not page:
-            return found
-        found += page
+            return jobs
+        jobs += page

@@ -47,7 +47,7 @@ ISA95JobResponseProviderObjectType."""
 
 _STATES = tuple(
     f'{machine}/CurrentState{id_}'
-    for machine in (RECEIVER, *(f'{RECEIVER}/{one}' for one in MACHINES))
+    for machine in (RECEIVER, *(f'{RECEIVER}/{name}' for name in MACHINES))
     for id_ in ('', '/Id')
 )
 """Of the receiver there is no state, only of each of its orders."""
@@ -115,7 +115,10 @@ class JobControl:
     async def _link(self, path: str, type_: int, calls: Mapping[str, Call]) -> None:
         """Have methods carried out, also where a client names the method of the type."""
         declared = self._space.server.get_node(ua.NodeId(type_, self._index))
-        of_type = {one.BrowseName.Name: one for one in await declared.get_children_descriptions()}
+        of_type = {
+            description.BrowseName.Name: description
+            for description in await declared.get_children_descriptions()
+        }
         for name, call in calls.items():
             await self._space.link(self._space.node(f'{path}/{name}'), call)
             await self._space.link(self._space.server.get_node(of_type[name].NodeId), call)
@@ -226,8 +229,8 @@ class Results:
         if not are_known(states):
             return answer(ReturnStatus.WRONG_STATE, listed([]))
         responses = (response_of(job, self._jobs.followed.interrupted) for job in self._shown())
-        found = [response for response in responses if has_all(response.states, states)]
-        return answer(ReturnStatus.DONE, listed(list(map(self._structures.response, found))))
+        matches = [response for response in responses if has_all(response.states, states)]
+        return answer(ReturnStatus.DONE, listed(list(map(self._structures.response, matches))))
 
     def _response(self, job: ListedJob) -> object:
         return self._structures.response(response_of(job, self._jobs.followed.interrupted))
@@ -254,17 +257,18 @@ class WorkMasters:
                 for script in scripts.values()
             }
             read = {
-                name: _master(name, one.params.values()) for name, one in files.scripts.items()
+                name: _master(name, script.params.values())
+                for name, script in files.scripts.items()
             }
-            recipes = {name: _of_recipe(one.newest) for name, one in files.recipes.items()}
-            found = {**heard, **recipes, **read}
+            recipes = {name: _of_recipe(recipe.newest) for name, recipe in files.recipes.items()}
+            masters = {**heard, **recipes, **read}
             self._made_from = made_from
-            self._value = listed([work_master(found[name]) for name in sorted(found)])
+            self._value = listed([work_master(masters[name]) for name in sorted(masters)])
         return self._value
 
 
-def _of_recipe(one: DeclaredVersion) -> WorkMaster:
-    return _master(one.name, one.params.values(), f'recipe, version {one.version}')
+def _of_recipe(recipe: DeclaredVersion) -> WorkMaster:
+    return _master(recipe.name, recipe.params.values(), f'recipe, version {recipe.version}')
 
 
 def _master(name: str, params: Iterable[Declared], about: str = '') -> WorkMaster:

@@ -65,7 +65,7 @@ class Shown:
         for wanted, future in self._waiting:
             if wanted < seq and not future.done():
                 future.set_result(None)
-        self._waiting = [one for one in self._waiting if not one[1].done()]
+        self._waiting = [waiter for waiter in self._waiting if not waiter[1].done()]
 
     async def wait(self, outcome: Outcome) -> None:
         """Wait until the values contain what a command did, but not for long."""
@@ -111,8 +111,8 @@ class Receiver:
         try:
             arguments = await self._arguments(method, order)
         except Unfit as unfit:
-            found = [str(finding) for finding in unfit.findings]
-            return self._refused(method, order.id, unfit.status, '; '.join(found), found)
+            findings = [str(finding) for finding in unfit.findings]
+            return self._refused(method, order.id, unfit.status, '; '.join(findings), findings)
         outcome = await self._bridge.calls.ask(REQUESTS[method], arguments, reason)
         return await self._answer(method, order.id, outcome)
 

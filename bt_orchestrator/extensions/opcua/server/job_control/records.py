@@ -98,10 +98,10 @@ class Records:
         )
 
     async def _items(self, job: str, after: str, most: int) -> Sequence[ua.Variant]:
-        found = await self._found(job)
-        if found.job is None:
+        record = await self._found(job)
+        if record.job is None:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadNotFound)
-        items = list(found.job.items.values())
+        items = list(record.job.items.values())
         names = [item.item for item in items]
         if after and after not in names:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadInvalidArgument)
@@ -111,7 +111,7 @@ class Records:
         return [
             ua.Variant(texts, TEXT, is_array=True),
             ua.Variant(first + len(texts) >= len(items), YES_NO),
-            ua.Variant(found.is_whole, YES_NO),
+            ua.Variant(record.is_whole, YES_NO),
         ]
 
     async def _events(
@@ -149,8 +149,8 @@ class Records:
         opened = self._bridge.sources.open_records
         assert opened is not None
         with closing(opened()) as records:
-            found = Reading(records).jobs(job).jobs.get(job)
-        return Found(found, found is not None and found.complete)
+            record = Reading(records).jobs(job).jobs.get(job)
+        return Found(record, record is not None and record.complete)
 
     async def _at_the_door(self, job: str) -> Found:
         """Look through the last events of the cell."""

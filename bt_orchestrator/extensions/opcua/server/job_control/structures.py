@@ -53,13 +53,13 @@ def order_from(structure: Any) -> JobOrder:
     return JobOrder(
         structure.JobOrderID or '',
         _texts_from(structure.Description),
-        tuple(_master_from(one) for one in structure.WorkMasterID or ()),
+        tuple(_master_from(master) for master in structure.WorkMasterID or ()),
         _time_from(structure.StartTime),
         _time_from(structure.EndTime),
         structure.Priority,
         _parameters_from(structure.JobOrderParameters),
         **{
-            field: tuple(plain_of(one) for one in getattr(structure, name) or ())
+            field: tuple(plain_of(resource) for resource in getattr(structure, name) or ())
             for name, field in RESOURCES.items()
         },
     )
@@ -93,11 +93,11 @@ def plain_of(value: Any) -> Any:
     if isinstance(value, datetime):
         return value.isoformat()
     if isinstance(value, (list, tuple)):
-        return [plain_of(one) for one in value]
+        return [plain_of(element) for element in value]
     if dataclasses.is_dataclass(value):
         names = (field.name for field in dataclasses.fields(value) if field.name != 'Encoding')
-        found = {name: plain_of(getattr(value, name)) for name in names}
-        return {name: one for name, one in found.items() if one not in (None, '', [])}
+        members = {name: plain_of(getattr(value, name)) for name in names}
+        return {name: member for name, member in members.items() if member not in (None, '', [])}
     return value if isinstance(value, (bool, int, float, str)) or value is None else str(value)
 
 
@@ -113,20 +113,22 @@ def _master_from(structure: Any) -> WorkMaster:
 def _parameters_from(structures: Iterable[Any] | None) -> tuple[Parameter, ...]:
     return tuple(
         Parameter(
-            one.ID or '',
-            _value_from(one.Value),
-            _texts_from(one.Description),
-            '' if one.EngineeringUnits is None else one.EngineeringUnits.DisplayName.Text or '',
-            _parameters_from(one.Subparameters),
+            structure.ID or '',
+            _value_from(structure.Value),
+            _texts_from(structure.Description),
+            ''
+            if structure.EngineeringUnits is None
+            else structure.EngineeringUnits.DisplayName.Text or '',
+            _parameters_from(structure.Subparameters),
         )
-        for one in structures or ()
+        for structure in structures or ()
     )
 
 
 def _value_from(variant: ua.Variant | None) -> object:
     value = None if variant is None else variant.Value
     if isinstance(value, (list, tuple)):
-        return tuple(_text_from(one) if _is_text(one) else one for one in value)
+        return tuple(_text_from(element) if _is_text(element) else element for element in value)
     return _text_from(value) if _is_text(value) else value
 
 
@@ -139,7 +141,7 @@ def _text_from(text: Any) -> Text:
 
 
 def _texts_from(texts: Iterable[Any] | None) -> tuple[Text, ...]:
-    return tuple(_text_from(one) for one in texts or ())
+    return tuple(_text_from(text) for text in texts or ())
 
 
 def _time_from(time: datetime | None) -> float | None:
@@ -166,7 +168,9 @@ class Structures:
     def order(self, order: JobOrder) -> Any:
         """Return ISA95JobOrderDataType."""
         resources = {
-            name: [_resource(_RESOURCE_TYPES[name], one) for one in getattr(order, field)]
+            name: [
+                _resource(_RESOURCE_TYPES[name], resource) for resource in getattr(order, field)
+            ]
             for name, field in RESOURCES.items()
         }
         return _made(
@@ -178,7 +182,7 @@ class Structures:
             EndTime=_time(order.end),
             Priority=order.priority,
             JobOrderParameters=_parameters(order.parameters),
-            **{name: found or None for name, found in resources.items()},
+            **{name: structures or None for name, structures in resources.items()},
         )
 
     def order_and_state(self, order: JobOrder, states: Sequence[State]) -> Any:
@@ -269,9 +273,9 @@ def _variant(name: str, value: object) -> ua.Variant:
     if not isinstance(value, tuple):
         type_ = _type(name, value)
         return ua.Variant(_sent(value, type_), type_)
-    types = {_type(name, one) for one in value}
+    types = {_type(name, element) for element in value}
     type_ = types.pop() if len(types) == 1 else ua.VariantType.String
-    return ua.Variant([_sent(one, type_) for one in value], type_, is_array=True)
+    return ua.Variant([_sent(element, type_) for element in value], type_, is_array=True)
 
 
 def _type(name: str, value: object) -> ua.VariantType:
@@ -308,8 +312,8 @@ _TYPES: Mapping[type, ua.VariantType] = {
 
 def _resource(type_: str, plain: Mapping[str, object]) -> Any:
     names = {field.name for field in dataclasses.fields(getattr(ua, type_))} - {'Encoding'}
-    found = {name: _resource_field(name, plain[name]) for name in names if name in plain}
-    return _made(type_, **found)
+    fields = {name: _resource_field(name, plain[name]) for name in names if name in plain}
+    return _made(type_, **fields)
 
 
 def _resource_field(name: str, plain: object) -> Any:
@@ -319,8 +323,8 @@ def _resource_field(name: str, plain: object) -> Any:
         return _unit(str(plain))
     if name in ('Properties', 'Subproperties'):
         several = plain if isinstance(plain, (list, tuple)) else []
-        properties = (one for one in several if isinstance(one, Mapping))
-        return [_resource('ISA95PropertyDataType', one) for one in properties]
+        properties = (element for element in several if isinstance(element, Mapping))
+        return [_resource('ISA95PropertyDataType', element) for element in properties]
     if name == 'Value':
         return _variant('', tuple(plain) if isinstance(plain, list) else plain)
     return _clean(str(plain))

@@ -99,12 +99,12 @@ class Views(ViewService):
         self._below: dict[ua.NodeId, frozenset[ua.NodeId]] = {}
 
     def _get_sub_ref(self, ref: ua.NodeId) -> frozenset[ua.NodeId]:
-        found = self._below.get(ref)
-        if found is None:
-            found = frozenset(super()._get_sub_ref(ref))
+        subtypes = self._below.get(ref)
+        if subtypes is None:
+            subtypes = frozenset(super()._get_sub_ref(ref))
             if ref in self._aspace:  # clients may name any number of others
-                self._below[ref] = found
-        return found
+                self._below[ref] = subtypes
+        return subtypes
 
     def forget(self) -> None:
         """Work it out anew: nodesets were loaded meanwhile."""
@@ -144,7 +144,7 @@ class Evaluator(Original):  # type: ignore[misc, valid-type]
 
     def _eval_op(self, operand: Any, event: Any) -> Any:
         if isinstance(operand, ua.SimpleAttributeOperand) and operand.BrowsePath:
-            path = '/'.join(one.Name or '' for one in operand.BrowsePath)
+            path = '/'.join(name.Name or '' for name in operand.BrowsePath)
             return getattr(event, path, None)
         return super()._eval_op(operand, event)
 
@@ -161,9 +161,9 @@ def is_of_type(space: AddressSpace, type_id: ua.NodeId | None, wanted: ua.NodeId
             return True
         type_id = next(
             (
-                one.NodeId
-                for one in (space[type_id].references if type_id in space else ())
-                if one.ReferenceTypeId == _SUBTYPE and not one.IsForward
+                reference.NodeId
+                for reference in (space[type_id].references if type_id in space else ())
+                if reference.ReferenceTypeId == _SUBTYPE and not reference.IsForward
             ),
             None,
         )

@@ -64,8 +64,8 @@ class OwnSubscriptions(InternalSession):
         check_count(items, limits.NODES)
         watched = [
             item.read_value_id
-            for one in self._own.values()
-            for item in one.monitored_item_srv._monitored_items.values()
+            for subscription in self._own.values()
+            for item in subscription.monitored_item_srv._monitored_items.values()
         ]
         if len(watched) + len(items) > limits.ITEMS_OF_SESSION:
             raise ServiceError(ua.StatusCodes.BadTooManyMonitoredItems)
@@ -84,19 +84,19 @@ class OwnSubscriptions(InternalSession):
         items = self._get(params.SubscriptionId).monitored_item_srv._monitored_items
         check_count(params.ItemsToModify, limits.NODES)
         results, fitting = {}, []
-        for place, one in enumerate(params.ItemsToModify):
-            found = items.get(one.MonitoredItemId)
-            wanted = one.RequestedParameters
-            if found is None or found.read_value_id is None:
+        for place, change in enumerate(params.ItemsToModify):
+            item = items.get(change.MonitoredItemId)
+            wanted = change.RequestedParameters
+            if item is None or item.read_value_id is None:
                 results[place] = ua.StatusCodes.BadMonitoredItemIdInvalid
                 continue
-            is_event = found.read_value_id.AttributeId == ua.AttributeIds.EventNotifier
+            is_event = item.read_value_id.AttributeId == ua.AttributeIds.EventNotifier
             code = refused_filter(is_event, wanted.Filter, is_required=False)
             if code is not None:
                 results[place] = code
                 continue
             revise_queue(is_event, wanted)
-            fitting.append(one)
+            fitting.append(change)
         params.ItemsToModify = fitting
         made = iter(await super().modify_monitored_items(params))
         return [
@@ -148,12 +148,12 @@ class OwnSubscriptions(InternalSession):
         if not own:
             raise ServiceError(ua.StatusCodes.BadNoSubscription)
         for ack in acks or ():
-            one = own.get(ack.SubscriptionId)
-            if one is None:
+            subscription = own.get(ack.SubscriptionId)
+            if subscription is None:
                 results.append(ua.StatusCode(ua.StatusCodes.BadSubscriptionIdInvalid))
                 continue
-            is_known = ack.SequenceNumber in one._not_acknowledged_results
-            one.publish([ack.SequenceNumber])
+            is_known = ack.SequenceNumber in subscription._not_acknowledged_results
+            subscription.publish([ack.SequenceNumber])
             results.append(_good_if(is_known, ua.StatusCodes.BadSequenceNumberUnknown))
         return len(own), results
 
@@ -165,10 +165,10 @@ class OwnSubscriptions(InternalSession):
         was not acknowledged.
         """
         kept = self._get(params.SubscriptionId)._not_acknowledged_results
-        found = kept.get(params.RetransmitSequenceNumber)
-        if found is None:
+        notification = kept.get(params.RetransmitSequenceNumber)
+        if notification is None:
             raise ServiceError(ua.StatusCodes.BadMessageNotAvailable)
-        return found.NotificationMessage
+        return notification.NotificationMessage
 
     async def take_over(
         self, params: ua.TransferSubscriptionsParameters, processor: UaProcessor
@@ -187,24 +187,24 @@ class OwnSubscriptions(InternalSession):
     async def _take_over(
         self, number: int, processor: UaProcessor, with_values: bool
     ) -> ua.TransferResult:
-        found = self.subscription_service.subscriptions.get(number)
-        if found is None:
+        subscription = self.subscription_service.subscriptions.get(number)
+        if subscription is None:
             return _transferred(ua.StatusCodes.BadSubscriptionIdInvalid)
-        if found.session_id == self.session_id:
+        if subscription.session_id == self.session_id:
             return _transferred(ua.StatusCodes.BadNothingToDo)
         if not self.user.name or self.subscription_service.owner_of(number) != self.user.name:
             log.warning('%s may not take over a subscription of another user', self.user.name)
             return _transferred(ua.StatusCodes.BadUserAccessDenied)
-        former = getattr(found.pub_request_callback, '__self__', None)
+        former = getattr(subscription.pub_request_callback, '__self__', None)
         if former is not None:
             former.forget(number)
-        found.session_id = self.session_id
-        found.pub_result_callback = processor.forward_publish_response
-        found.pub_request_callback = processor.get_publish_request
+        subscription.session_id = self.session_id
+        subscription.pub_result_callback = processor.forward_publish_response
+        subscription.pub_request_callback = processor.get_publish_request
         if with_values:
-            await _tell_anew(found)
+            await _tell_anew(subscription)
         result = _transferred(ua.StatusCodes.Good)
-        result.AvailableSequenceNumbers = sorted(found._not_acknowledged_results)
+        result.AvailableSequenceNumbers = sorted(subscription._not_acknowledged_results)
         return result
 
 
@@ -222,7 +222,7 @@ def check_same(given: Iterable[ua.ReadValueId] | None) -> None:
 
     :raises ServiceError: BadTooManyOperations
     """
-    counts = Counter((one.NodeId, one.AttributeId) for one in given or ())
+    counts = Counter((value_id.NodeId, value_id.AttributeId) for value_id in given or ())
     if counts and max(counts.values()) > limits.SAME:
         raise ServiceError(ua.StatusCodes.BadTooManyOperations)
 

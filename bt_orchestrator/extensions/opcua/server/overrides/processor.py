@@ -94,8 +94,8 @@ class Processor(UaProcessor):
             code = ua.StatusCodes.BadSecurityChecksFailed
             reason = f'its message cannot be read: {type(error).__name__}: {error}'
         spare.warning(f'connection of {self._address} closed: {reason}')
-        told = ua.ErrorMessage(ua.StatusCode(code), None)
-        self._transport.write(uatcp_to_binary(ua.MessageType.Error, told))
+        error_message = ua.ErrorMessage(ua.StatusCode(code), None)
+        self._transport.write(uatcp_to_binary(ua.MessageType.Error, error_message))
         return False
 
     def _check_frame(self, header: Any, body: Buffer) -> None:
@@ -249,23 +249,23 @@ class Processor(UaProcessor):
         """Let somebody in, with a password that is checked outside the loop."""
         params = struct_from_binary(ua.ActivateSessionParameters, body.copy())
         token = requesthdr.AuthenticationToken
-        found = self.session or self.iserver.lookup_external_session(token)
-        if not isinstance(found, Session) or not found.is_open or found.auth_token != token:
+        session = self.session or self.iserver.lookup_external_session(token)
+        if not isinstance(session, Session) or not session.is_open or session.auth_token != token:
             raise ServiceError(ua.StatusCodes.BadSessionIdInvalid)
-        if found.certificate != self._certificate:
+        if session.certificate != self._certificate:
             # It goes on at another connection, which has to be one of the same client.
             raise ServiceError(ua.StatusCodes.BadSecurityChecksFailed)
-        person = await self._person(params.UserIdentityToken, found)
-        if found.person is not None and found.person.name != person.name:
+        person = await self._person(params.UserIdentityToken, session)
+        if session.person is not None and session.person.name != person.name:
             raise ServiceError(ua.StatusCodes.BadIdentityChangeNotSupported)
-        found.let_in = person
+        session.let_in = person
         try:
             result = await super()._process_message(typeid, requesthdr, seqhdr, body)
         except (InvalidSignature, InvalidSignatureInside) as error:
             raise ServiceError(ua.StatusCodes.BadApplicationSignatureInvalid) from error
         finally:
-            found.let_in = None
-        found.transport = self._transport
+            session.let_in = None
+        session.transport = self._transport
         return result
 
     async def _person(self, token: Any, session: Session) -> Person:

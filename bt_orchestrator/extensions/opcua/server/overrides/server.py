@@ -168,8 +168,8 @@ class Connection(OPCUAProtocol):
         ]
         if len(pending) <= limits.PENDING:
             return
-        busiest, _ = Counter(one.host for one in pending).most_common(1)[0]
-        oldest = next(one for one in pending if one.host == busiest)
+        busiest, _ = Counter(connection.host for connection in pending).most_common(1)[0]
+        oldest = next(connection for connection in pending if connection.host == busiest)
         spare.warning(
             f'more than {limits.PENDING} connections wait for a login; the oldest one from '
             f'{busiest} is closed'

@@ -52,17 +52,21 @@ class Subscriptions(SubscriptionService):
 
     def of_session(self, session: ua.NodeId) -> dict[int, InternalSubscription]:
         """Return those of a session, by id."""
-        return {key: one for key, one in self.subscriptions.items() if one.session_id == session}
+        return {
+            key: subscription
+            for key, subscription in self.subscriptions.items()
+            if subscription.session_id == session
+        }
 
     def get(self, subscription: int, session: ua.NodeId) -> InternalSubscription:
         """Return one of a session.
 
         :raises ServiceError: BadSubscriptionIdInvalid: it has none with this id
         """
-        found = self.subscriptions.get(subscription)
-        if found is None or found.session_id != session:
+        entry = self.subscriptions.get(subscription)
+        if entry is None or entry.session_id != session:
             raise ServiceError(ua.StatusCodes.BadSubscriptionIdInvalid)
-        return found
+        return entry
 
 
 def _revise(params: ua.CreateSubscriptionParameters) -> None:
@@ -90,19 +94,19 @@ def _revise(params: ua.CreateSubscriptionParameters) -> None:
 # fails in its callback; and the elements of a condition may refer to each other for ever.
 
 
-def refused_filter(is_event: bool, found: Any, *, is_required: bool) -> int | None:
+def refused_filter(is_event: bool, filter_: Any, *, is_required: bool) -> int | None:
     """Return the status code of a filter that cannot be; None: it can.
 
     :param is_required: there has to be one
     """
-    if not found:  # one that is empty, on the wire
+    if not filter_:  # one that is empty, on the wire
         return ua.StatusCodes.BadEventFilterInvalid if is_required else None
     if not is_event:
-        fits = isinstance(found, ua.DataChangeFilter)
+        fits = isinstance(filter_, ua.DataChangeFilter)
         return None if fits else ua.StatusCodes.BadMonitoredItemFilterUnsupported
-    if not isinstance(found, ua.EventFilter):
+    if not isinstance(filter_, ua.EventFilter):
         return ua.StatusCodes.BadEventFilterInvalid
-    if len(found.SelectClauses or ()) > limits.SELECTED or not _ends(found.WhereClause):
+    if len(filter_.SelectClauses or ()) > limits.SELECTED or not _ends(filter_.WhereClause):
         return ua.StatusCodes.BadEventFilterInvalid
     return None
 

@@ -209,7 +209,9 @@ def metrics(node: str, silent_s: float, status: CellStatus | None, live: Live | 
 
 def _of_cell(status: CellStatus) -> Iterator[Gauge]:
     cell = {'cell': status.cell}
-    states = [({**cell, 'state': one.value}, int(one is status.state)) for one in PackmlState]
+    states = [
+        ({**cell, 'state': state.value}, int(state is status.state)) for state in PackmlState
+    ]
     yield Gauge('cell_state', 'PackML state of the cell: 1 for the one it is in.', states)
     yield Gauge('holds', 'Holds that wait for an answer.', [(cell, len(status.holds))])
     yield Gauge('jobs_queued', 'Jobs that wait in the queue.', [(cell, status.queued)])
@@ -240,7 +242,7 @@ def _of_shift(live: Live, cell: str) -> Iterator[Gauge]:
         'shift_lost_seconds', 'Time lost so far; below 0: the line was faster than its pace.', lost
     )
     made = {
-        kind: sum(getattr(one, kind) for one in times.made)
+        kind: sum(getattr(job, kind) for job in times.made)
         for kind in ('good', 'nonconforming', 'rejected', 'by_hand')
     }
     items = [({**of, 'outcome': kind}, number) for kind, number in made.items()]

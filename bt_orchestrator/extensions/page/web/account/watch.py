@@ -169,8 +169,8 @@ def shift_part(live: Live | None, why_not: str) -> dict[str, Any]:
             for before, after in [step.times_us]
         ],
         'breaks': [
-            {'begin': _s(one.begin_us), 'end': _s(one.end_us), 'usual_s': _s(one.usual_us)}
-            for one in period.changed_breaks
+            {'begin': _s(pause.begin_us), 'end': _s(pause.end_us), 'usual_s': _s(pause.usual_us)}
+            for pause in period.changed_breaks
         ],
         'why_not': why_not,
     }
@@ -182,18 +182,18 @@ def stops_part(live: Live | None) -> dict[str, Any]:
         return {}
     account, stopped = live.account, live.stopped
     times = account.figures.times
-    longest = sorted(times.line_stops, key=lambda one: -one.us)[:MOST_STOPS]
+    longest = sorted(times.line_stops, key=lambda stop: -stop.us)[:MOST_STOPS]
     now = '' if stopped is None else stopped.stop
     return {
         'stops': {
             'stops': [
                 _stop(account, stop, stands=account.stop_name(stop) == now)
-                for stop in sorted(longest, key=lambda one: -one.span.since_us)
+                for stop in sorted(longest, key=lambda stop: -stop.span.since_us)
             ],
             'is_cut': times.line_stops_count > len(longest),
             'reasons': [
-                {'code': one.code or None, 'times': one.times, 'seconds': round(one.us / US)}
-                for one in shares(times.by_reason)
+                {'code': share.code or None, 'times': share.times, 'seconds': round(share.us / US)}
+                for share in shares(times.by_reason)
             ],
             'not_classified': _rounded(account.figures.not_classified),
             'offer': classify_offer(),
@@ -225,8 +225,8 @@ def _rounded(share: Fraction | None) -> float | None:
 def reason_part(reasons: Mapping[str, PlantReason]) -> dict[str, Any]:
     """Return the reasons that forms offer; nothing if the page knows none."""
     each = [
-        {'code': one.code, 'words': dict(one.words), 'group': one.group}
-        for one in reasons.values()
+        {'code': reason.code, 'words': dict(reason.words), 'group': reason.group}
+        for reason in reasons.values()
     ]
     return {'reasons': each} if each else {}
 

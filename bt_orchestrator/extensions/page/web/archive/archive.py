@@ -36,7 +36,7 @@ class Look:
 
     def note(self, damage: tuple[Damage, ...] | list[Damage]) -> None:
         """Keep what cannot be shown, each once."""
-        self.damage += [one.what for one in damage if one.what not in self.damage]
+        self.damage += [loss.what for loss in damage if loss.what not in self.damage]
 
 
 class Archive:
@@ -154,8 +154,8 @@ _ENDS = (e.JobCompleted.event, e.JobAborted.event, e.JobRemoved.event)
 def _before(look: Look, job: str) -> int:
     """Return the number before a job's first event; 0: that is not there."""
     wanted = Wanted(job=job, events=(e.JobQueued.event,), newest_first=True)
-    found = next(each(look, wanted, most=1), None)
-    return 0 if found is None else found.seq - 1
+    record = next(each(look, wanted, most=1), None)
+    return 0 if record is None else record.seq - 1
 
 
 def event_of(record: Record) -> Event | None:

@@ -92,7 +92,9 @@ def _document(archive: Archive) -> Callable[[Request], Awaitable[Response]]:
         begun = history.started is not None
         lacks = [archive.why_not_whole(look.extent, has_beginning=begun), *look.damage]
         journal = f'journal {look.extent.history}'.strip()
-        source = Source(f'the {journal}', time.time(), [one for one in lacks if one], times)
+        source = Source(
+            f'the {journal}', time.time(), [reason for reason in lacks if reason], times
+        )
         return item_page([history], source, f'Item {item}')
 
     async def answer(request: Request) -> Response:

@@ -49,11 +49,11 @@ def jobs_page(look: Look, cursor: str, most: int) -> dict[str, Any]:
     if cursor and not cursor.startswith((EVENTS, SUMMARIES)):
         raise ValueError(f'no place among jobs is {cursor!r}')
     if rest is not None and rest.startswith(EVENTS):
-        found, rest = _with_events(look, rest, most)
-        jobs += [summary(record, is_whole=True) for record in found]
+        records, rest = _with_events(look, rest, most)
+        jobs += [summary(record, is_whole=True) for record in records]
     if rest is not None and rest.startswith(SUMMARIES) and len(jobs) < most:
-        found, rest = _without_events(look, rest, most - len(jobs))
-        jobs += [summary(record, is_whole=False) for record in found]
+        records, rest = _without_events(look, rest, most - len(jobs))
+        jobs += [summary(record, is_whole=False) for record in records]
     return {'jobs': jobs, 'rest': rest, 'damage': look.damage}
 
 
@@ -111,9 +111,9 @@ def _note_steps(look: Look, record: JobRecord, seqs: Mapping[str, tuple[int, int
     if not steps:
         return
     subjects: dict[str, JobRecord | ItemRecord] = {record.job: record, **record.items}
-    for name, one in subjects.items():
+    for name, subject in subjects.items():
         begun, ended = seqs.get(name, (0, 0))
-        one.clock_set_s = sum(step.seconds for step in steps if begun < step.seq < ended)
+        subject.clock_set_s = sum(step.seconds for step in steps if begun < step.seq < ended)
 
 
 def summary(record: JobRecord, *, is_whole: bool) -> dict[str, Any]:
@@ -167,14 +167,16 @@ def _with_events(look: Look, cursor: str, most: int) -> tuple[list[JobRecord], s
     queued = {
         event.job: event for event in map(event_of, page.records) if isinstance(event, e.JobQueued)
     }
-    since = min((one.time for one in queued.values()), default=0.0)
+    since = min((event.time for event in queued.values()), default=0.0)
     known = {record.job: record for record in _summaries_of(look, queued, since)}
-    known |= _folded(look, {name: one.seq for name, one in queued.items() if name not in known})
-    found = [known[name] for name in queued if name in known]
+    known |= _folded(
+        look, {name: event.seq for name, event in queued.items() if name not in known}
+    )
+    records = [known[name] for name in queued if name in known]
     if not page.is_last:
-        return found, f'{EVENTS}{page.rest.before_seq}'
-    oldest = min(queued.values(), key=lambda one: one.seq, default=None)
-    return found, f'{SUMMARIES}{oldest.time if oldest else ""}:{oldest.job if oldest else ""}'
+        return records, f'{EVENTS}{page.rest.before_seq}'
+    oldest = min(queued.values(), key=lambda event: event.seq, default=None)
+    return records, f'{SUMMARIES}{oldest.time if oldest else ""}:{oldest.job if oldest else ""}'
 
 
 def _folded(look: Look, beginnings: Mapping[str, int]) -> dict[str, JobRecord]:
@@ -211,10 +213,10 @@ def _without_events(look: Look, cursor: str, most: int) -> tuple[list[JobRecord]
     """Return jobs with only a summary left, newest first."""
     time, _, job = cursor.removeprefix(SUMMARIES).partition(':')
     after = JobPlace(float(time), job) if time else None
-    found = look.records.summaries(after, most, newest_first=True)
-    look.note(list(found.damage))
-    rest = found.rest
-    return list(found.jobs), None if rest is None else f'{SUMMARIES}{rest.queued!r}:{rest.job}'
+    page = look.records.summaries(after, most, newest_first=True)
+    look.note(list(page.damage))
+    rest = page.rest
+    return list(page.jobs), None if rest is None else f'{SUMMARIES}{rest.queued!r}:{rest.job}'
 
 
 def _summaries_of(
@@ -227,14 +229,14 @@ def _summaries_of(
     left = set(names)
     after: JobPlace | None = None
     while left:
-        found = look.records.summaries(after, 200, newest_first=True)
-        look.note(list(found.damage))
-        for record in found.jobs:
+        page = look.records.summaries(after, 200, newest_first=True)
+        look.note(list(page.damage))
+        for record in page.jobs:
             if record.queued < since:
                 return
             if record.job in left:
                 left.discard(record.job)
                 yield record
-        after = found.rest
+        after = page.rest
         if after is None:
             return

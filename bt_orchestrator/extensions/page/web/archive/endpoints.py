@@ -60,14 +60,19 @@ def alarms_page(look: Look, choice: Choice) -> dict[str, Any]:
         event = event_of(record)
         if event is not None:
             fold.follow(event)
-    found = [alarm for alarm in fold.alarms if choice.has(alarm)]
+    alarms = [alarm for alarm in fold.alarms if choice.has(alarm)]
     return {
-        'alarms': [_plain(one, fold.now_us) for one in reversed(found[-MOST:])],
+        'alarms': [_plain(alarm, fold.now_us) for alarm in reversed(alarms[-MOST:])],
         'counts': [
-            {'kind': one.kind, 'about': one.about, 'reason': one.reason, 'times': one.times}
-            for one in often(found, fold.now_us)
+            {
+                'kind': group.kind,
+                'about': group.about,
+                'reason': group.reason,
+                'times': group.times,
+            }
+            for group in often(alarms, fold.now_us)
         ],
-        'is_cut': len(found) > MOST or len(records) == MOST_RECORDS,
+        'is_cut': len(alarms) > MOST or len(records) == MOST_RECORDS,
         'damage': look.damage,
         'has_beginning': len(records) == MOST_RECORDS,
     }
@@ -120,7 +125,7 @@ def endpoints(archive: Archive, cell: SeenCell) -> tuple[Endpoint, ...]:
             routes.alarms,
             f'returns the last alarms, at most {MOST}, newest first, and which came most',
             query={
-                'kind': f'{", ".join(one.value for one in Kind)}; absent: all',
+                'kind': f'{", ".join(kind.value for kind in Kind)}; absent: all',
                 'component': 'of this component only',
                 'open': '1: only those that stand',
             },
@@ -199,7 +204,7 @@ class _Routes:
     async def alarms(self, request: Request) -> Response:
         query = request.query_params
         kind = query.get('kind', '')
-        if kind and kind not in (kinds := [one.value for one in Kind]):
+        if kind and kind not in (kinds := [member.value for member in Kind]):
             raise Problem(422, f'kind is one of {", ".join(kinds)}; found {kind!r}')
         choice = Choice(kind, query.get('component', ''), query.get('open') == '1')
         return Json(await self._read(lambda look: alarms_page(look, choice)))
@@ -208,15 +213,15 @@ class _Routes:
         query = request.query_params
         most = _whole(query, 'most') or MOST_JOBS
         try:
-            found = await self._read(lambda look: jobs_page(look, query.get('after', ''), most))
+            page = await self._read(lambda look: jobs_page(look, query.get('after', ''), most))
         except ValueError as error:
             raise Problem(422, 'after is what an answer named as rest') from error
-        return Json(found)
+        return Json(page)
 
     async def job(self, request: Request) -> Response:
         job = request.path_params['job']
-        found = await self._read(lambda look: job_with_items(look, job))
-        return _known(found, f'job {job}')
+        answer = await self._read(lambda look: job_with_items(look, job))
+        return _known(answer, f'job {job}')
 
     async def item(self, request: Request) -> Response:
         item = request.path_params['item']
@@ -251,14 +256,14 @@ class _Routes:
         archive = self._archive
 
         def asked(look: Look) -> _Found:
-            found = question(look)
-            if found is not None:
-                begins = found.pop('has_beginning', False)
+            answer = question(look)
+            if answer is not None:
+                begins = answer.pop('has_beginning', False)
                 lacks = archive.why_not_whole(look.extent, has_beginning=begins)
-                why = [found.get('why_not', ''), lacks, *look.damage]
-                told = '; '.join(dict.fromkeys(filter(None, why)))
-                found.update(is_whole=not told, why_not=told)
-            return found
+                why = [answer.get('why_not', ''), lacks, *look.damage]
+                reason = '; '.join(dict.fromkeys(filter(None, why)))
+                answer.update(is_whole=not reason, why_not=reason)
+            return answer
 
         try:
             return await archive.read(asked)
@@ -266,10 +271,10 @@ class _Routes:
             raise Problem(503, str(error)) from error
 
 
-def _known(found: dict[str, Any] | None, what: str) -> Response:
-    if found is None:
+def _known(answer: dict[str, Any] | None, what: str) -> Response:
+    if answer is None:
         raise Problem(404, f'nothing is known here of {what}')
-    return Json(found)
+    return Json(answer)
 
 
 def _whole(query: Mapping[str, str], name: str) -> int | None:

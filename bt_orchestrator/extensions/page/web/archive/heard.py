@@ -57,7 +57,7 @@ class HeardRecords(WithoutBooks):
         history, first, last = self.extent()
         end = last + 1 if wanted.before_seq is None else wanted.before_seq
         entries = reversed(self._entries) if wanted.newest_first else self._entries
-        found: list[Record] = []
+        records: list[Record] = []
         damage: list[Damage] = []
         for entry in entries:
             if entry.last <= wanted.after_seq or entry.first >= end:
@@ -65,13 +65,13 @@ class HeardRecords(WithoutBooks):
             if isinstance(entry, Lost):
                 damage.append(_lost(entry))
             elif _takes(wanted, entry):
-                found.append(Record(entry.first, entry.text))
-                if len(found) == most:
+                records.append(Record(entry.first, entry.text))
+                if len(records) == most:
                     rest = wanted.past(entry.first)
-                    return RecordPage(history, first, found, damage, rest, is_last=False)
+                    return RecordPage(history, first, records, damage, rest, is_last=False)
         done = max(wanted.after_seq + 1, first) if wanted.newest_first else min(end - 1, last)
         rest = wanted.past(max(done, wanted.after_seq))
-        return RecordPage(history, first, found, damage, rest, is_last=True)
+        return RecordPage(history, first, records, damage, rest, is_last=True)
 
     def summaries(
         self,
@@ -147,20 +147,20 @@ class Heard:
 
     async def _fill(self, history: str, last: int) -> bool:
         """Fetch the last events up to one, oldest first; tell whether all of them came."""
-        found: list[Entry] = []
+        entries: list[Entry] = []
         after = before = max(0, last - MOST_EVENTS_KEPT)
         with contextlib.suppress(NodeUnreachable):
             while after < last:
                 page = await self._doors.events_after(after)
                 if page.history != history or not page.events:
                     break
-                if not found:  # earlier ones are removed
+                if not entries:  # earlier ones are removed
                     after = before = max(after, page.events[0].seq - 1)
                 if page.events[0].seq > after + 1:
-                    found.append(Lost(after + 1, page.events[0].seq - 1))
-                found += [Happened(event) for event in page.events if event.seq <= last]
+                    entries.append(Lost(after + 1, page.events[0].seq - 1))
+                entries += [Happened(event) for event in page.events if event.seq <= last]
                 after = page.events[-1].seq
         if after < last or self._history != history:
             return False
-        self._earlier, self._before = found, before
+        self._earlier, self._before = entries, before
         return True

@@ -45,7 +45,7 @@ class Subject:
         """
         if self.section is not None:
             return lambda text: f'"section": {self.section},' in text
-        tasks = {found[0] for text in texts if self.begins(text) and (found := _TASK.search(text))}
+        tasks = {match[0] for text in texts if self.begins(text) and (match := _TASK.search(text))}
         return lambda text: self._named in text or any(task in text for task in tasks)
 
     @property
@@ -74,7 +74,7 @@ def history_of(
             {**failure._asdict(), 'said': said_in_each(failure.message)}
             for failure in reversed(fold.failures)
         ],
-        'running': [one._asdict() for one in fold.in_flight()],
+        'running': [attempt._asdict() for attempt in fold.in_flight()],
         'time_in': {state: round(seconds, 3) for state, seconds in fold.time_in.items()},
         'tasks': _tasks(fold, described),
         'damage': look.damage,
@@ -93,12 +93,12 @@ def _last_events(look: Look, subject: Subject) -> list[Event]:
         if begun > MOST_CYCLES:
             break
     may_concern = subject.concerns(record.text for record in records)
-    found = (
+    last_events = (
         event_of(record)
         for record in records
         if may_concern(record.text) or f'"{ClockStepped.event}"' in record.text
     )
-    return [event for event in found if event is not None]
+    return [event for event in last_events if event is not None]
 
 
 def _cycle(cycle: Cycle) -> dict[str, Any]:
@@ -118,8 +118,14 @@ def _tasks(fold: WorkFold, described: CellDescription | None) -> dict[str, Any]:
 
 def _nominal_s(described: CellDescription | None, component: str, task: str) -> float | None:
     components = described.components if described is not None else ()
-    found = (one for one in components if one.name == component)
-    return next((one.durations_s.get(task, one.default_duration_s) for one in found), None)
+    candidates = (candidate for candidate in components if candidate.name == component)
+    return next(
+        (
+            candidate.durations_s.get(task, candidate.default_duration_s)
+            for candidate in candidates
+        ),
+        None,
+    )
 
 
 # The record of one item.
@@ -147,9 +153,9 @@ def items_of(look: Look, serial: str) -> dict[str, Any]:
     """Return the items of a serial, the newest first."""
     wanted, serial = Wanted(events=_IDENTIFIED, newest_first=True), serial.strip()
     name = json.dumps(serial, ensure_ascii=False)
-    found = [
+    items = [
         {'item': event.item, 'job': event.job, 'time': event.time}
         for event in events(look, wanted, lambda text: name in text or '\\' in text)
         if isinstance(event, e.ItemIdentified) and event.serial == serial
     ]
-    return {'items': found, 'damage': look.damage, 'has_beginning': False}
+    return {'items': items, 'damage': look.damage, 'has_beginning': False}

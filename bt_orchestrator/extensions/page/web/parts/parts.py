@@ -94,8 +94,8 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
 def _leadership_part(leadership: Leadership) -> dict[str, object]:
     """Return who leads and who stands by; what a standby has seen changes all the time."""
     standbys = [
-        {**plain_but(one, 'seq', 'trouble'), 'said': said_in_each(one.trouble)}
-        for one in leadership.standbys
+        {**plain_but(standby, 'seq', 'trouble'), 'said': said_in_each(standby.trouble)}
+        for standby in leadership.standbys
     ]
     return {**plain_but(leadership, 'standbys'), 'standbys': standbys}
 
@@ -203,7 +203,7 @@ def parts_of(
         parts[f'job/{job.id}'] = job_part(
             job, status, script, tasks, orders.get(job.id, NOT_KNOWN)
         )
-    described = {one.name: one for one in description.components}
+    described = {component.name: component for component in description.components}
     for component in status.components:
         part = component_part(component, described.get(component.name))
         parts[f'component/{component.name}'] = part

@@ -58,7 +58,7 @@ class TaskParts:
 
     def of_section(self, section: SectionStatus, tasks: SectionList) -> list[Part]:
         """Return the whole list of a section, in its order."""
-        running = {one.id: one for one in section.running}
+        running = {task.id: task for task in section.running}
         item = section.item.id if section.item else None
         held = {
             task: hold
@@ -77,7 +77,7 @@ class TaskParts:
     ) -> list[Part]:
         """Return the initialization tasks of a job; before its turn they are all new."""
         tasks = script.initialization
-        running, waits = {one.id: one for one in job.running}, tuple(waits)
+        running, waits = {task.id: task for task in job.running}, tuple(waits)
         if job.position:
             marks: Iterator[tuple[Task, TaskMark]] = ((task, NEW) for task in tasks)
         else:
@@ -98,13 +98,13 @@ class TaskParts:
         """Return tasks that no script lists: the move of the belt."""
         return [
             self._part(
-                Task(one.id, one.name, one.action, one.component),
+                Task(task.id, task.name, task.action, task.component),
                 TaskMark(Mark.RUNNING),
                 (0, 0),
-                one,
+                task,
                 None,
             )
-            for one in running
+            for task in running
         ]
 
     def _part(
@@ -193,27 +193,27 @@ def _worded(wait: Wait, task: str, reason: str) -> dict[str, str]:
 
 def why_part(status: CellStatus) -> dict[str, object]:
     """Return the walk from each part that waits to its cause, and the causes, gravest first."""
-    found = chains(status)
-    said = _all_said(status)
+    walks = chains(status)
+    sentences = _all_said(status)
 
-    def plain(told: Link | Root) -> dict[str, object]:
-        return {**vars(told), 'said': said.get(told.words)}
+    def plain(link: Link | Root) -> dict[str, object]:
+        return {**vars(link), 'said': sentences.get(link.words)}
 
     return {
         'chains': [
-            {'part': one.part, 'links': list(map(plain, one.links)), 'root': plain(one.root)}
-            for one in found
+            {'part': walk.part, 'links': list(map(plain, walk.links)), 'root': plain(walk.root)}
+            for walk in walks
         ],
         'causes': [
             {**plain(cause.root), 'is_ordinary': cause.is_ordinary, 'waiting': list(cause.waiting)}
-            for cause in causes(found, status.state)
+            for cause in causes(walks, status.state)
         ],
     }
 
 
 def waits_said(status: CellStatus, language: str) -> Mapping[str, str]:
     """Return the sentences of all waits, by those of the node."""
-    return {words: said[language] for words, said in _all_said(status).items()}
+    return {words: sentences[language] for words, sentences in _all_said(status).items()}
 
 
 def _all_said(status: CellStatus) -> dict[str, dict[str, str]]:

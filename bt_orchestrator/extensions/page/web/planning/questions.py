@@ -63,14 +63,14 @@ class Questions:
         began = time.monotonic()
 
         def work(planning: Planning, moment: Moment) -> Body:
-            found = planning.what_if(moment, requests)
+            consequence = planning.what_if(moment, requests)
             return {
-                'before': _ends(found.before, moment),
-                'after': _ends(found.after, moment),
-                'jobs': [_changed(change, moment.now_s) for change in found.changes],
-                'refusals': list(found.refusals),
-                'unknown': _said(found.unknown),
-                'notes': list(found.notes),
+                'before': _ends(consequence.before, moment),
+                'after': _ends(consequence.after, moment),
+                'jobs': [_changed(change, moment.now_s) for change in consequence.changes],
+                'refusals': list(consequence.refusals),
+                'unknown': _said(consequence.unknown),
+                'notes': list(consequence.notes),
                 'left_out': max(0, queued - QUEUE_SHOWN),
                 'computed_s': round(time.monotonic() - began, 1),
             }
@@ -86,12 +86,14 @@ class Questions:
         """
 
         def work(planning: Planning, moment: Moment) -> Body:
-            found = planning.propose(moment)
-            offer = arrange_offer(found.order, found.queue_digest) if found.is_new else None
+            proposal = planning.propose(moment)
+            offer = (
+                arrange_offer(proposal.order, proposal.queue_digest) if proposal.is_new else None
+            )
             return {
-                **found._asdict(),
-                'jobs': [_proposed(job, moment.now_s) for job in found.jobs],
-                'unknown': _said(found.unknown),
+                **proposal._asdict(),
+                'jobs': [_proposed(job, moment.now_s) for job in proposal.jobs],
+                'unknown': _said(proposal.unknown),
                 'offer': offer,
                 'left_out': max(0, queued - QUEUE_SHOWN),
             }
@@ -156,10 +158,10 @@ _OWN = frozenset(('name', 'by'))
 
 
 def _orders(plain: object) -> object:
-    if not isinstance(plain, list) or not all(isinstance(one, Mapping) for one in plain):
+    if not isinstance(plain, list) or not all(isinstance(order, Mapping) for order in plain):
         raise ValueError('orders are a list of objects with the keys of an order file')
     try:
-        return [order_from(one) for one in plain]
+        return [order_from(order) for order in plain]
     except Refused as refused:
         raise ValueError('; '.join(map(str, refused.findings))) from refused
 
@@ -175,7 +177,7 @@ def _ends(jobs: Sequence[ExpectedJob], moment: Moment) -> list[Body]:
 def _changed(job: JobChange, now_s: float) -> Body:
     """Return what becomes of a job; `before` and `after` stand where it is there."""
     here = {'before': job.before, 'after': job.after}
-    ends = {name: _time(one.ends_s, now_s) for name, one in here.items() if one is not None}
+    ends = {name: _time(end.ends_s, now_s) for name, end in here.items() if end is not None}
     return {
         'job': job.job,
         'change': job.change,
@@ -191,19 +193,22 @@ def _time(from_now_s: float | None, now_s: float) -> float | None:
     return None if from_now_s is None else now_s + from_now_s
 
 
-def _proposed(one: ProposedJob, now_s: float) -> Body:
-    ends, new_ends = _time(one.ends_s, now_s), _time(one.new_ends_s, now_s)
-    plain = {name: value for name, value in one._asdict().items() if not name.endswith('_s')}
+def _proposed(job: ProposedJob, now_s: float) -> Body:
+    ends, new_ends = _time(job.ends_s, now_s), _time(job.new_ends_s, now_s)
+    plain = {name: value for name, value in job._asdict().items() if not name.endswith('_s')}
     return {**plain, 'ends': ends, 'new_ends': new_ends}
 
 
-def _plain(found: CheckedOrder) -> Body:
+def _plain(checked_order: CheckedOrder) -> Body:
     return {
-        'accepted': found.accepted,
-        'is_checked': found.is_checked,
-        'message': found.message,
+        'accepted': checked_order.accepted,
+        'is_checked': checked_order.is_checked,
+        'message': checked_order.message,
         'findings': [
-            {**one._asdict(), 'said': said_in_each('; '.join(filter(None, (one.what, one.hint))))}
-            for one in found.wrong
+            {
+                **mistake._asdict(),
+                'said': said_in_each('; '.join(filter(None, (mistake.what, mistake.hint)))),
+            }
+            for mistake in checked_order.wrong
         ],
     }

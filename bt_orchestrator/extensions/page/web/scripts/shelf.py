@@ -39,24 +39,26 @@ class Shelf:
 
     async def listed(self) -> list[dict[str, Any]]:
         """Return all scripts that an order can name, with their parameters."""
-        here = {one.name: one for one in await asyncio.to_thread(self._files.scripts)}
+        here = {script.name: script for script in await asyncio.to_thread(self._files.scripts)}
         digests = {script.name: digest for digest, script in self._known.scripts.items()}
         listed = [
-            _listed(one.name, digests.get(one.name, ''), one.params.values(), one.quantity)
-            for one in here.values()
+            _listed(
+                script.name, digests.get(script.name, ''), script.params.values(), script.quantity
+            )
+            for script in here.values()
         ]
         listed += [
             _listed(script.name, digest, script.params.values(), script.quantity)
             for digest, script in self._known.scripts.items()
             if script.name not in here and digests[script.name] == digest
         ]
-        return sorted(listed, key=lambda one: str(one['name']))
+        return sorted(listed, key=lambda entry: str(entry['name']))
 
     async def recipes(self) -> list[dict[str, Any]]:
         """Return all recipes that an order can name, each with its versions, the newest last."""
-        found = await asyncio.to_thread(self._files.recipes)
-        cell = await self.cell() if found else None
-        return [_recipe(one, cell) for one in found]
+        recipes = await asyncio.to_thread(self._files.recipes)
+        cell = await self.cell() if recipes else None
+        return [_recipe(recipe, cell) for recipe in recipes]
 
     async def script(self, digest: str) -> Script | None:
         """Return a script by its digest; None: it is not known here.
@@ -121,9 +123,9 @@ def _choices(recipe: DeclaredVersion, cell: Cell | None) -> Iterator[dict[str, A
     """Yield the operations that several components can do, as far as the cell is known."""
     for operation, does in recipe.operations.items():
         able = [
-            one.name
-            for one in (cell.components.values() if cell else ())
-            if not one.capabilities.keys().isdisjoint(does)
+            component.name
+            for component in (cell.components.values() if cell else ())
+            if not component.capabilities.keys().isdisjoint(does)
         ]
         if len(able) > 1:
             yield {'operation': operation, 'components': able}

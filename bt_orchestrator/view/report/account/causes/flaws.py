@@ -163,41 +163,47 @@ DECISIONS: Mapping[Decision, str] = {
 MEASURED_TITLES = ('times', 'below', 'above', 'least', 'mean', 'greatest', 'at least', 'at most')
 
 
-def flaw_words(one: Flaw) -> str:
+def flaw_words(flaw: Flaw) -> str:
     """Say which task failed, why, and what was decided."""
-    at = f' at {one.component}' if one.component else ''
-    why = f' {one.reason}' if one.reason else ''
-    bound = f' ({one.bound})' if one.bound else ''
-    task = f'{one.task}{at}{why}{bound}' if one.task else ''
-    return ', '.join(filter(None, (task, DECISIONS[one.decision])))
+    at = f' at {flaw.component}' if flaw.component else ''
+    why = f' {flaw.reason}' if flaw.reason else ''
+    bound = f' ({flaw.bound})' if flaw.bound else ''
+    task = f'{flaw.task}{at}{why}{bound}' if flaw.task else ''
+    return ', '.join(filter(None, (task, DECISIONS[flaw.decision])))
 
 
-def measured_name(one: MeasuredSum) -> str:
+def measured_name(measurement: MeasuredSum) -> str:
     """Name a measured value."""
-    at = f' at {one.of.component}' if one.of.component else ''
-    return f'{one.of.task} {one.of.value}{at}'
+    at = f' at {measurement.of.component}' if measurement.of.component else ''
+    return f'{measurement.of.task} {measurement.of.value}{at}'
 
 
-def measured_texts(one: MeasuredSum) -> tuple[str, ...]:
+def measured_texts(measurement: MeasuredSum) -> tuple[str, ...]:
     """Return the numbers about a measured value, as `MEASURED_TITLES` names them."""
-    counts = (one.times, one.below, one.above)
-    numbers = (one.least, float(one.mean), one.greatest, one.of.at_least, one.of.at_most)
+    counts = (measurement.times, measurement.below, measurement.above)
+    numbers = (
+        measurement.least,
+        float(measurement.mean),
+        measurement.greatest,
+        measurement.of.at_least,
+        measurement.of.at_most,
+    )
     return (*map(str, counts), *(UNKNOWN if n is None else f'{n:.6g}' for n in numbers))
 
 
-def flaw_plain(one: FlawSum) -> dict[str, Any]:
+def flaw_plain(flaw: FlawSum) -> dict[str, Any]:
     """Return a cause of scrap or rework."""
-    return {**to_plain(one.of, whole=True), 'times': one.times}
+    return {**to_plain(flaw.of, whole=True), 'times': flaw.times}
 
 
-def measured_plain(one: MeasuredSum) -> dict[str, Any]:
+def measured_plain(measurement: MeasuredSum) -> dict[str, Any]:
     """Return measured values beside their bounds."""
     return {
-        **to_plain(one.of, whole=True),
-        'times': one.times,
-        'below': one.below,
-        'above': one.above,
-        'least': one.least,
-        'mean': float(one.mean),
-        'greatest': one.greatest,
+        **to_plain(measurement.of, whole=True),
+        'times': measurement.times,
+        'below': measurement.below,
+        'above': measurement.above,
+        'least': measurement.least,
+        'mean': float(measurement.mean),
+        'greatest': measurement.greatest,
     }

@@ -90,7 +90,7 @@ class ItemsAtWork:
         job = self._of(event.job)
         job.made = Made(event.job, event.script, event.digest, event.recipe, event.recipe_version)
         verdicts = self._verdicts.get(event.digest, {}).values()
-        named = {one.name for verdict in verdicts for one in _parameters(verdict)}
+        named = {parameter.name for verdict in verdicts for parameter in _parameters(verdict)}
         job.params = {name: value for name, value in event.params.items() if name in named}
         yield from ()
 
@@ -103,7 +103,9 @@ class ItemsAtWork:
     ) -> Iterator[Happening]:
         self._jobs.pop(event.job, None)
         used = {job.made.digest for job in self._jobs.values()}
-        self._verdicts = {one: kept for one, kept in self._verdicts.items() if one in used}
+        self._verdicts = {
+            digest: kept for digest, kept in self._verdicts.items() if digest in used
+        }
         yield from ()
 
     def _aborting(self, event: e.JobAborting, _: object) -> Iterator[Happening]:
@@ -134,7 +136,9 @@ class ItemsAtWork:
     def _round(self, event: e.RoundBegun, _: object) -> Iterator[Happening]:
         item = self._item(event.job, event.item)
         item.is_first_pass = False
-        failed = [(task, one) for task, one in item.failures.items() if task in event.tasks]
+        failed = [
+            (task, failure) for task, failure in item.failures.items() if task in event.tasks
+        ]
         task, failure = failed[-1] if failed else ('', _Failure())
         for name, _failure in failed:
             del item.failures[name]
@@ -252,11 +256,11 @@ class ItemsAtWork:
         yield from ()
 
     def _mark(self, job: str, item: str, task: str, decision: Decision) -> None:
-        found, made = self._item(job, item), self._of(job).made
-        if found.flaw is None:
-            failure = found.failures.get(task, _Failure())
-            found.flaw = _flaw(Effect.NONCONFORMING, decision, made, task, failure)
-        found.is_nonconforming = True
+        record, made = self._item(job, item), self._of(job).made
+        if record.flaw is None:
+            failure = record.failures.get(task, _Failure())
+            record.flaw = _flaw(Effect.NONCONFORMING, decision, made, task, failure)
+        record.is_nonconforming = True
 
     def _out(self, event: e.ItemRemoved, _: object) -> Iterator[Happening]:
         job = self._of(event.job)
@@ -307,14 +311,16 @@ class ItemsAtWork:
     def go_on_from(self, plain: Mapping[str, Any]) -> None:
         """Know what another one knew; books of an older program know less."""
         if 'nonconforming' in plain:
-            self._jobs = {one['job']: _Job(from_plain(Made, one)) for one in plain['jobs']}
+            self._jobs = {job['job']: _Job(from_plain(Made, job)) for job in plain['jobs']}
             for item in plain['nonconforming']:
                 self._mark(item.rpartition('/')[0], item, '', Decision.ON_FAILURE)
             return
-        jobs = [_read_job(one) for one in plain['jobs']]
+        jobs = [_read_job(job) for job in plain['jobs']]
         self._jobs = {job.made.job: job for job in jobs}
         self._verdicts = {
-            digest: {task: from_plain(Condition, one) for task, one in verdicts.items()}
+            digest: {
+                task: from_plain(Condition, condition) for task, condition in verdicts.items()
+            }
             for digest, verdicts in plain['verdicts'].items()
         }
         self._asked = {hold: (job, item) for hold, (job, item) in plain['asked'].items()}
@@ -323,14 +329,14 @@ class ItemsAtWork:
 
 def _read_job(plain: Mapping[str, Any]) -> _Job:
     job = from_plain(_Job, {**plain, 'items': None})
-    job.items = {name: _read_item(one) for name, one in plain.get('items', {}).items()}
+    job.items = {name: _read_item(item) for name, item in plain.get('items', {}).items()}
     return job
 
 
 def _read_item(plain: Mapping[str, Any]) -> _Item:
     item = from_plain(_Item, {**plain, 'failures': None})
     failures = plain.get('failures', {})
-    item.failures = {task: from_plain(_Failure, one) for task, one in failures.items()}
+    item.failures = {task: from_plain(_Failure, failure) for task, failure in failures.items()}
     return item
 
 
@@ -347,16 +353,16 @@ def verdicts_of(script: Script) -> dict[str, Condition]:
 
 def _parameters(verdict: Condition) -> Iterator[Reference]:
     """Yield the parameters that are bounds."""
-    for one in verdict.comparisons:
-        yield from references((one.at_least, one.at_most))
+    for comparison in verdict.comparisons:
+        yield from references((comparison.at_least, comparison.at_most))
 
 
 def _own_value(comparison: Condition, task: str) -> Reference | None:
     """Return the field of a task's own result that a comparison is about; None: it is not."""
     parts = comparison.value.parts
-    found = parts[0] if len(parts) == 1 else None
-    is_own = isinstance(found, Reference) and (found.source, found.name) == ('results', task)
-    return found if is_own and isinstance(found, Reference) else None
+    part = parts[0] if len(parts) == 1 else None
+    is_own = isinstance(part, Reference) and (part.source, part.name) == ('results', task)
+    return part if is_own and isinstance(part, Reference) else None
 
 
 def _number(results: Results, fields: Sequence[str]) -> float | None:
