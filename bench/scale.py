@@ -24,7 +24,7 @@ from ros_domain import OwnDomain
 from bench.line_files import cell_text, script_text
 from bench.rows import percentile
 from bench.tail import until
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.ros.link.client import NodeClient
 
 ORDER = 'WO-1'

@@ -18,7 +18,7 @@ from typing import Any
 
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 
 PATIENCE_S = 60.0
 USER = 'plant'

@@ -39,8 +39,8 @@ from bt_orchestrator.script.orders.order_file import (
     bind_order,
     draft_order,
 )
+from bt_orchestrator.script.orders.parameter_uses import action_types
 from bt_orchestrator.script.orders.terms import Wrong
-from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.sim.simulation import Simulation

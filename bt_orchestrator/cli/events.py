@@ -26,7 +26,7 @@ from bt_orchestrator.cli.reporting.each_cell import each_cell, with_cell
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event, OrchestratorStarted
 from bt_orchestrator.model.keeping.journal_place import journal_place
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.view.report.account.booked import steady_time
 from bt_orchestrator.view.report.exports import OUTPUTS, Output, Timed
 from bt_orchestrator.view.report.reading import Reading, removed

@@ -16,7 +16,7 @@ from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import moment
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.keeping.journal_place import JournalPlace, journal_place
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Records
 from bt_orchestrator.view.screen.advice import Shell

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 from bt_orchestrator.model.keeping.books import KeptScript, KeptState, ReasonPage, SlotPage
-from bt_orchestrator.model.records import Extent, JobPlace, RecordPage, Summaries, Wanted
+from bt_orchestrator.model.keeping.records import Extent, JobPlace, RecordPage, Summaries, Wanted
 from bt_orchestrator.ports.journal import Snapshot
 
 

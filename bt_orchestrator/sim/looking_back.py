@@ -20,8 +20,8 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
-from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes, EventSink
 from bt_orchestrator.sim.run_on import RunOn

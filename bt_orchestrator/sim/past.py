@@ -13,8 +13,8 @@ from bt_orchestrator.engine.tree.compile import CellTree
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest, from_record
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
-from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus

@@ -37,8 +37,8 @@ from bt_orchestrator.ports import (
 from bt_orchestrator.script.lookup import find_below
 from bt_orchestrator.script.orders.by_recipe import recipes
 from bt_orchestrator.script.orders.desk import ANY_PATH
+from bt_orchestrator.script.orders.parameter_uses import action_types
 from bt_orchestrator.script.orders.plain_order import bound, draft_of
-from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.sim.made_before import MadeBefore, Make
 from bt_orchestrator.sim.proposing import Proposing
 from bt_orchestrator.sim.run_on import LONGEST_S, RunOn

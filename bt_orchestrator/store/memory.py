@@ -8,7 +8,14 @@ from uuid import uuid4
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.keeping.books import WithoutBooks
-from bt_orchestrator.model.records import Extent, JobPlace, Record, RecordPage, Summaries, Wanted
+from bt_orchestrator.model.keeping.records import (
+    Extent,
+    JobPlace,
+    Record,
+    RecordPage,
+    Summaries,
+    Wanted,
+)
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sequence import refuse_gap
 

@@ -72,8 +72,8 @@ def _possible(request: Request) -> str:
         case About.CELL if request in CONTROLS.values():
             return ' or '.join(f'in {one.value}' for one in CONTROLS if CONTROLS[one] != request)
         case About.CELL if request is UNIT_MODES[UnitMode.MANUAL]:
-            states = ' or '.join(one.value for one in MANUAL_FROM)
-            return f'at a panel in local, in {states}'
+            from_states = ' or '.join(state.value for state in MANUAL_FROM)
+            return f'at a panel in local, in {from_states}'
         case _ if request.is_manual:
             return 'in manual mode' + (', at a panel in local' if request.needs_local else '')
         case About.CELL:

@@ -20,7 +20,7 @@ from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.keeping.books import KeptScript, KeptSlot, KeptState
-from bt_orchestrator.model.records import Damage, JobPlace, Record, RecordPage, Wanted
+from bt_orchestrator.model.keeping.records import Damage, JobPlace, Record, RecordPage, Wanted
 from bt_orchestrator.ports import Records
 
 LAST = 40

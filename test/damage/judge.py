@@ -20,7 +20,7 @@ from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.engine.runtime.recovery import restore
 from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

@@ -314,7 +314,8 @@ def is_good(out: Mapping[str, Any], records: Records) -> bool:
 def is_manual(past: Records) -> bool:
     """Tell whether the cell stands in manual mode, and was not aborted there."""
     reason = last(past, 'cell.stop_reason_changed', 'stop_reason')
-    return last(past, 'cell.unit_mode_changed', 'mode') == 'manual' and reason != 'emergency'
+    mode = last(past, 'cell.unit_mode_changed', 'mode')
+    return bool(mode == 'manual' and reason != 'emergency')
 
 
 def what_is_it(past: Records, next_event: str) -> str:

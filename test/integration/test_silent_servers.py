@@ -162,9 +162,10 @@ def deafen(link: ActionLink) -> None:
     """Let no answer reach the present client, as was seen after a crash of its predecessor."""
 
     def take_nothing() -> Any:
-        return {}
+        return ()
 
-    link._clients.current.take_data = take_nothing  # type: ignore[method-assign]
+    for service in link._clients.current._services:
+        service.take = take_nothing  # type: ignore[attr-defined]
 
 
 def link(bench: RosBench, name: str) -> ActionLink:

@@ -10,6 +10,7 @@ import pytest
 from fakes import statuses
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.ros.clock import MachineUptime
 from bt_orchestrator.ros.services import outputs
 from bt_orchestrator.ros.services.outputs import StatusTopic
 
@@ -53,7 +54,8 @@ def make(node: Clock, engine: Any, beats: list[Callable[[], None]]) -> StatusTop
     overview = SimpleNamespace(status=lambda now_s, _: statuses.status(stamp=now_s))
     expected = SimpleNamespace(within_s=lambda _: {})
     pulse = SimpleNamespace(add=beats.append)
-    return StatusTopic(node, engine, overview, expected, pulse)  # type: ignore[arg-type]
+    uptime = MachineUptime().now
+    return StatusTopic(node, engine, overview, expected, pulse, uptime)  # type: ignore[arg-type]
 
 
 def test_only_what_the_journal_holds_is_told(node: Clock) -> None:

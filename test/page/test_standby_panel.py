@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 from pathlib import Path
 
 from page.browsing import Tab
@@ -26,7 +27,12 @@ def led(line: Stand, *standbys: StandbyStatus) -> None:
 
 
 def rows(tab: Tab) -> list[str]:
-    return tab.page.locator(f'{PANEL} li').all_inner_texts()
+    found: list[str] = tab.page.locator(f'{PANEL} li').all_inner_texts()
+    return found
+
+
+def tells(tab: Tab, words: str) -> bool:
+    return rows(tab)[-1:][0].startswith(words)
 
 
 def test_9_4_the_page_says_whether_a_standby_can_take_over(tmp_path: Path, sit: Sit) -> None:
@@ -52,8 +58,9 @@ def test_9_4_the_page_says_whether_a_standby_can_take_over(tmp_path: Path, sit: 
             ),
         ):
             led(line, *standbys)
-            english.until(lambda expected=[leads, words]: rows(english) == expected, words)
-            german.until(lambda start=word: rows(german)[1:][0].startswith(start), word)
+            english.until(partial(tells, english, words), words)
+            german.until(partial(tells, german, word), word)
+            assert rows(english) == [leads, words]
             assert rows(german)[0] == 'line-1, Prozess 411, führt (Epoche 7)'
         assert SILENT not in rows(german)[1], 'a reason in English on a German page'
         if folder := os.environ.get('STANDBY_PICTURES'):

@@ -16,7 +16,7 @@ from fakes.journal_reading import journal_reading
 from fakes.other_python import back_up
 from program_process import ProgramProcess
 
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

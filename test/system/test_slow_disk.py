@@ -15,7 +15,7 @@ from fakes.journal_reading import journal_reading
 from py_trees_ros_interfaces.srv import OpenSnapshotStream
 from rcl_interfaces.srv import GetParameters
 
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 
 
 @contextmanager

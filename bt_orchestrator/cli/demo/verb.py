@@ -30,7 +30,7 @@ from bt_orchestrator.cli.watch import live_or, say
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import JobQueued
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.orders.order_file import read_order
 from bt_orchestrator.script.shifts.shifts_file import read_shifts

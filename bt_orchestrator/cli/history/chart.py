@@ -12,7 +12,7 @@ from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.view.drawing.gantt import Gantt, GanttFold
 from bt_orchestrator.view.drawing.gantt_page import gantt_svg
 from bt_orchestrator.view.report.account.account import of_job

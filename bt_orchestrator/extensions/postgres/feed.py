@@ -23,7 +23,7 @@ from bt_orchestrator.extensions.postgres.schema import (
     stretches,
 )
 from bt_orchestrator.model.events import JobQueued
-from bt_orchestrator.model.records import Extent, Record
+from bt_orchestrator.model.keeping.records import Extent, Record
 from bt_orchestrator.store.sqlite.copying import TABLES, Key, Table, changed, side_tables
 
 

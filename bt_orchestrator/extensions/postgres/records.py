@@ -20,7 +20,7 @@ from bt_orchestrator.extensions.postgres.schema import (
 )
 from bt_orchestrator.extensions.postgres.session import Session
 from bt_orchestrator.model.keeping.books import ReasonPage
-from bt_orchestrator.model.records import Damage
+from bt_orchestrator.model.keeping.records import Damage
 from bt_orchestrator.store.shared.database import Database, History
 from bt_orchestrator.store.shared.mark import Reached, mark_of, read_mark
 from bt_orchestrator.store.shared.records import KeptRecords

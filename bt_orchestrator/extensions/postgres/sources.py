@@ -11,7 +11,7 @@ from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.extensions.postgres.feed import Batch
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import OrchestratorStarted
-from bt_orchestrator.model.records import Extent, Record, Wanted
+from bt_orchestrator.model.keeping.records import Extent, Record, Wanted
 from bt_orchestrator.ports import CellLink, Records
 
 MOST = 1000

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from bt_orchestrator.model.records import Damage
+from bt_orchestrator.model.keeping.records import Damage
 
 
 class KeptSlot(NamedTuple):

@@ -31,6 +31,7 @@ from bt_orchestrator.script.orders.order_file import (
     params_from_text,
     parse_draft,
 )
+from bt_orchestrator.script.orders.parameter_uses import action_types
 from bt_orchestrator.script.orders.terms import (
     NOT_MADE_HERE,
     NOTHING_SAID,
@@ -38,7 +39,6 @@ from bt_orchestrator.script.orders.terms import (
     Wrong,
     wrong_choice,
 )
-from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.source_text import read_text
 
 ANY_PATH = '--script-paths'

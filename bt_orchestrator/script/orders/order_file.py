@@ -18,8 +18,8 @@ from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.keys import LARGEST_WHOLE
 from bt_orchestrator.script.names import wrong_order_id
+from bt_orchestrator.script.orders.parameter_uses import misfitting_uses
 from bt_orchestrator.script.orders.terms import Wrong, read_choice, read_terms, wrong_terms
-from bt_orchestrator.script.parameter_uses import misfitting_uses
 from bt_orchestrator.script.report import START, Place, Report, did_you_mean, listing, nearest
 from bt_orchestrator.script.script_keys import ORDER
 from bt_orchestrator.script.source_text import read_text

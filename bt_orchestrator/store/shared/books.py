@@ -15,7 +15,7 @@ from bt_orchestrator.model.keeping.books import (
     ReasonPage,
     SlotPage,
 )
-from bt_orchestrator.model.records import Damage
+from bt_orchestrator.model.keeping.records import Damage
 from bt_orchestrator.store.shared.database import Database, check_of, replace
 
 log = logging.getLogger(__name__)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from bt_orchestrator.base.errors import DamagedRecord
 from bt_orchestrator.model.keeping.books import KeptScript, KeptState, ReasonPage, SlotPage
-from bt_orchestrator.model.records import (
+from bt_orchestrator.model.keeping.records import (
     Damage,
     Extent,
     JobPlace,

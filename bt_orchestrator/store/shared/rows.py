@@ -11,8 +11,8 @@ from bt_orchestrator.base.errors import DamagedRecord
 from bt_orchestrator.model.codec import from_record, json_of
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_from_plain, job_to_plain
+from bt_orchestrator.model.keeping.records import Damage, JobPlace, Record, Summaries, Wanted
 from bt_orchestrator.model.limits import fitting
-from bt_orchestrator.model.records import Damage, JobPlace, Record, Summaries, Wanted
 from bt_orchestrator.store.shared import books
 from bt_orchestrator.store.shared.database import (
     Check,

@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 from bt_orchestrator.base.errors import JournalUnusable
-from bt_orchestrator.model.records import Damage
+from bt_orchestrator.model.keeping.records import Damage
 from bt_orchestrator.store.shared.database import Database, History
 from bt_orchestrator.store.shared.mark import Reached, mark_of, read_mark
 from bt_orchestrator.store.shared.records import UNKNOWN, KeptRecords

@@ -15,7 +15,7 @@ from enum import Enum
 from typing import IO, Any, NamedTuple
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.requests import is_remark
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.view.report.account.booked import steady_time

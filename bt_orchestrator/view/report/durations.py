@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator.base.errors import counted
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.view.report.account.period import Period
 from bt_orchestrator.view.report.account.planned import US
 from bt_orchestrator.view.report.duration_times import FOLLOWED, Buckets, Kind, Samples, TimesFold

@@ -12,8 +12,8 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, from_record
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.keeping.snapshot import state_from_plain
-from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Records
 from bt_orchestrator.view.report.reading import Reading

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from bt_orchestrator.base.errors import counted
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.script import Likely, Script, Task
 from bt_orchestrator.view.report.reading import Reading
 

@@ -12,7 +12,7 @@ from bt_orchestrator.base.errors import DatabaseAway
 from bt_orchestrator.model.codec import known_event
 from bt_orchestrator.model.events import Event, ScriptLoaded
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.records import Damage, Record, RecordPage, Wanted
+from bt_orchestrator.model.keeping.records import Damage, Record, RecordPage, Wanted
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import Records
 from bt_orchestrator.view.report.account.steady_time import SteadyTime

@@ -21,7 +21,8 @@ def listed(service: str, field: str) -> set[str]:
 
 
 def words(about: About) -> set[str]:
-    found = [request for request in TABLE if request.about is about]
+    """Return the words that a service with typed fields may carry."""
+    found = [each for each in TABLE if each.about is about and not each.is_manual]
     return {request.word for request in found} | {w for request in found for w in request.also}
 
 

@@ -54,7 +54,7 @@ _PLACES: Mapping[str, str] = {
 
 _FIGURE = re.compile(r'[-+\N{MINUS SIGN}]?[\d:.]+(?: s| %| points)?')
 _HELD = re.compile(r'(?:(?P<what>.*?): )?(?P<reason>\w+)(?: \((?P<message>.*)\))?')
-"""What is held, and why."""
+"""A held part, with the reason."""
 _INDENT = re.compile(r'(- | +)?(.*)', re.DOTALL)
 _NUMBER = '0.5'
 """Key of the way in which a number is written."""

@@ -10,7 +10,7 @@ from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.records import Extent, Record, Wanted
+from bt_orchestrator.model.keeping.records import Extent, Record, Wanted
 from bt_orchestrator.view.report.account.beginning import fold_with_books
 from bt_orchestrator.view.report.account.booked import (
     booked,

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.view.report.account.booked import (
     booked,

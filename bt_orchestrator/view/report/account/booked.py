@@ -10,7 +10,7 @@ from typing import TypeVar
 from bt_orchestrator.model.codec import from_plain, json_of, known_event, text_of, to_text
 from bt_orchestrator.model.events import OperatorDecided, OrchestratorStarted
 from bt_orchestrator.model.keeping.books import KeptReason, KeptScript, KeptSlot, KeptState
-from bt_orchestrator.model.records import Damage, Wanted
+from bt_orchestrator.model.keeping.records import Damage, Wanted
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.view.report.account.course import EVER_US, FOLLOWED, Course
 from bt_orchestrator.view.report.account.slot import Slot

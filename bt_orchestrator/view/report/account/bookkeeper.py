@@ -11,7 +11,7 @@ from itertools import chain
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.keeping.books import Books, KeptReason, KeptScript, KeptSlot, KeptState
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.ports import Records
 from bt_orchestrator.view.report.account.booked import (
     keep_reason,

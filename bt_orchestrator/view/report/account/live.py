@@ -9,7 +9,7 @@ from typing import Any
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event, OperatorDecided
-from bt_orchestrator.model.records import Extent
+from bt_orchestrator.model.keeping.records import Extent
 from bt_orchestrator.ports import Records
 from bt_orchestrator.view.report.account.account import Account, Source, account_of, with_steps
 from bt_orchestrator.view.report.account.beginning import fold_with_books

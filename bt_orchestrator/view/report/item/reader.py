@@ -6,7 +6,7 @@ import json
 
 from bt_orchestrator.base.errors import NotKept
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.view.report.account.planned import US
 from bt_orchestrator.view.report.account.steady_time import SteadyTime

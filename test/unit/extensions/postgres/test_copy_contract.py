@@ -22,7 +22,7 @@ from bt_orchestrator.extensions.postgres.records import PostgresRecords
 from bt_orchestrator.model.events import Event, OrchestratorStarted
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.keeping.books import Books, KeptScript, KeptSlot, KeptState
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.ports import Records, Snapshot
 from bt_orchestrator.store.sqlite.restoring import bring_back
 from bt_orchestrator.store.sqlite.store import SqliteStore

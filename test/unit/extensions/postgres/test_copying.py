@@ -17,7 +17,7 @@ from bt_orchestrator.extensions.postgres.records import PostgresRecords
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.judging.used_ids import SealedIds, text_of
 from bt_orchestrator.model.keeping.books import Books, KeptScript, KeptSlot, KeptState
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.ports import Records, Snapshot
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore

@@ -21,7 +21,7 @@ from bt_orchestrator.extensions.postgres.schema import FEED, Gap, enter
 from bt_orchestrator.extensions.postgres.sources import DoorSource, FileSource
 from bt_orchestrator.model.events import Event, JobStarted, OrchestratorStarted
 from bt_orchestrator.model.jobs.job_record import job_from_plain
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.store.sqlite.copying import NOT_COPIED, TABLES
 from bt_orchestrator.store.sqlite.records import SqliteRecords

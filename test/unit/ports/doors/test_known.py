@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any, cast
 
 import pytest
-from fakes.line import THREE, Line
+from fakes.line import THREE, TYPES, Line
 from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.engine.runtime.overview import Overview, description_of
@@ -33,7 +33,9 @@ def run() -> Iterator[VirtualRun]:
 
 def shown(run: VirtualRun, show: CellShow) -> dict[str, Any]:
     status = Overview(run.sim.orchestrator).status(run.now)
-    return cast('dict[str, Any]', show.parts(status, description_of(run.state.cell), '/node'))
+    return cast(
+        'dict[str, Any]', show.parts(status, description_of(run.state.cell, TYPES), '/node')
+    )
 
 
 def test_events_tell_scripts_and_parameters(run: VirtualRun) -> None:

@@ -24,6 +24,9 @@ class Log:
     def error(self, message: str) -> None:
         self.lines.append(message)
 
+    def warning(self, message: str) -> None:
+        self.lines.append(message)
+
 
 class Visits(VisitorBase):
     """Counts what it is shown."""

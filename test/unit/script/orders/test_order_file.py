@@ -20,7 +20,7 @@ from bt_orchestrator.script.orders.order_file import (
     parse_order,
     read_order,
 )
-from bt_orchestrator.script.parameter_uses import action_types
+from bt_orchestrator.script.orders.parameter_uses import action_types
 from bt_orchestrator.script.report import Place
 
 ROOT = Path(__file__).parents[4]

@@ -8,8 +8,8 @@ from fakes.script_texts import LINE, cell, script
 
 from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
+from bt_orchestrator.script.orders.parameter_uses import action_types
 from bt_orchestrator.script.orders.plain_order import bound, draft_of, order_from
-from bt_orchestrator.script.parameter_uses import action_types
 
 SCRIPT = script(
     LINE + 'params: {lot: {type: str}, n: {type: int, default: 3}, '

@@ -13,7 +13,7 @@ from contract.written_events import events
 from fakes.journal_reading import journal_reading
 
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.shared.mark import mark_of
 from bt_orchestrator.store.sqlite.database import log_of

@@ -16,7 +16,7 @@ from fakes.long_journal import LongRun
 from bt_orchestrator.base.errors import DamagedRecord, JournalFailed, JournalUnusable
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.events import Event, JobStarted
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 

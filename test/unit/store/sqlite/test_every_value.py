@@ -16,7 +16,7 @@ from fakes.journal_reading import journal_reading
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import to_text
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite.store import SqliteStore
 from bt_orchestrator.view.report.csv_export import CsvExport

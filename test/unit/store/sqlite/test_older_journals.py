@@ -19,8 +19,8 @@ from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.engine.runtime.recovery import restore
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.state import CellState, Phase
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script

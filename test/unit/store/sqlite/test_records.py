@@ -14,7 +14,7 @@ from fakes.long_journal import LongRun
 
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.engine.runtime.housekeeping import AT_REST
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.store.shared import rows
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.view.report.reading import Reading

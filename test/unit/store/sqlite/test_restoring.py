@@ -14,7 +14,7 @@ from fakes.journal_reading import journal_reading
 from bt_orchestrator.base.errors import JournalUnusable
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.events import Event, JobStarted
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.store.sqlite import restoring
 from bt_orchestrator.store.sqlite.keeping import sync
 from bt_orchestrator.store.sqlite.restoring import bring_back

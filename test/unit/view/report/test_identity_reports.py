@@ -17,7 +17,7 @@ from bt_orchestrator.cli.main import main
 from bt_orchestrator.extensions.page.web.archive.archive import Look
 from bt_orchestrator.extensions.page.web.archive.ended_jobs import job_with_items
 from bt_orchestrator.extensions.page.web.archive.histories import item_record, items_of
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.script.script_file import parse_script
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore

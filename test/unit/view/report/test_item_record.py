@@ -23,7 +23,7 @@ from hypothesis import given
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.events import CycleStarted, Event, HoldReleased, OrchestratorStarted
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 from bt_orchestrator.view.drawing.documents.item_page import Source, item_page

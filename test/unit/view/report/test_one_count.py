@@ -31,7 +31,7 @@ from bt_orchestrator.extensions.page.web.account.endpoints import metrics
 from bt_orchestrator.extensions.page.web.parts.parts import NOT_KNOWN, job_part
 from bt_orchestrator.model.codec import from_record, to_plain
 from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, record_of
-from bt_orchestrator.model.records import Extent
+from bt_orchestrator.model.keeping.records import Extent
 from bt_orchestrator.model.status import CellStatus, ListedJob
 from bt_orchestrator.view.report.account.account import Account, Source
 from bt_orchestrator.view.report.account.calendar import Now, Turn

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from contract.written_events import events
 
-from bt_orchestrator.model.records import RecordPage, Wanted
+from bt_orchestrator.model.keeping.records import RecordPage, Wanted
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore

@@ -13,7 +13,7 @@ from fakes.told_item import ToldItem
 from hypothesis import given
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.view.report.work_history import WorkFold
 
 

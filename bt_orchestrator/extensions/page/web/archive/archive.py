@@ -14,7 +14,7 @@ from bt_orchestrator.extensions.page.web.archive.heard import Heard
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import known_event
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.records import Damage, Extent, Record, Wanted
+from bt_orchestrator.model.keeping.records import Damage, Extent, Record, Wanted
 from bt_orchestrator.ports import Records
 
 _T = TypeVar('_T')

@@ -21,7 +21,7 @@ from bt_orchestrator.extensions.page.web.wording import said_in_each
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import plain_but, to_plain
 from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord, all_counts
-from bt_orchestrator.model.records import JobPlace, Wanted
+from bt_orchestrator.model.keeping.records import JobPlace, Wanted
 from bt_orchestrator.view.report.ended_jobs import FOLLOWED, JobFold
 
 MOST = 50

@@ -24,7 +24,7 @@ from bt_orchestrator.extensions.page.web.archive.histories import (
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem
 from bt_orchestrator.extensions.page.web.seams import SeenCell
 from bt_orchestrator.extensions.page.web.wording import said_in_each
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.view.report.account.steady_time import SteadyTime
 from bt_orchestrator.view.report.alarms import FOLLOWED, Alarm, AlarmFold, Kind, alarm_plain, often
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from bt_orchestrator.base.errors import JournalUnusable, NodeUnreachable
 from bt_orchestrator.extensions.page.web.board import MOST_EVENTS_KEPT, Board
 from bt_orchestrator.model.keeping.books import WithoutBooks
-from bt_orchestrator.model.records import (
+from bt_orchestrator.model.keeping.records import (
     Damage,
     Extent,
     JobPlace,

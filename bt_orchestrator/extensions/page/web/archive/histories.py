@@ -14,7 +14,7 @@ from bt_orchestrator.extensions.page.web.archive.archive import Look, each, even
 from bt_orchestrator.extensions.page.web.wording import said_in_each
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.events import ClockStepped, Event
-from bt_orchestrator.model.records import Record, Wanted
+from bt_orchestrator.model.keeping.records import Record, Wanted
 from bt_orchestrator.model.status import CellDescription
 from bt_orchestrator.view.report.item.history import plain_item
 from bt_orchestrator.view.report.item.reader import item_history

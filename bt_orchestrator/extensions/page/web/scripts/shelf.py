@@ -10,7 +10,7 @@ from bt_orchestrator.extensions.page.web.archive.archive import Archive, Look, e
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import to_plain
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.model.script import Parameter, Script
 from bt_orchestrator.ports.doors.known import Known
 from bt_orchestrator.script.declared import OrderFiles

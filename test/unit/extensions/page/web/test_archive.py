@@ -22,7 +22,7 @@ from bt_orchestrator.extensions.page.web.archive.endpoints import Choice, alarms
 from bt_orchestrator.extensions.page.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.extensions.page.web.archive.histories import Subject, history_of, item_record
 from bt_orchestrator.model.events import Event, HoldRaised
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.ports.doors.following_door import Happened
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore

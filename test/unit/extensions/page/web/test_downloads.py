@@ -24,7 +24,7 @@ from bt_orchestrator.extensions.page.web.endpoint import Endpoint
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.records import Extent, JobPlace, Summaries
+from bt_orchestrator.model.keeping.records import Extent, JobPlace, Summaries
 from bt_orchestrator.ports import Records
 from bt_orchestrator.ports.doors.following_door import Happened, Lost
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore

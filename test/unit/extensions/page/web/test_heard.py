@@ -14,7 +14,7 @@ from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.extensions.page.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.extensions.page.web.board import MOST_EVENTS_KEPT, Board
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.records import Extent, RecordPage, Wanted
+from bt_orchestrator.model.keeping.records import Extent, RecordPage, Wanted
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.ports.doors.doors import Doors
 from bt_orchestrator.ports.doors.following_door import Happened, Lost

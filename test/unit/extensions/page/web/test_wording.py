@@ -23,8 +23,8 @@ from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.plant.shifts import PlantReason
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.model.words import AND, sentence
+from bt_orchestrator.script.orders.parameter_uses import action_types
 from bt_orchestrator.script.orders.plain_order import bound
-from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 from bt_orchestrator.view.drawing.account.beside_page import beside_page
 from bt_orchestrator.view.drawing.account.page import account_page

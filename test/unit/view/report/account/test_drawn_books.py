@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.keeping.records import Wanted
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore

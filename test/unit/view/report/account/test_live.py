@@ -12,7 +12,7 @@ from fakes.hand_made_shift import LINE, SHIFTS, the_day
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.records import Damage, Extent, RecordPage, Wanted
+from bt_orchestrator.model.keeping.records import Damage, Extent, RecordPage, Wanted
 from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 from bt_orchestrator.view.report.account.account import account

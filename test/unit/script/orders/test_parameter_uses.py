@@ -7,7 +7,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.script_texts import cell, line
 
 from bt_orchestrator.base.errors import UnknownActionType
-from bt_orchestrator.script.parameter_uses import action_types, misfitting_uses
+from bt_orchestrator.script.orders.parameter_uses import action_types, misfitting_uses
 
 TYPES = action_types(cell(), FakeActionTypes())
 
