@@ -2,8 +2,8 @@
 
 For each Python, `scripts/demo` runs in a copy of the project, as in the README. Then the wheels of
 that copy are installed by pip into an environment of nothing else, with every extra, and the same
-line runs there. The sdist goes into one without ROS 2, where a script is checked, predicted and
-drawn.
+line runs there, after a script was checked, predicted and drawn. The sdist goes into one without
+ROS 2, where the program starts.
 """
 
 from __future__ import annotations
@@ -60,22 +60,24 @@ def _install(root: Path, python: Path, scratch: Path) -> Iterator[str]:
     (sdist,) = wheels.glob('bt_orchestrator-*.tar.gz')
     alone = _environment(python, scratch / 'alone')
     _do(alone / 'pip', 'install', '--quiet', sdist)
-    share = scratch / 'alone' / 'share' / 'bt_orchestrator'
-    program, cell = alone / 'bt-orchestrator', ('--cell', share / CELL)
-    for words in (
-        ('check', share / SCRIPT, *cell),
-        ('simulate', share / ORDER, *cell),
-        ('render', share / SCRIPT, *cell, '-o', scratch / 'drawn.svg'),
-    ):
-        _do(program, *words)
-    yield 'sdist without ROS 2: check, simulate, render'
+    for words in (('--version',), ('--help',), ('check', '--help')):
+        _do(alone / 'bt-orchestrator', *words)
+    yield 'sdist without ROS 2: starts'
     whole = _environment(python, scratch / 'whole')
     (wheel,) = wheels.glob('bt_orchestrator-*.whl')
     _do(whole / 'pip', 'install', '--quiet', '--require-hashes', '-r', wheels / 'requirements.txt')
     interfaces = sorted(wheels.glob('*_interfaces-*.whl'))
     _do(whole / 'pip', 'install', '--quiet', f'{wheel}{EXTRAS}', *interfaces)
     _do(whole / 'pip', 'check')
-    _completes(_do(whole / 'bt-orchestrator', 'demo', cwd=scratch))
+    share = scratch / 'whole' / 'share' / 'bt_orchestrator'
+    program, cell = whole / 'bt-orchestrator', ('--cell', share / CELL)
+    for words in (
+        ('check', share / SCRIPT, *cell),
+        ('simulate', share / ORDER, *cell),
+        ('render', share / SCRIPT, *cell, '-o', scratch / 'drawn.svg'),
+    ):
+        _do(program, *words)
+    _completes(_do(program, 'demo', cwd=scratch))
     yield 'wheels with every extra: a line runs'
 
 
