@@ -25,6 +25,7 @@ TESTS = (
     'test/unit/extensions/recipes/planning',
     'test/unit/ros/services',
     'test/unit/sim',
+    'test/unit/view/report/account',
 )
 
 TESTS_FAILED = 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from contextlib import closing
 from dataclasses import replace
+from datetime import datetime, timezone
 from io import StringIO
 from pathlib import Path
 from random import Random
@@ -144,6 +145,41 @@ def test_7_10_each_way_to_give_a_reason(tmp_path: Path) -> None:
     assert plain['line_stops_all']['seconds'] == 42 * MINUTE
     assert plain['not_classified'] == round(23 / 42, 6)
     assert plain['reasons'][1]['words'] == {'de': 'Stau', 'en': 'material jam'}
+
+
+def test_7_10_a_code_is_of_its_own_stop_alone(tmp_path: Path) -> None:
+    day, queued = the_day(), e.JobQueued(
+        job='K', script='test', digest=digest(SCRIPT), quantity=5
+    )  # fmt: skip
+    day.note('07:32', queued, e.JobStarted(job='K'), started('more', 'a2'))
+    # the reason of a stop comes in a later quarter of an hour, and ends with the start
+    day.note('07:40', decided('stop'), to('Stopping'), stopped('operator', 'stopped'))
+    day.note('08:05', decided('stop', 'JAM'))
+    day.note('08:10', decided('start'), stopped(''), to('Starting'), to('Execute'))
+    day.note('08:20', to('Stopping'), stopped('operator', 'stopped after an item'))
+    day.note('08:30', decided('start'), stopped(''), to('Starting'), to('Execute'))
+    # a hold that an answer leaves, and a pause that is given another reason at its end
+    day.note('08:40', held('5'), stopped('own_fault'), to('Held'))
+    day.note('08:42', decided('abort_job', 'JAM', hold='5'))
+    day.note('08:44', decided('retry', 'LUNCH', hold='5'), e.HoldReleased(hold='5'))
+    day.note('08:44', stopped(''), to('Execute'))
+    paused = e.HoldRaised(hold='6', reason='paused', owner='ann')
+    day.note('08:50', decided('pause', 'LUNCH'), paused, stopped('operator'), to('Held'))
+    day.note('08:55', decided('resume', 'JAM', hold='6'), e.HoldReleased(hold='6'))
+    day.note('08:55', stopped(''), to('Execute'), succeeded('more'))
+    # a component that was out of service, and a job that was paused before
+    silent = e.ComponentStateChanged(component='a2', ready=False, value='')
+    day.note('08:56', silent)
+    day.note('09:00', decided('pause', 'JAM', job='K'), e.JobPaused(job='K'))
+    day.note('09:05', decided('resume', job='K'), e.JobResumed(job='K'))
+    day.note('09:10', decided('pause', job='K'), e.JobPaused(job='K'))
+    day.note('09:15', decided('resume', job='K'), e.JobResumed(job='K'))
+    stops = account_plain(written(tmp_path / 'j', day))['line_stops']
+    begins = (datetime.fromisoformat(stop['from']).astimezone(timezone.utc) for stop in stops)
+    found = {f'{one:%H:%M}': stop['code'] for one, stop in zip(begins, stops, strict=True)}
+    expected = {'07:40': 'JAM', '08:20': None, '08:40': 'LUNCH', '08:50': 'JAM'}
+    expected |= {'08:56': None, '09:00': 'JAM', '09:10': None}
+    assert {begin: found.get(begin, 'no stop') for begin in expected} == expected
 
 
 def test_7_10_a_pause_that_was_given_its_reason_afterwards_is_of_one_reason(
