@@ -65,7 +65,7 @@ def _up_to(
 ) -> tuple[AccountFold, Wanted]:
     """Let a fold take in the events after one that are before a period."""
     steady = steady_time(reading)
-    latest = period.on_clock[1] + 0.5  # a time that is rounded to the end is in it
+    latest = steady.latest_clock_us(seq, period.end_us) + 0.5  # what is rounded to it is in it
     wanted = Wanted(events=FOLLOWED, after_seq=seq, until=latest / US)
     for event in map(steady.of, reading.events(wanted)):
         if us_of(event.time) >= period.begin_us:

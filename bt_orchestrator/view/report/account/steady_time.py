@@ -123,6 +123,11 @@ class SteadyTime:
             shown += step.times_us
         return min(shown), max(shown)
 
+    def latest_clock_us(self, seq: int, moment: int) -> int:
+        """Return the latest time that the clock showed from an event until a moment."""
+        steps = [step for step in self.steps if step.seq > seq and step.at_us <= moment]
+        return max(self.clock_us(moment), *(max(step.times_us) for step in steps), -_FAR_US)
+
     def when_shown(self, pieces: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
         """Return when the clock showed a time in some pieces: in order, what came twice twice."""
         pieces = list(pieces)

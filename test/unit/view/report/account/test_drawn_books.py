@@ -190,6 +190,10 @@ def _by_events(events: Sequence[e.Event], period: Period) -> Times:
     return fold.until(period.end_us)
 
 
+OVER_S = 1e10
+"""The time after all periods: runs are stretched until they take a year."""
+
+
 class _Journal:
     """A file whose books are made as it grows."""
 
@@ -225,7 +229,7 @@ class _Journal:
         :param newest: its time is now; None: the period is over
         """
         with closing(SqliteRecords(self._path)) as records:
-            found = account.look(records, 1e9 if newest is None else newest.time + 1.0)
+            found = account.look(records, OVER_S if newest is None else newest.time + 1.0)
             assert found is not None
             return found.account.figures.times
 

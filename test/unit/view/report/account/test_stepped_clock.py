@@ -85,6 +85,17 @@ def test_a_report_names_the_step_with_the_times_of_the_clock() -> None:
     assert not any('cell file are too long' in note for note in notes)
 
 
+def test_events_before_a_period_count_though_the_clock_showed_more() -> None:
+    day = Day()
+    day.note('08:00', NODE)
+    day.note('11:01', e.ClockStepped(seconds=10800.0), *BEGUN[1:], work(1))
+    day.note('09:10', e.ClockStepped(seconds=-7200.0), out(1))
+    day.note('09:30', out(2), DONE)
+    period = Period.all_planned('period', us_of(at('09:20')), us_of(at('09:25')))
+    made = account(Reading(day.records()), period, LINE.cell)
+    assert made.figures.times.producing_us == 5 * MINUTE
+
+
 def test_a_clock_that_is_set_forward_makes_no_time() -> None:
     day = Day()
     day.note('08:00', *BEGUN, work(1))
