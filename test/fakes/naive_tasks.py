@@ -228,7 +228,7 @@ class NaiveTasks(NaiveSetups):
 
     def operate(self, answer: str, hold: Any = None, item: Item | None = None) -> None:
         """Do what an operator says; jobs on the belt are aborted and the move stays held (3.5)."""
-        answered = hold if hold and hold.task else None
+        answered = hold if hold and (hold.task or answer == 'resume') else None
         self.say('operator.decided', {}, answer=answer, hold=answered, item=item)
         if item:
             self.take_out(item, 'by_hand')

@@ -54,6 +54,8 @@ def test_every_parameter_is_an_option() -> None:
             '--reasons',
             'reasons.yaml',
             '--standby',
+            '--signed-commands',
+            'required',
         ),
     )
     told = NodeParameters(**{name: getattr(args, name) for name, _ in described()})

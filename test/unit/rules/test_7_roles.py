@@ -45,8 +45,12 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
     **{f'cell.{verb}': kind for verb, kind in CELL.items()},
     **{
         f'cell.{word}': lambda by, word=word: ask(f'cell.{word}', by)  # type: ignore[misc]
-        for word in ('local', 'remote')
+        for word in ('local', 'remote', 'manual')
     },
+    'cell.production': lambda by: ask('cell.production', by, as_shown=1),
+    'cell.at_panel': lambda by: ask('cell.at_panel', by),
+    'component.run_task': lambda by: ask('component.run_task', by, component='a2', task='TASK_A'),
+    'component.cancel_task': lambda by: ask('component.cancel_task', by, component='a2'),
     'cell.stop_after_item': lambda by: StopAfter('item', by),
     'cell.stop_after_never': lambda by: StopAfter('never', by),
     'queue.add': lambda by: AddJobs((Job('K', SCRIPT, 1, {}),), by),
@@ -162,7 +166,6 @@ def test_7_1_what_needs_a_reason_is_refused_without(name: str) -> None:
     answer = run.ask(COMMANDS[name](eve(Role.ENGINEER, reason=' ')))
     needed = REQUESTS[name].why is Why.FIRST
     assert (f'{name} needs a reason' in answer.message) is needed
-    if REQUESTS[name].why is Why.AFTERWARDS:
-        assert REQUESTS[name].about is About.CELL
+    if REQUESTS[name].why is Why.AFTERWARDS and REQUESTS[name].about is About.CELL:
         assert answer.accepted
         assert run.all('operator.decided')[-1]['reason'] == ' '

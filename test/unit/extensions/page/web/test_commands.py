@@ -172,6 +172,7 @@ def test_the_emergencies_are_abort_pause_and_stop() -> None:
         'cell.abort',
         'cell.pause',
         'cell.stop',
+        'component.cancel_task',
     }
 
 

@@ -40,6 +40,7 @@ NEEDED = {
     'queue_digest': 'd1ge57',
     'jobs': ['WO-1'],
     'code': 'JAM',
+    'task': 'TASK_A',
 }
 """Arguments that a request cannot do without."""
 ADDRESS = '10.0.0.1'

@@ -128,6 +128,7 @@ def test_own_fault_and_operator_are_parted(made: Account) -> None:
         ('answer', 120),
         ('paused', 600),
         ('not_started', 600),
+        ('manual', 0),
     ]
     assert shown.micro_stops() == (1, 120 * S)
     assert shown.breakdowns() == (1, 1200 * S)

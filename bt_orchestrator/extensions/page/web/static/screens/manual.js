@@ -6,16 +6,15 @@ import { mountLive } from '../core/live.js';
 import { onPerson, who, whyNot } from '../core/me.js';
 import { rolesOf } from '../core/requests.js';
 import { shape } from '../core/shape.js';
-import { news, part, partsOf, shownMoment } from '../core/store.js';
-import { duration, t, tOr } from '../core/text.js';
-import { everySecond } from '../core/tick.js';
+import { news, part, partsOf } from '../core/store.js';
+import { t } from '../core/text.js';
 import { stayAtPanel } from '../asking/at_panel.js';
 import { fieldWith } from '../asking/entry.js';
 import { askToLogIn } from '../asking/login.js';
 import { outcomeWords } from '../asking/outcome.js';
 import { keepReason, reasonField } from '../asking/reason.js';
+import { goalView } from '../parts/manual_goal.js';
 import { offers } from '../parts/offers.js';
-import { jsonValues, values } from '../parts/values.js';
 
 /** Requests that lead here, and away again. */
 const ABOUT_MODE = /^cell\.(local|manual|production)$/;
@@ -240,43 +239,4 @@ function read(said, type) {
   } catch {
     return said;
   }
-}
-
-/** The task that runs, or how the last one ended. */
-function goalView() {
-  const nothing = h('p', { class: 'nothing' }, t('manual.none'));
-  const title = h('p', { class: 'manual-title' });
-  const state = h('p', { class: 'manual-state', role: 'status' });
-  const asked = h('p', { class: 'hint' });
-  const cancel = offers({ label: t('manual.cancel') });
-  const told = h('div', { class: 'feedback' });
-  const whole = h('div', {}, title, state, cancel.element, told, asked);
-  const element = h('div', { 'data-manual': '' }, nothing, whole);
-  everySecond(element, () => update(part('cell')));
-
-  function update(cell) {
-    const goal = cell?.manual ?? null;
-    show(nothing, !goal);
-    show(whole, Boolean(goal));
-    attribute(element, 'data-manual', goal?.state ?? '');
-    if (!goal) return;
-    const took = duration((goal.ended ?? shownMoment()) - goal.started);
-    const word = tOr(`manual.${goal.state}`, tOr(`reason.${goal.state}`, goal.state));
-    text(title, `${goal.task} · ${goal.component}`);
-    text(state, [`${word} · ${took}`, goal.message].filter(Boolean).join(' · '));
-    text(asked, t('manual.asked', { who: goal.who, why: goal.reason }));
-    cancel.update(goal.ended === null && cell.manual_offers.cancel ? [cell.manual_offers.cancel] : []);
-    const feedback = part(`component/${goal.component}`)?.feedback;
-    const said = JSON.stringify([goal.results, goal.ended === null ? feedback : '']);
-    if (told.dataset.said === said) return;
-    told.dataset.said = said;
-    const isTold = Object.keys(goal.results).length > 0;
-    children(
-      told,
-      isTold ? values(goal.results) : null,
-      goal.ended === null && feedback ? jsonValues(feedback) : null,
-    );
-  }
-
-  return { element, update, end: () => cancel.end() };
 }
