@@ -50,14 +50,14 @@ def place(endpoint: Sequence[int], own: Sequence[int], proc: Path = _PROC) -> st
 
     :param own: the id of an endpoint of this process
     """
-    found, here = bytes(endpoint), bytes(own)
+    there, here = bytes(endpoint), bytes(own)
     process = slice(4, 6)
-    if found[:2] != _FAST_DDS or here[:2] != _FAST_DDS or here[process] != _lower(os.getpid()):
+    if there[:2] != _FAST_DDS or here[:2] != _FAST_DDS or here[process] != _lower(os.getpid()):
         return ''
-    if found[2:4] != here[2:4]:
+    if there[2:4] != here[2:4]:
         return 'on another computer'
-    pids = [int(process.name) for process in proc.glob('[0-9]*') if process.name.isdecimal()]
-    fit = [pid for pid in sorted(pids) if _lower(pid) == found[process]]
+    pids = [int(folder.name) for folder in proc.glob('[0-9]*') if folder.name.isdecimal()]
+    fit = [pid for pid in sorted(pids) if _lower(pid) == there[process]]
     return f'process {fit[0]} on this computer' if len(fit) == 1 else 'on this computer'
 
 

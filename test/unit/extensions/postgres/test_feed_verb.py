@@ -7,12 +7,13 @@ import re
 import signal
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from fakes.long_journal import LongRun
 from postgres_server import PostgresServer, postgres_server
-from program_process import ProgramProcess
+from program_process import PATIENCE_S, ProgramProcess
 
 from bt_orchestrator.cli.main import main
 
@@ -102,6 +103,14 @@ def test_a_journal_that_is_not_there(
     assert 'there is no journal' in capsys.readouterr().err
 
 
+def until(process: ProgramProcess, is_so: Callable[[], object]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not is_so():
+        assert process.is_running, process.errors
+        assert time.monotonic() < deadline, process.errors
+        time.sleep(0.02)
+
+
 def test_events_are_followed_over_an_outage_of_the_database(journal: Path, tmp_path: Path) -> None:
     with postgres_server() as server:
         database = server.database()
@@ -110,17 +119,13 @@ def test_events_are_followed_over_an_outage_of_the_database(journal: Path, tmp_p
         follower = ProgramProcess(words, tmp_path, 'follower')
         follower.wait_ready('job.completed')
         server.stop(signal.SIGQUIT)
-        while 'goes on when the database is back' not in follower.errors:
-            assert follower.is_running, follower.errors
-            time.sleep(0.02)
+        until(follower, lambda: 'goes on when the database is back' in follower.errors)
         server.start()
         run = LongRun(journal)
         run.job('J2', 1)
         run.close()
         assert feed(server, database, '--journal', str(journal), cell='line_1') == 0
-        while not re.search('"job.completed".*"J2"', follower.output):
-            assert follower.is_running, follower.errors
-            time.sleep(0.02)
+        until(follower, lambda: re.search('"job.completed".*"J2"', follower.output))
         follower.send(signal.SIGINT)
         assert follower.wait() == 0
     numbers = [json.loads(line)['seq'] for line in follower.output.splitlines()]
