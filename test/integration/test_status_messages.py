@@ -30,6 +30,7 @@ from bt_orchestrator.model.status import (
     JobStatus,
     Leadership,
     ListedJob,
+    ManualGoal,
 )
 from bt_orchestrator.model.stop_reason import Wish
 from bt_orchestrator.model.words import Words
@@ -54,7 +55,14 @@ SECONDS = st.floats(0.0, 2.0**31 - 2.0).map(lambda value: from_time(to_time(valu
 LATER = SECONDS.filter(bool)
 INT16 = st.integers(-(2**15), 2**15 - 1)
 
-DRAWN = {str: TEXTS, int: WHOLE, float: SECONDS, bool: st.booleans()}
+DRAWN = {
+    str: TEXTS,
+    int: WHOLE,
+    float: SECONDS,
+    bool: st.booleans(),
+    object: TEXTS | WHOLE | st.booleans() | st.none(),
+}
+"""By annotation; an object is what JSON holds: a field of a goal, or of a result."""
 
 NAMED: dict[Any, dict[str, st.SearchStrategy[Any]]] = {
     ItemStatus: {'id': NAMES},
@@ -62,6 +70,7 @@ NAMED: dict[Any, dict[str, st.SearchStrategy[Any]]] = {
     FinishedCycle: {'job': NAMES},
     Words: {'kind': NAMES},
     Leadership: {'host': NAMES},
+    ManualGoal: {'component': NAMES, 'ended': st.none() | LATER},
     JobStatus: {
         'priority': INT16,
         'good': WHOLE,
@@ -185,6 +194,7 @@ UNMAPPED = {
 
 DOORS = {
     **dict.fromkeys(('AnswerHold', 'Command', 'QueueCommand', 'QueueMove', 'RemoveItem'), 'typed'),
+    'SignedRequest': 'its request is JSON beside a signature',
     **dict.fromkeys(('MakeRequest', 'QueueAdd', 'QueueStopAfter', 'SubmitOrder'), 'typed'),
     **dict.fromkeys(('GetEvents', 'GetState', 'ListJobs', 'QueueList'), 'page of facts'),
 }
