@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from cell_processes import CellProcesses, StartCell
+from cell_processes import StartCell
 from fakes.line import Line
 from fakes.long_journal import make_long_journal
 
@@ -90,23 +90,20 @@ def kill(pid: int) -> None:
         os.kill(pid, signal.SIGKILL)
 
 
-@pytest.fixture
-def cell(start_cell: StartCell, tmp_path: Path) -> CellProcesses:
-    journal = tmp_path / 'cell.db'
-    make_long_journal(journal, EVENTS, quantity=40)
-    shutil.copy(journal, tmp_path / 'every event.db')
-    options = ['--journal', str(journal), '--journal-keep-jobs', '0']
-    return start_cell(cell=LINE.text, run_options=options)
-
-
 @pytest.mark.long
 def test_reports_are_the_same_whoever_is_killed_while_books_are_made(
-    cell: CellProcesses, tmp_path: Path
+    start_cell: StartCell, tmp_path: Path
 ) -> None:
     journal, every = tmp_path / 'cell.db', tmp_path / 'every event.db'
+    make_long_journal(journal, EVENTS, quantity=40)
+    shutil.copy(journal, every)
     period = Period.all_planned('the first slot', 0, 900_000_000)
     expected = figures(report(every, period))
     assert not report(every, period).books.span
+    # Now: the node makes its books as soon as it runs.
+    options = ['--journal', str(journal), '--journal-keep-jobs', '0']
+    cell = start_cell(cell=LINE.text, run_options=options)
+    child = cell.child(PROCESS)
     cell.connect()
     for name, moment, victims in KILLS:
         if first_seq(journal) == 1:
