@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +20,19 @@ from bt_orchestrator.script.users.file import UsersFile
 EVE = By('eve', 'a door', 'to look at the gripper', Role.ENGINEER, Known.PAGE_PANEL)
 LATE = ['worker.TASK_C#1=late:240']
 """The goal runs for 14 s, unless it is cancelled."""
+LATER = ['worker.TASK_C#1=late:1200']
+"""It runs for a minute: longer than any node takes to come back."""
 
 
-def line_in_manual(start_cell: StartCell, folder: Path) -> CellProcesses:
+def line_in_manual(
+    start_cell: StartCell, folder: Path, late: Sequence[str] = LATE
+) -> CellProcesses:
     users = UsersFile(folder / 'users.yaml')
     users.change_panel('address', '10.0.0.9', named=True)
     options = ['--trust-local-doors', '--users', str(folder / 'users.yaml')]
     cell = start_cell(
         remembering(SMALL_CELL),
-        fail=LATE,
+        fail=[*late],
         run_options=[*options, '--journal', str(folder / 'journal.db'), '--auto-resume'],
     )
     cell.connect()
@@ -112,7 +117,7 @@ def test_7_11_9_a_goal_survives_a_kill_of_the_node_while_its_panel_is_there(
 def test_7_11_9_a_goal_ends_after_a_kill_where_its_panel_has_gone(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
-    cell = line_in_manual(start_cell, tmp_path)
+    cell = line_in_manual(start_cell, tmp_path, LATER)
     panel = Panel(cell)
     panel.enter()
     assert panel.ask('component.run_task', component='worker', task='TASK_C').accepted

@@ -23,7 +23,7 @@ from bt_orchestrator.script.users.file import UsersFile
 from bt_orchestrator.script.users.keys import Key, SigningKey
 
 CELL = f"""{SMALL_CELL}
-safety: {{topic: /safety/ok, type: std_msgs/msg/Bool, field: data, ready: [true]}}
+safety: {{topic: /safety/ok, type: std_msgs/msg/Bool, field: data, ready: [true], within: 2.0}}
 """
 LATE = ['worker.TASK_C#1=late:1200']
 """The goal runs for a minute, unless it is cancelled."""
@@ -96,9 +96,9 @@ def flap(safety: Safety, cell: CellProcesses) -> None:
 
 
 LOSSES: dict[str, tuple[Callable[[Safety, CellProcesses], object], str]] = {
-    'lost': (lambda safety, _: safety.processes[0].kill(), 'no message for 0.5 s'),
-    'frozen': (lambda safety, _: safety.freeze(), 'no message for 0.5 s'),
-    'silent': (lambda safety, _: safety.says(''), 'no message for 0.5 s'),
+    'lost': (lambda safety, _: safety.processes[0].kill(), 'no message for 2 s'),
+    'frozen': (lambda safety, _: safety.freeze(), 'no message for 2 s'),
+    'silent': (lambda safety, _: safety.says(''), 'no message for 2 s'),
     'false': (lambda safety, _: safety.says('false'), 'it is False'),
     'flapping': (flap, 'it is False'),
     'doubled': (lambda safety, _: safety.start(), '2 publishers: /safety_controller, '),
