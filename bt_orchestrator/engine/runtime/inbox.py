@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from bt_orchestrator.base.errors import CommandRefused
@@ -69,8 +69,9 @@ class Inbox:
 
     def _carry_out(self, command: OnRecord) -> str:
         if not isinstance(command, RefusedRequest):  # it says more than a limit would
+            _check_lengths(command)  # first: it is short, however long they are
             command = _as_may_be_recorded(command)
-            _check_texts(command)
+            _check_characters(command)
         if command.by is None:
             return answer_to(command, self._ledger)
         sender, now = sender_of(command.by), self._ledger.steady
@@ -106,22 +107,29 @@ def _as_may_be_recorded(command: OnRecord) -> OnRecord:
     return dataclasses.replace(command, by=by)
 
 
-def _check_texts(command: OnRecord) -> None:
-    """Refuse a command with a text that is too long to record, or shows other than it says."""
-    sender_texts = {} if command.by is None else vars(command.by)
+def _check_lengths(command: OnRecord) -> None:
+    """Refuse a command with a text that is too long to record."""
     given = command.arguments if isinstance(command, Asked) else vars(command)
-    for name, text in {**given, **sender_texts}.items():
+    for name, text in {**given, **_sender_texts(command)}.items():
         longest = _LONGEST.get(name, NAME)
         if isinstance(text, str) and len(text) > longest:
             raise CommandRefused(
                 f'{name} has {len(text)} characters; expected at most {longest}; nothing was done'
             )
-    for name, text in sender_texts.items():
+
+
+def _check_characters(command: OnRecord) -> None:
+    """Refuse a command with a text of its sender that shows other than it says."""
+    for name, text in _sender_texts(command).items():
         fault = text_fault(text) if isinstance(text, str) else None
         if fault is not None:
             raise CommandRefused(
                 f'{name} cannot be recorded: {fault}; write it without; nothing was done'
             )
+
+
+def _sender_texts(command: OnRecord) -> Mapping[str, object]:
+    return {} if command.by is None else vars(command.by)
 
 
 # The record of refused commands: the first ones singly, further ones as a count (7.1).
@@ -205,7 +213,7 @@ def _shortened(refused: e.OperatorRefused) -> e.OperatorRefused:
     return changed(
         refused,
         **{
-            name: cut(readable(text), _LONGEST_KEPT.get(name, NAME))
+            name: readable(cut(text, _LONGEST_KEPT.get(name, NAME)))
             for name, text in texts.items()
         },
     )

@@ -294,4 +294,4 @@ def _claims(request: Any) -> str:
     if not request.role:
         return ''
     how = f' ({request.known})' if request.known else ''
-    return cut(readable(f'{request.role}{how}'), NAME)
+    return readable(cut(f'{request.role}{how}', NAME))

@@ -354,7 +354,7 @@ class Signatures:
             known = Known.SIGNED_PANEL if name in self._panels() else Known.SIGNED
             return By(name, *said, key.role, known, '', signed)
         kind = DOOR_KINDS[key.door]
-        claims = cut(readable(f'{request.role} ({request.known})'), NAME)
+        claims = readable(cut(f'{request.role} ({request.known})', NAME))
         for known in (kind.known, kind.known.at_panel()):
             if request.known == known.value:
                 role = _most(key.role, request.role)

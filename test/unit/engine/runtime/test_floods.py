@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.calls import calls
 from fakes.commands import (
     Abort,
     AnswerHold,
@@ -96,6 +97,18 @@ def cell(tmp_path: Path) -> Iterator[Cell]:
 
 def by(who: str = 'Eve', reason: str = 'no reason', origin: str = 'a flood') -> By:
     return engineer(who, origin, reason)
+
+
+@pytest.mark.parametrize('command', [Abort, Pause])
+def test_a_text_without_end_is_refused_as_soon_as_a_short_one(
+    cell: Cell, command: Callable[[By], Command]
+) -> None:
+    """Counted in calls, which are the same on every machine: nothing goes through it."""
+    needed = calls(lambda: cell.ask(command(by(reason='\N{SNOWMAN}\x1b' * 2_500_000))))
+    assert needed < 20_000
+    (refused,) = cell.of('operator.refused')
+    assert '\x1b' not in refused['reason']
+    assert refused['reason'].endswith('(5000000 characters, the rest is cut)')
 
 
 @pytest.mark.parametrize(
