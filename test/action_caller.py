@@ -17,7 +17,7 @@ from unique_identifier_msgs.msg import UUID
 
 from bt_orchestrator.ros.qos import SERVICES
 
-PATIENCE_S = 60.0
+PATIENCE_S = 120.0
 """Longest wait for what should come at once; a busy machine is no bug."""
 
 

@@ -20,7 +20,7 @@ from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.keeping.records import Wanted
 
-PATIENCE_S = 60.0
+PATIENCE_S = 120.0
 USER = 'plant'
 """Owns every database."""
 

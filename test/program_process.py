@@ -12,7 +12,7 @@ from pathlib import Path
 
 from bt_orchestrator.cli.verbs import PROGRAM as NAME
 
-PATIENCE_S = 60.0
+PATIENCE_S = 120.0
 """Longest time that a program may take to be ready or to end, on a busy machine."""
 
 _LOOK_S = 0.02

@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import pyte
 
-PATIENCE_S = 60.0
+PATIENCE_S = 120.0
 
 
 class PseudoTerminal:
