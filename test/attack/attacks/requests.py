@@ -63,7 +63,7 @@ class Reasons(Attack):
     """Refused commands with names and reasons of 5 MB."""
 
     name = 'reasons'
-    bounds = Bounds(peak_mb=150.0, grown_mb=80.0)  # DDS keeps the room of its largest messages
+    bounds = Bounds(peak_mb=100.0, grown_mb=80.0)  # DDS keeps the room of its largest messages
 
     def run(self, peer: Peer) -> None:
         """Give a few of these commands."""
