@@ -1,4 +1,4 @@
-"""The journal of a real node: events that were missed, a disk that is full."""
+"""The journal of a real node: another one, a disk that is full, a backup."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ import resource
 from contextlib import closing
 from functools import partial
 from pathlib import Path
-from typing import Any
 
-from bt_orchestrator_interfaces.srv import Command, GetEvents
+from bt_orchestrator_interfaces.srv import Command
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering, run_verb
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fakes.journal_reading import journal_reading
@@ -29,30 +28,6 @@ def start(start_cell: StartCell, path: Path) -> CellProcesses:
     cell = start_cell(remembering(SMALL_CELL), run_options=options)
     cell.connect()
     return cell
-
-
-def events_after(cell: CellProcesses, seq: int, most: int) -> Any:
-    request = GetEvents.Request(after_seq=seq, most=most)
-    return cell.watch.call(GetEvents, 'get_events', request)
-
-
-def test_events_that_were_missed_can_be_had(small_cell: CellProcesses) -> None:
-    small_cell.run_small(quantity=2)
-    small_cell.watch.until_ended('WO-1')
-    last = small_cell.watch.until('cell.state_changed', state='Complete')['seq']
-
-    page = events_after(small_cell, 3, 5)
-    assert [message.seq for message in page.events] == [4, 5, 6, 7, 8]
-    assert (page.accepted, page.first_seq, page.last_seq) == (True, 1, last)
-    records = [json.loads(message.record) for message in page.events]
-    assert records == [e for e in small_cell.watch.events if 4 <= e['seq'] <= 8]
-    assert events_after(small_cell, last, 0).events == []
-
-    words = ['events', '--since-seq', '2', '--count', str(last - 2)]
-    status, output, _ = run_verb(small_cell.folder, *words)
-    assert status == 0
-    assert [json.loads(line)['seq'] for line in output.splitlines()] == list(range(3, last + 1))
-    small_cell.stop()
 
 
 def told(follower: ProgramProcess, words: str) -> bool:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 from bt_orchestrator_interfaces.msg import CellDescription
+from bt_orchestrator_interfaces.srv import GetEvents
 from cell_processes import (
     SMALL_CELL,
     SPEED,
@@ -45,38 +47,32 @@ def parameter_values(watch: NodeWatcher, names: list[str]) -> list[Any]:
     return list(response.values)
 
 
-# --- topics -----------------------------------------------------------------------------------
+# --- topics, parameters and names of a node without options -------------------------------------
 
 
-def test_who_comes_late_gets_the_last_status(small_cell: CellProcesses) -> None:
-    small_cell.run_small(quantity=2)
-    small_cell.watch.until_state('Complete')  # told, and not only recorded
-
-    late = NodeWatcher()
-    try:
-        late.connect(wait_servers=False)
-        first = late.statuses[0]
-    finally:
-        late.close()
-    assert (first.cell, first.state) == ('small_cell', 'Complete')
-    assert first.seq == small_cell.watch.events[-1]['seq']
-    assert [(job.id, job.packed) for job in first.jobs] == [('WO-1', 2)]
-    assert late.events == []
-    small_cell.stop()
+@pytest.mark.long
+def test_what_a_node_offers(small_cell: CellProcesses) -> None:
+    cell = small_cell
+    _who_comes_late_is_told_what_exists(cell)
+    _the_policy_for_dds_security_names_what_the_node_has(cell)
+    _parameters_say_what_they_are(cell)
+    _events_are_numbered_without_gaps_and_in_time(cell)
+    _events_that_were_missed_can_be_had(cell)
+    _who_comes_late_gets_the_last_status(cell)
+    _the_status_follows_the_events(cell)
+    cell.stop()
 
 
-def test_who_comes_late_is_told_what_exists(small_cell: CellProcesses) -> None:
+def _who_comes_late_is_told_what_exists(cell: CellProcesses) -> None:
     told: list[Any] = []
-    node, name = small_cell.watch.ros.node, small_cell.watch.name
+    node, name = cell.watch.ros.node, cell.watch.name
     node.create_subscription(CellDescription, f'{name}/cell', told.append, LATCHED)
-    small_cell.watch.ros.spin_until(lambda: told, 'the description of the cell')
+    cell.watch.ros.spin_until(lambda: told, 'the description of the cell')
     types = InstalledActionTypes()
-    cell = read_cell(small_cell.cell, types)
-    assert cell_description(told[0]) == description_of(cell, types)
-    small_cell.stop()
+    assert cell_description(told[0]) == description_of(read_cell(cell.cell, types), types)
 
 
-def test_the_policy_for_dds_security_names_what_the_node_has(small_cell: CellProcesses) -> None:
+def _the_policy_for_dds_security_names_what_the_node_has(cell: CellProcesses) -> None:
     text = (Path(__file__).parents[2] / 'docs' / 'dds_security.md').read_text()
     policy = ElementTree.fromstring(text.partition('```xml\n')[2].partition('```')[0])
     by_path = {one.get('path'): one for one in policy.iter('enclave')}
@@ -85,7 +81,7 @@ def test_the_policy_for_dds_security_names_what_the_node_has(small_cell: CellPro
         of = by_path[f'/line/{enclave}'].iterfind(f".//{kind}s[@{right}='ALLOW']/{kind}")
         return {str(one.text) for one in of}
 
-    node = small_cell.watch.ros.node
+    node = cell.watch.ros.node
     served = {name for name, _ in node.get_service_names_and_types_by_node(NODE, '/')}
     told = {name for name, _ in node.get_publisher_names_and_types_by_node(NODE, '/')}
     offered = named('node', 'service', 'reply')
@@ -94,38 +90,95 @@ def test_the_policy_for_dds_security_names_what_the_node_has(small_cell: CellPro
     assert named('node', 'topic', 'publish') <= told
     assert named('operator', 'topic', 'subscribe') <= told
     assert named('node', 'action', 'call') == named('controllers', 'action', 'execute')
-    small_cell.stop()
 
 
-def test_events_are_numbered_without_gaps_and_in_time(small_cell: CellProcesses) -> None:
-    small_cell.run_small(quantity=4)
-    small_cell.watch.until_ended('WO-1')
-    small_cell.watch.until('cell.state_changed', state='Complete')
+def _parameters_say_what_they_are(cell: CellProcesses) -> None:
+    request = DescribeParameters.Request(names=NAMES)
+    response = cell.watch.call(DescribeParameters, 'describe_parameters', request)
 
-    small_cell.watch.assert_gapless()
-    assert len(small_cell.watch.events) > 50
-    times = [event['time'] for event in small_cell.watch.events]
+    descriptors = {d.name: d for d in response.descriptors}
+    assert sorted(descriptors) == sorted(NAMES)
+    assert all(d.description and d.read_only for d in descriptors.values())
+    assert 'Hz' in descriptors['tick_rate_hz'].description
+    assert descriptors['tick_rate_hz'].floating_point_range[0].from_value > 0
+    assert descriptors['executor'].additional_constraints == 'single or events'
+    values = dict(zip(NAMES, parameter_values(cell.watch, NAMES), strict=True))
+    assert values['cell'].string_value == str(cell.cell)
+    assert list(values['trees'].string_array_value) == [str(cell.folder)]
+    assert (values['tick_rate_hz'].double_value, values['auto_start'].bool_value) == (10.0, True)
+
+
+def _events_are_numbered_without_gaps_and_in_time(cell: CellProcesses) -> None:
+    cell.run_small(quantity=4)
+    cell.watch.until_ended('WO-1')
+    cell.watch.until('cell.state_changed', state='Complete')
+
+    cell.watch.assert_gapless()
+    assert len(cell.watch.events) > 50
+    times = [event['time'] for event in cell.watch.events]
     assert times == sorted(times)
-    small_cell.stop()
 
 
-def test_the_status_follows_the_events(small_cell: CellProcesses) -> None:
-    small_cell.run_small('', 'TASK_B')
-    started = small_cell.watch.until('task.started', task='work')
+def _events_that_were_missed_can_be_had(cell: CellProcesses) -> None:
+    """Those of the step before."""
+    last = cell.watch.until_state('Complete').seq
+    page = events_after(cell, 3, 5)
+    assert [message.seq for message in page.events] == [4, 5, 6, 7, 8]
+    assert (page.accepted, page.first_seq, page.last_seq) == (True, 1, last)
+    records = [json.loads(message.record) for message in page.events]
+    assert records == [e for e in cell.watch.events if 4 <= e['seq'] <= 8]
+    assert events_after(cell, last, 0).events == []
 
-    status = small_cell.watch.until_status(
+    words = ['events', '--since-seq', '2', '--count', str(last - 2)]
+    status, output, _ = run_verb(cell.folder, *words)
+    assert status == 0
+    assert [json.loads(line)['seq'] for line in output.splitlines()] == list(range(3, last + 1))
+
+
+def events_after(cell: CellProcesses, seq: int, most: int) -> Any:
+    request = GetEvents.Request(after_seq=seq, most=most)
+    return cell.watch.call(GetEvents, 'get_events', request)
+
+
+def _who_comes_late_gets_the_last_status(cell: CellProcesses) -> None:
+    last = cell.watch.until_state('Complete').seq  # told, and not only recorded
+
+    late = NodeWatcher()
+    try:
+        late.connect(wait_servers=False)
+        first = late.statuses[0]
+    finally:
+        late.close()
+    assert (first.cell, first.state) == ('small_cell', 'Complete')
+    assert first.seq == cell.watch.events[-1]['seq'] == last
+    assert [(job.id, job.packed) for job in first.jobs] == [('WO-1', 4)]
+    assert late.events == []
+
+
+def _the_status_follows_the_events(cell: CellProcesses) -> None:
+    """The task of this step is ended by the end of the node."""
+    cell.run_small('', 'TASK_B', order='WO-2')
+    started = cell.watch.until('task.started', task='work', job='WO-2')
+
+    status = cell.watch.until_status(
         lambda s: s.seq >= started['seq'] and s.sections[1].running[0].feedback, 'the feedback'
     )
     (task,) = status.sections[1].running
     assert (task.id, task.name, task.goal) == ('work', 'TASK_B', started['goal'])
     assert (task.component, task.expected_s) == ('worker', 1200.0), 'nominal, nothing was seen yet'
     assert 'TASK_B' in task.feedback
-    assert status.sections[1].slot == status.sections[1].item == 'WO-1/1'
+    assert status.sections[1].slot == status.sections[1].item == 'WO-2/1'
     assert [c.name for c in status.components if c.task] == ['worker']
-    assert (status.jobs[0].state, status.jobs[0].placed) == ('Running', 1)
+    job = next(job for job in status.jobs if job.id == 'WO-2')
+    assert (job.state, job.placed) == ('Running', 1)
     # The pace by the cell file says 1200 s; what was seen of a cell at SPEED is 60 s.
-    small_cell.watch.until_status(lambda s: 0 < s.jobs[0].expected_end_s < 600, 'a forecast')
-    small_cell.stop()
+    cell.watch.until_status(
+        lambda s: any(job.id == 'WO-2' and 0 < job.expected_end_s < 600 for job in s.jobs),
+        'a forecast',
+    )
+
+
+# --- with options of the node -------------------------------------------------------------------
 
 
 @pytest.mark.parametrize('forecast', ['--expected-end', '--no-expected-end'])
@@ -174,26 +227,6 @@ def test_diagnostics_come_once_a_second(start_cell: StartCell) -> None:
         ('worker', 'worker/task')
     ]
     cell.stop()
-
-
-# --- parameters and names ---------------------------------------------------------------------
-
-
-def test_parameters_say_what_they_are(small_cell: CellProcesses) -> None:
-    request = DescribeParameters.Request(names=NAMES)
-    response = small_cell.watch.call(DescribeParameters, 'describe_parameters', request)
-
-    descriptors = {d.name: d for d in response.descriptors}
-    assert sorted(descriptors) == sorted(NAMES)
-    assert all(d.description and d.read_only for d in descriptors.values())
-    assert 'Hz' in descriptors['tick_rate_hz'].description
-    assert descriptors['tick_rate_hz'].floating_point_range[0].from_value > 0
-    assert descriptors['executor'].additional_constraints == 'single or events'
-    values = dict(zip(NAMES, parameter_values(small_cell.watch, NAMES), strict=True))
-    assert values['cell'].string_value == str(small_cell.cell)
-    assert list(values['trees'].string_array_value) == [str(small_cell.folder)]
-    assert (values['tick_rate_hz'].double_value, values['auto_start'].bool_value) == (10.0, True)
-    small_cell.stop()
 
 
 def test_ros_arguments_set_parameters_and_namespace(start_cell: StartCell) -> None:
