@@ -6,12 +6,19 @@ import os
 import signal
 from pathlib import Path
 
+import pytest
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
-from bt_orchestrator_interfaces.srv import AnswerHold, GetEvents, RemoveItem, SubmitOrder
+from bt_orchestrator_interfaces.srv import (
+    AnswerHold,
+    GetEvents,
+    QueueCommand,
+    RemoveItem,
+    SubmitOrder,
+)
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, small_script
 from diagnostic_msgs.msg import KeyValue
-from node_watcher import NodeWatcher
+from node_watcher import WHO, NodeWatcher
 
 from bt_orchestrator.script.keys import LARGEST_WHOLE
 
@@ -36,11 +43,10 @@ GARBAGE = [
 GARBAGE += ['a' * 100_000, '{"a": [', '\x7f\x01', '-1', 'None']
 
 
-def assert_alive(cell: CellProcesses, order: str = 'WO-alive') -> None:
-    """Fail unless the node still packs an item, and ends well."""
+def assert_alive(cell: CellProcesses, order: str) -> None:
+    """Fail unless the node still packs an item."""
     cell.run_small(order=order)
     assert cell.watch.until_ended(order).packed == 1
-    cell.stop()
 
 
 def refusal(
@@ -54,9 +60,43 @@ def refusal(
     return list(response.findings)
 
 
-def test_an_order_that_is_wrong_is_refused_with_every_mistake(small_cell: CellProcesses) -> None:
-    watch = small_cell.watch
-    wrong = small_cell.script(small_script(options=', retires: 2').replace('TASK_A', 'TSK_A'))
+@pytest.mark.long
+@pytest.mark.timeout(600)
+def test_a_node_answers_whatever_it_is_asked(start_cell: StartCell, tmp_path: Path) -> None:
+    """One cell, which is idle again after each step."""
+    cell = start_cell(f'{SMALL_CELL}most_items: {LARGEST_WHOLE}\n', fail=['worker.TASK_A#1=abort'])
+    cell.connect()
+    _holds_and_items_are_answered_with_what_there_is(cell)
+    _an_order_that_is_wrong_is_refused_with_every_mistake(cell)
+    _an_order_id_is_taken_once(cell)
+    _no_file_outside_the_folders_is_read(cell, tmp_path)
+    _garbage_in_every_service_is_answered(cell)
+    _a_file_that_is_no_script_is_refused(cell)
+    _8_2_a_script_that_would_get_stuck_is_refused(cell)
+    _what_comes_while_the_node_is_busy_is_all_answered(cell)
+    _a_very_large_order_delays_nobody(cell)
+    cell.stop()
+
+
+def _holds_and_items_are_answered_with_what_there_is(cell: CellProcesses) -> None:
+    cell.run_small(order='held')
+    hold = cell.watch.until_held()
+
+    unknown = cell.watch.answer('H99', 'retry')
+    assert (unknown.accepted, hold.id in unknown.message) == (False, True)
+    impossible = cell.watch.answer(hold.id, 'dance')
+    assert (impossible.accepted, 'retry' in impossible.message) == (False, True)
+    absent = cell.watch.remove('held/7')
+    assert (absent.accepted, 'held/1' in absent.message) == (False, True)
+
+    assert cell.watch.answer(hold.id, 'retry').accepted
+    assert cell.watch.until_ended('held').packed == 1
+    assert not cell.watch.answer(hold.id, 'retry').accepted, 'it is answered'
+
+
+def _an_order_that_is_wrong_is_refused_with_every_mistake(cell: CellProcesses) -> None:
+    watch = cell.watch
+    wrong = cell.script(small_script(options=', retires: 2').replace('TASK_A', 'TSK_A'))
     misspelt = refusal(watch, wrong)
     assert len(misspelt) >= 4, misspelt
     assert all(finding.startswith(f'{wrong}:') for finding in misspelt)
@@ -65,7 +105,7 @@ def test_an_order_that_is_wrong_is_refused_with_every_mistake(small_cell: CellPr
     (unknown,) = refusal(watch, 'smal')
     assert 'small' in unknown, 'the nearest name is offered'
 
-    path = small_cell.script(small_script() + PARAMS, 'params')
+    path = cell.script(small_script() + PARAMS, 'params')
     (missing,) = refusal(watch, path)
     assert '`label` is missing' in missing
     several = refusal(watch, path, {'lable': 'A7', 'weight': 'heavy'})
@@ -74,15 +114,14 @@ def test_an_order_that_is_wrong_is_refused_with_every_mistake(small_cell: CellPr
 
     (quantity,) = refusal(watch, path, {'label': 'A7'}, quantity=0)
     assert 'quantity' in quantity
-    watch.submit(path, params={'label': 'A7', 'weight': '2.5'})
-    assert watch.until_ended('WO-1').packed == 1
-    assert watch.seen('job.queued')[0]['params'] == {'label': 'A7', 'weight': 2.5}
-    small_cell.stop()
+    watch.submit(path, order='right', params={'label': 'A7', 'weight': '2.5'})
+    assert watch.until_ended('right').packed == 1
+    assert watch.until('job.queued', job='right')['params'] == {'label': 'A7', 'weight': 2.5}
 
 
-def test_an_order_id_is_taken_once(small_cell: CellProcesses) -> None:
-    watch = small_cell.watch
-    path = small_cell.script(small_script())
+def _an_order_id_is_taken_once(cell: CellProcesses) -> None:
+    watch = cell.watch
+    path = cell.script(small_script())
     watch.submit(path, order='WO-1')
     again = watch.ask_submit(path, order='WO-1')
     assert (again.accepted, 'WO-1' in again.message) == (False, True)
@@ -93,28 +132,26 @@ def test_an_order_id_is_taken_once(small_cell: CellProcesses) -> None:
     first, second = (watch.submit(path, order='').job for _ in range(2))
     assert len({first, second, 'WO-1'}) == 3, 'an id is assigned that is free'
     watch.until_ended(second)
-    small_cell.stop()
 
 
-def test_no_file_outside_the_folders_is_read(small_cell: CellProcesses, tmp_path: Path) -> None:
-    watch = small_cell.watch
+def _no_file_outside_the_folders_is_read(cell: CellProcesses, tmp_path: Path) -> None:
+    watch = cell.watch
     secret = tmp_path / 'secret.yaml'
     secret.write_text('root: hidden\n')
-    os.mkfifo(small_cell.folder / 'pipe.yaml')
+    os.mkfifo(cell.folder / 'pipe.yaml')
     for path in ('/etc/shadow', '/proc/kmsg', str(secret), '../secret.yaml'):
         (told,) = refusal(watch, path)
         assert 'is not in a folder of this node' in told, path
         assert 'hidden' not in told
     (pipe,) = refusal(watch, 'pipe')
     assert 'there is no script `pipe`' in pipe
-    watch.submit(small_cell.script(small_script()), order='WO-1')
-    assert watch.until_ended('WO-1').packed == 1
-    small_cell.stop()
+    assert_alive(cell, 'after_secrets')
 
 
-def test_garbage_in_every_service_is_answered(small_cell: CellProcesses) -> None:
-    watch = small_cell.watch
-    path = str(small_cell.script(small_script()))
+def _garbage_in_every_service_is_answered(cell: CellProcesses) -> None:
+    watch = cell.watch
+    path = str(cell.script(small_script()))
+    before = len(watch.events)
     for text in GARBAGE:
         answer = AnswerHold.Request(hold=text, answer=text, who=text, reason=text)
         assert not watch.call(AnswerHold, 'answer_hold', answer).accepted, text
@@ -126,13 +163,13 @@ def test_garbage_in_every_service_is_answered(small_cell: CellProcesses) -> None
         response = watch.call(SubmitOrder, 'submit_order', order)
         assert not response.accepted, text
         assert response.findings, text
-    recorded = {event['event'] for event in watch.events}
+    recorded = {event['event'] for event in watch.events[before:]}
     assert not recorded & {'job.queued', 'operator.decided', 'item.removed'}
-    assert_alive(small_cell)
+    assert_alive(cell, 'after_garbage')
 
 
-def test_a_file_that_is_no_script_is_refused(small_cell: CellProcesses) -> None:
-    watch, folder = small_cell.watch, small_cell.folder
+def _a_file_that_is_no_script_is_refused(cell: CellProcesses) -> None:
+    watch, folder = cell.watch, cell.folder
     contents = {
         'binary': bytes(range(256)),
         'empty': b'',
@@ -147,50 +184,49 @@ def test_a_file_that_is_no_script_is_refused(small_cell: CellProcesses) -> None:
         assert refusal(watch, name), name
     (folder / 'folder.yaml').mkdir()
     assert refusal(watch, 'folder')
-    assert_alive(small_cell)
+    assert_alive(cell, 'after_files')
 
 
-def test_holds_and_items_are_answered_with_what_there_is(start_cell: StartCell) -> None:
-    cell = start_cell(fail=['worker.TASK_A#1=abort'])
-    cell.connect()
-    cell.run_small()
-    hold = cell.watch.until_held()
-
-    unknown = cell.watch.answer('H99', 'retry')
-    assert (unknown.accepted, hold.id in unknown.message) == (False, True)
-    impossible = cell.watch.answer(hold.id, 'dance')
-    assert (impossible.accepted, 'retry' in impossible.message) == (False, True)
-    absent = cell.watch.remove('WO-1/7')
-    assert (absent.accepted, 'WO-1/1' in absent.message) == (False, True)
-
-    assert cell.watch.answer(hold.id, 'retry').accepted
-    assert cell.watch.until_ended('WO-1').packed == 1
-    assert not cell.watch.answer(hold.id, 'retry').accepted, 'it is answered'
-    cell.stop()
-
-
-def test_a_very_large_order_delays_nobody(start_cell: StartCell) -> None:
-    cell = start_cell(f'{SMALL_CELL}most_items: {LARGEST_WHOLE}\n')
-    cell.connect()
-    path = cell.script(small_script())
-    (finding,) = refusal(cell.watch, path, quantity=LARGEST_WHOLE + 1)
-    assert str(LARGEST_WHOLE) in finding
-
-    cell.watch.submit(path, quantity=LARGEST_WHOLE)
-    cell.watch.until('item.removed', count=2)
-    (job,) = cell.watch.status.jobs
-    assert (job.quantity, job.state) == (LARGEST_WHOLE, 'Running')
-    cell.stop()
-
-
-def test_8_2_a_script_that_would_get_stuck_is_refused(small_cell: CellProcesses) -> None:
+def _8_2_a_script_that_would_get_stuck_is_refused(cell: CellProcesses) -> None:
     flag = '  - {flag: early, upstream: work, downstream: feed}'
-    stuck = small_cell.script(small_script() + f'lateral_dependencies:\n{flag}\n', 'stuck')
-    (finding,) = refusal(small_cell.watch, stuck)
+    stuck = cell.script(small_script() + f'lateral_dependencies:\n{flag}\n', 'stuck')
+    (finding,) = refusal(cell.watch, stuck)
     assert finding.startswith(f'{stuck}:10:5: the line gets stuck with small')
     assert 'section 1 is waiting for work to set flag early' in finding
     assert finding.endswith('initial count 1 of flag early frees it')
-    assert_alive(small_cell)
+    assert_alive(cell, 'after_stuck')
+
+
+def _what_comes_while_the_node_is_busy_is_all_answered(cell: CellProcesses) -> None:
+    watch, many = cell.watch, 40
+    path = str(cell.script(small_script()))
+    goal = RunJob.Goal(order=WorkOrder(order='A', script=path, quantity=1))
+    asked = [watch.begin(GetEvents, 'get_events', GetEvents.Request())]
+    handles = [watch.ros.request(f'{watch.name}/run_job', RunJob, goal)]
+    client, actions = watch.client(GetEvents, 'get_events'), watch.ros.client
+    os.kill(cell.node.pid, signal.SIGSTOP)
+    asked += [client.call_async(GetEvents.Request()) for _ in range(many)]
+    handles += [
+        actions(f'{watch.name}/run_job', RunJob).send_goal_async(goal) for _ in range(many)
+    ]
+    os.kill(cell.node.pid, signal.SIGCONT)
+    watch.ros.spin_until(lambda: all(one.done() for one in asked), 'all events')
+    watch.ros.spin_until(lambda: all(one.done() for one in handles), 'all goals to be answered')
+    watch.until_ended('A')
+
+
+def _a_very_large_order_delays_nobody(cell: CellProcesses) -> None:
+    watch, path = cell.watch, cell.script(small_script())
+    (finding,) = refusal(watch, path, quantity=LARGEST_WHOLE + 1)
+    assert str(LARGEST_WHOLE) in finding
+
+    watch.submit(path, order='large', quantity=LARGEST_WHOLE)
+    watch.until('item.removed', count=2, job='large')
+    (job,) = (one for one in watch.status.jobs if one.id == 'large')
+    assert (job.quantity, job.state) == (LARGEST_WHOLE, 'Running')
+    stop = QueueCommand.Request(command='stop', job='large', who=WHO, reason='test')
+    assert watch.call(QueueCommand, 'queue/command', stop).accepted
+    watch.until('job.completed', job='large')
 
 
 def test_a_file_that_is_no_script_is_not_quoted_under_any_path(
@@ -205,23 +241,5 @@ def test_a_file_that_is_no_script_is_not_quoted_under_any_path(
     assert not any(word in told for word in ('hunter2', '0a1b2c', 'password'))
     for path in ('/proc/kmsg', '/dev/zero', '/etc', '/'):
         assert len(refusal(cell.watch, path)) == 1
-    assert_alive(cell)
-
-
-def test_what_comes_while_the_node_is_busy_is_all_answered(small_cell: CellProcesses) -> None:
-    watch, many = small_cell.watch, 40
-    path = str(small_cell.script(small_script()))
-    goal = RunJob.Goal(order=WorkOrder(order='A', script=path, quantity=1))
-    asked = [watch.begin(GetEvents, 'get_events', GetEvents.Request())]
-    handles = [watch.ros.request(f'{watch.name}/run_job', RunJob, goal)]
-    client, actions = watch.client(GetEvents, 'get_events'), watch.ros.client
-    os.kill(small_cell.node.pid, signal.SIGSTOP)
-    asked += [client.call_async(GetEvents.Request()) for _ in range(many)]
-    handles += [
-        actions(f'{watch.name}/run_job', RunJob).send_goal_async(goal) for _ in range(many)
-    ]
-    os.kill(small_cell.node.pid, signal.SIGCONT)
-    watch.ros.spin_until(lambda: all(one.done() for one in asked), 'all events')
-    watch.ros.spin_until(lambda: all(one.done() for one in handles), 'all goals to be answered')
-    watch.until_ended('A')
-    small_cell.stop()
+    assert_alive(cell, 'after_secrets')
+    cell.stop()
