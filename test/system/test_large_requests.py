@@ -8,6 +8,7 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import pytest
 from action_msgs.msg import GoalStatus
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
@@ -43,102 +44,103 @@ def order(script: Path, name: str = '') -> SubmitOrder.Request:
     return SubmitOrder.Request(script=str(script), order=name, quantity=1)
 
 
-def test_others_are_answered_while_a_large_script_is_read(small_cell: CellProcesses) -> None:
+@pytest.mark.long
+@pytest.mark.timeout(600)
+def test_large_requests(small_cell: CellProcesses) -> None:
+    cell = small_cell
+    _others_are_answered_while_a_large_script_is_read(cell)
+    _many_mistakes_are_counted_and_some_of_them_told(cell)
+    _a_request_that_is_too_large_is_refused_at_once(cell)
+    _a_reading_that_is_killed_is_begun_again(cell)
+    _a_reading_that_takes_too_long_is_told_and_the_next_one_works(cell)
+    _a_goal_that_is_cancelled_while_its_order_is_read_queues_nothing(cell)
+    _orders_of_one_request_are_queued_in_one_settle(cell)
+    _no_process_is_left_of_a_node_that_is_killed(cell)
+    cell.stop()
+
+
+def _others_are_answered_while_a_large_script_is_read(cell: CellProcesses) -> None:
     stray = ', '.join(['x'] * (MOST_NODES - 100))
-    path = small_cell.script(f'script: wrong\nsections: {{}}\nstray: [{stray}]\n', 'wrong')
-    future = small_cell.watch.begin(SubmitOrder, 'submit_order', order(path))
-    ask_meanwhile(small_cell)
+    path = cell.script(f'script: wrong\nsections: {{}}\nstray: [{stray}]\n', 'wrong')
+    future = cell.watch.begin(SubmitOrder, 'submit_order', order(path))
+    ask_meanwhile(cell)
     assert not future.done(), 'the light ones came first'
 
-    told = answer(small_cell, future)
+    told = answer(cell, future)
     assert not told.accepted
-    small_cell.watch.submit(small_cell.script(small_script()))
-    assert small_cell.watch.until_ended('WO-1').packed == 1
-    small_cell.stop()
+    cell.run_small(order='meanwhile')
+    assert cell.watch.until_ended('meanwhile').packed == 1
 
 
-def test_many_mistakes_are_counted_and_some_of_them_told(small_cell: CellProcesses) -> None:
+def _many_mistakes_are_counted_and_some_of_them_told(cell: CellProcesses) -> None:
     wrong = '\n'.join(f'    - {{task: NONE_{n}, action: feeder/task}}' for n in range(300))
-    path = small_cell.script(f'script: wrong\nsections:\n  1:\n{wrong}\n', 'wrong')
-    told = small_cell.watch.call(SubmitOrder, 'submit_order', order(path))
+    path = cell.script(f'script: wrong\nsections:\n  1:\n{wrong}\n', 'wrong')
+    told = cell.watch.call(SubmitOrder, 'submit_order', order(path))
     assert len(told.findings) == FINDINGS + 1
     assert re.fullmatch(r'and 2\d\d more; bt-orchestrator check.*', told.findings[-1])
-    small_cell.stop()
 
 
-def test_a_reading_that_is_killed_is_begun_again(small_cell: CellProcesses) -> None:
-    path = small_cell.script(small_script())
-    child = reading_process(small_cell)
-    os.kill(child, signal.SIGSTOP)
-    first, second = (
-        small_cell.watch.begin(SubmitOrder, 'submit_order', order(path, name))
-        for name in ('first', 'second')
-    )
-    ask_meanwhile(small_cell)
-    assert not first.done()
-    os.kill(child, signal.SIGKILL)
-    assert [answer(small_cell, one).job for one in (first, second)] == ['first', 'second']
-    small_cell.watch.until('job.queued', count=2)
-    queued = [event['job'] for event in small_cell.watch.seen('job.queued')]
-    assert queued == ['first', 'second']
-    small_cell.watch.until_ended('second')
-    small_cell.stop()
-
-
-def test_a_reading_that_takes_too_long_is_told_and_the_next_one_works(
-    small_cell: CellProcesses,
-) -> None:
-    path = small_cell.script(small_script())
-    small_cell.watch.submit(path, order='WO-0')  # it is ready
-    os.kill(reading_process(small_cell), signal.SIGSTOP)
-    told = answer(small_cell, small_cell.watch.begin(SubmitOrder, 'submit_order', order(path)))
-    assert not told.accepted
-    assert 'reading this took longer than' in told.message
-    small_cell.watch.submit(path, order='WO-1')
-    assert small_cell.watch.until_ended('WO-1').packed == 1
-    small_cell.stop()
-
-
-def test_no_process_is_left_of_a_node_that_is_killed(small_cell: CellProcesses) -> None:
-    child = reading_process(small_cell)
-    small_cell.node.kill()
-    small_cell.watch.ros.spin_until(lambda: not runs(child, MODULE), 'the end of the process')
-
-
-def test_a_request_that_is_too_large_is_refused_at_once(small_cell: CellProcesses) -> None:
-    path = small_cell.script(small_script())
+def _a_request_that_is_too_large_is_refused_at_once(cell: CellProcesses) -> None:
+    watch, path = cell.watch, cell.script(small_script())
+    queued = len(watch.seen('job.queued'))
     large = WorkOrder(script=str(path), order='x' * REQUEST_BYTES)
     small = WorkOrder(script=str(path), quantity=1)
-    os.kill(reading_process(small_cell), signal.SIGSTOP)  # nothing is given to it
+    os.kill(reading_process(cell), signal.SIGSTOP)  # nothing is given to it
     for orders, words in (
         ([small, large], 'of text, and a request may have 1000000; nothing was queued'),
         ([small] * (ORDERS + 1), '251 orders are too many for one request'),
     ):
-        told = small_cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
+        told = watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
         assert not told.accepted
         assert words in told.message
     words = 'of text, and a request may have 1000000'
     change = QueueUpdate.Request(job='A', reason='why', details='x' * (REQUEST_BYTES + 1))
-    told = small_cell.watch.call(QueueUpdate, 'queue/update', change)
+    told = watch.call(QueueUpdate, 'queue/update', change)
     assert told.message.startswith('the orders of this request have 1000001 bytes'), told.message
     assert words in told.message
-    handle = small_cell.watch.ros.start(
-        f'{small_cell.watch.name}/run_job', RunJob, RunJob.Goal(order=large)
-    )
-    result = small_cell.watch.ros.result(handle).result
+    handle = watch.ros.start(f'{watch.name}/run_job', RunJob, RunJob.Goal(order=large))
+    result = watch.ros.result(handle).result
     assert result.exit_status == 'refused'
     assert result.message.startswith('the orders of this request have'), result.message
-    assert not small_cell.watch.seen('job.queued')
-    os.kill(reading_process(small_cell), signal.SIGCONT)
-    small_cell.stop()
+    assert len(watch.seen('job.queued')) == queued
+    os.kill(reading_process(cell), signal.SIGCONT)
 
 
-def test_a_goal_that_is_cancelled_while_its_order_is_read_queues_nothing(
-    small_cell: CellProcesses,
-) -> None:
-    path = small_cell.script(small_script())
-    watch, child = small_cell.watch, reading_process(small_cell)
-    watch.submit(path, order='WO-0')  # it is ready
+def _a_reading_that_is_killed_is_begun_again(cell: CellProcesses) -> None:
+    path = cell.script(small_script())
+    before = len(cell.watch.seen('job.queued'))
+    child = reading_process(cell)
+    os.kill(child, signal.SIGSTOP)
+    first, second = (
+        cell.watch.begin(SubmitOrder, 'submit_order', order(path, name))
+        for name in ('first', 'second')
+    )
+    ask_meanwhile(cell)
+    assert not first.done()
+    os.kill(child, signal.SIGKILL)
+    assert [answer(cell, one).job for one in (first, second)] == ['first', 'second']
+    cell.watch.until('job.queued', count=before + 2)
+    queued = [event['job'] for event in cell.watch.seen('job.queued')[before:]]
+    assert queued == ['first', 'second']
+    cell.watch.until_ended('second')
+
+
+def _a_reading_that_takes_too_long_is_told_and_the_next_one_works(cell: CellProcesses) -> None:
+    path = cell.script(small_script())
+    cell.watch.submit(path, order='before')  # it is ready
+    os.kill(reading_process(cell), signal.SIGSTOP)
+    told = answer(cell, cell.watch.begin(SubmitOrder, 'submit_order', order(path)))
+    assert not told.accepted
+    assert 'reading this took longer than' in told.message
+    cell.watch.submit(path, order='after')
+    assert cell.watch.until_ended('after').packed == 1
+
+
+def _a_goal_that_is_cancelled_while_its_order_is_read_queues_nothing(cell: CellProcesses) -> None:
+    path = cell.script(small_script())
+    watch = cell.watch
+    watch.submit(path, order='earlier')  # it is ready
+    child = reading_process(cell)
     os.kill(child, signal.SIGSTOP)
     goal = RunJob.Goal(order=WorkOrder(order='A', script=str(path), quantity=1))
     handle = watch.ros.start(f'{watch.name}/run_job', RunJob, goal)
@@ -148,18 +150,26 @@ def test_a_goal_that_is_cancelled_while_its_order_is_read_queues_nothing(
     end = watch.ros.result(handle)
     assert (end.status, end.result.exit_status) == (GoalStatus.STATUS_CANCELED, 'refused')
     assert 'cancelled before its order was queued' in end.result.message
-    watch.until_ended('WO-0')
+    watch.until_ended('earlier')
     assert not watch.seen('job.queued', job='A')
-    small_cell.stop()
 
 
-def test_orders_of_one_request_are_queued_in_one_settle(small_cell: CellProcesses) -> None:
-    path = small_cell.script(small_script())
+def _orders_of_one_request_are_queued_in_one_settle(cell: CellProcesses) -> None:
+    """They stay in the queue, which ends with the node in the next step."""
+    before = len(cell.watch.seen('job.queued'))
+    path = cell.script(small_script())
     orders = [WorkOrder(script=str(path), quantity=1)] * ORDERS
     request = QueueAdd.Request(orders=orders, held=True)
-    assert small_cell.watch.call(QueueAdd, 'queue/add', request).accepted
-    last = small_cell.watch.until('job.queued', count=ORDERS)
-    queued = small_cell.watch.seen('job.queued')
+    assert cell.watch.call(QueueAdd, 'queue/add', request).accepted
+    last = cell.watch.until('job.queued', count=before + ORDERS)
+    queued = cell.watch.seen('job.queued')[before:]
     assert [event['job'] for event in queued] == [f'WO-{n}' for n in range(1, ORDERS + 1)]
     assert last['time'] == queued[0]['time']
-    small_cell.stop()
+
+
+def _no_process_is_left_of_a_node_that_is_killed(cell: CellProcesses) -> None:
+    child = reading_process(cell)
+    cell.node.kill()
+    cell.watch.ros.spin_until(lambda: not runs(child, MODULE), 'the end of the process')
+    cell.start_node()
+    cell.node.wait_ready()
