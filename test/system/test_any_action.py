@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from cell_processes import SMALL_CELL, StartCell
+from cell_processes import SMALL_CELL, CellProcesses, StartCell
 
 pytestmark = pytest.mark.every_distro
 
@@ -46,9 +46,15 @@ sections:
 """
 
 
-def test_any_action_type_takes_part_in_a_script(start_cell: StartCell) -> None:
+def test_any_action_type(start_cell: StartCell) -> None:
     cell = start_cell(CELL)
     cell.connect()
+    _any_action_type_takes_part_in_a_script(cell)
+    _a_parameter_that_no_goal_field_can_hold_is_refused(cell)
+    cell.stop()
+
+
+def _any_action_type_takes_part_in_a_script(cell: CellProcesses) -> None:
     cell.watch.submit(cell.script(SCRIPT, 'any_action'), quantity=2)
 
     job = cell.watch.until_ended('WO-1')
@@ -63,20 +69,17 @@ def test_any_action_type_takes_part_in_a_script(start_cell: StartCell) -> None:
     assert cell.watch.until('task.succeeded', task='count')['results'] == {'sequence': []}
     done = cell.watch.until('task.succeeded', task='nest')['results']
     assert done['nested_field']['float64_value'] == 2.5
-    cell.stop()
 
 
-def test_a_parameter_that_no_goal_field_can_hold_is_refused(start_cell: StartCell) -> None:
-    cell = start_cell(CELL)
-    cell.connect()
+def _a_parameter_that_no_goal_field_can_hold_is_refused(cell: CellProcesses) -> None:
     text = SCRIPT.replace('order: 5', 'order: "${params.length}"')
     path = cell.script(text + 'params: {length: {type: int}}\n', 'any_action')
 
-    response = cell.watch.ask_submit(path, params={'length': str(2**40)})
+    response = cell.watch.ask_submit(path, order='WO-2', params={'length': str(2**40)})
     assert not response.accepted
     (finding,) = response.findings
     assert 'length' in finding
-    cell.watch.submit(path, params={'length': '6'})
-    cell.watch.until_ended('WO-1')
-    assert cell.watch.until('task.started', task='count')['args'] == {'order': 6}
-    cell.stop()
+    cell.watch.submit(path, order='WO-2', params={'length': '6'})
+    cell.watch.until_ended('WO-2')
+    started = cell.watch.until('task.started', task='count', job='WO-2')
+    assert started['args'] == {'order': 6}
