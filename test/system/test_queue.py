@@ -8,12 +8,13 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
+import pytest
 from action_msgs.msg import GoalStatus
 from bt_orchestrator_interfaces import srv
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
 from cell_processes import CellProcesses, StartCell, small_script
-from node_watcher import NodeWatcher
+from node_watcher import WHO, NodeWatcher
 
 WHY = ['--reason', 'rush', '--who', 'Ada']
 
@@ -111,6 +112,18 @@ def in_seconds(seconds: float) -> str:
     return datetime.fromtimestamp(time.time() + seconds, timezone.utc).isoformat()
 
 
+@pytest.mark.long
+@pytest.mark.timeout(600)
+def test_jobs_of_the_action_run_job(start_cell: StartCell) -> None:
+    cell = start_cell(fail=['worker.TASK_A#2=abort'])
+    cell.connect()
+    _what_is_refused_at_any_door_is_on_record(cell)
+    _a_job_is_run_as_an_action(cell)
+    _an_action_whose_order_is_wrong_ends_with_the_findings(cell)
+    _cancelling_the_action_aborts_the_job(cell)
+    cell.stop()
+
+
 def run_job(cell: CellProcesses, feedback: list[Any], **fields: Any) -> Any:
     """Start a goal of run_job and return its handle."""
     goal = RunJob.Goal(who='Ada', reason='test', **fields)
@@ -121,37 +134,10 @@ def run_job(cell: CellProcesses, feedback: list[Any], **fields: Any) -> Any:
     return handle
 
 
-def test_a_job_is_run_as_an_action(start_cell: StartCell) -> None:
-    cell = start_cell(fail=['worker.TASK_A#2=abort'])
-    cell.connect()
-    path = str(cell.script(small_script(options=', on_failure: continue')))
-    feedback: list[Any] = []
-    handle = run_job(cell, feedback, order=WorkOrder(order='A', script=path, quantity=3))
-    other = run_job(cell, [], text=f'{{order: B, script: {path}, quantity: 1}}')
-
-    end = cell.watch.ros.result(handle)
-    assert end.status == GoalStatus.STATUS_SUCCEEDED
-    result = end.result
-    assert (result.job, result.exit_status, result.status.packed) == ('A', 'completed', 3)
-    assert [(i.id, i.outcome, list(i.nonconforming)) for i in result.items] == [
-        ('A/1', 'packed', []),
-        ('A/2', 'packed', ['work']),
-        ('A/3', 'packed', []),
-    ]
-    assert 'measurement' in json.loads(result.items[0].results)['work']
-    (failure,) = result.failures
-    assert (failure.item, failure.task, failure.reason) == ('A/2', 'work', 'aborted')
-    packed = [message.feedback.status.packed for message in feedback]
-    assert packed == sorted(packed)
-    assert {'Running'} <= {message.feedback.status.state for message in feedback}
-    assert cell.watch.ros.result(other).result.exit_status == 'completed'
-    cell.stop()
-
-
-def test_what_is_refused_at_any_door_is_on_record(small_cell: CellProcesses) -> None:
-    watch = small_cell.watch
-    path = str(small_cell.script(small_script()))
-    wrong = str(small_cell.script(small_script(options=', retires: 2'), 'wrong'))
+def _what_is_refused_at_any_door_is_on_record(cell: CellProcesses) -> None:
+    watch = cell.watch
+    path = str(cell.script(small_script()))
+    wrong = str(cell.script(small_script(options=', retires: 2'), 'wrong'))
     by = {'who': 'Ada', 'origin': 'the test', 'reason': 'rush'}
     good = WorkOrder(order='A', script=path, quantity=1)
     held = srv.QueueAdd.Request(orders=[good], held=True, **by)
@@ -176,7 +162,7 @@ def test_what_is_refused_at_any_door_is_on_record(small_cell: CellProcesses) -> 
         kind = getattr(srv, type(request).__name__.removesuffix('_Request'))
         assert not watch.call(kind, service, request).accepted, service
     for fields in ({'order': WorkOrder(order='E', script=wrong)}, {'text': '{order: F'}):
-        end = watch.ros.result(run_job(small_cell, [], **fields)).result
+        end = watch.ros.result(run_job(cell, [], **fields)).result
         assert (end.exit_status, bool(end.findings)) == ('refused', True)
 
     watch.until('operator.refused', count=11)
@@ -196,7 +182,46 @@ def test_what_is_refused_at_any_door_is_on_record(small_cell: CellProcesses) -> 
     assert told[4].startswith(f'{wrong} is refused with 1 finding: ')
     assert 'there is no script `smal`' in told[5]
     assert told[6] == 'Z is not there; in the queue: A'
-    small_cell.stop()
+    cancel = srv.QueueCommand.Request(command='cancel', job='A', **by)
+    assert watch.call(srv.QueueCommand, 'queue/command', cancel).accepted
+    until_listed(cell)
+
+
+def _a_job_is_run_as_an_action(cell: CellProcesses) -> None:
+    path = str(cell.script(small_script(options=', on_failure: continue')))
+    feedback: list[Any] = []
+    handle = run_job(cell, feedback, order=WorkOrder(order='run', script=path, quantity=3))
+    other = run_job(cell, [], text=f'{{order: beside, script: {path}, quantity: 1}}')
+
+    end = cell.watch.ros.result(handle)
+    assert end.status == GoalStatus.STATUS_SUCCEEDED
+    result = end.result
+    assert (result.job, result.exit_status, result.status.packed) == ('run', 'completed', 3)
+    assert [(i.id, i.outcome, list(i.nonconforming)) for i in result.items] == [
+        ('run/1', 'packed', []),
+        ('run/2', 'packed', ['work']),
+        ('run/3', 'packed', []),
+    ]
+    assert 'measurement' in json.loads(result.items[0].results)['work']
+    (failure,) = result.failures
+    assert (failure.item, failure.task, failure.reason) == ('run/2', 'work', 'aborted')
+    packed = [message.feedback.status.packed for message in feedback]
+    assert packed == sorted(packed)
+    assert {'Running'} <= {message.feedback.status.state for message in feedback}
+    assert cell.watch.ros.result(other).result.exit_status == 'completed'
+
+
+def _an_action_whose_order_is_wrong_ends_with_the_findings(cell: CellProcesses) -> None:
+    order = WorkOrder(script='smal', quantity=1)
+    end = cell.watch.ros.result(run_job(cell, [], order=order))
+    assert (end.status, end.result.exit_status) == (GoalStatus.STATUS_ABORTED, 'refused')
+    assert end.result.findings
+    path = str(cell.script(small_script()))
+    twice = WorkOrder(order='twice', script=path, quantity=1)
+    first = run_job(cell, [], order=twice)
+    again = cell.watch.ros.result(run_job(cell, [], order=twice)).result
+    assert again.message == 'order twice was given before; choose another id'
+    assert cell.watch.ros.result(first).result.exit_status == 'completed'
 
 
 def answer_for_the_slots(watch: NodeWatcher, job: str) -> None:
@@ -213,36 +238,33 @@ def answer_for_the_slots(watch: NodeWatcher, job: str) -> None:
     watch.ros.spin_until(is_aborted, f'the end of {job}')
 
 
-def test_cancelling_the_action_aborts_the_job(small_cell: CellProcesses) -> None:
-    watch = small_cell.watch
+def _cancelling_the_action_aborts_the_job(cell: CellProcesses) -> None:
+    watch = cell.watch
     text = small_script().replace('qty_change: -1', 'qty_change: -1, runs_for: all')
-    path = str(small_cell.script(text))
-    running = run_job(small_cell, [], order=WorkOrder(order='A', script=path, quantity=LONG))
-    waiting = run_job(small_cell, [], order=WorkOrder(order='B', script=path, quantity=LONG))
-    watch.until('item.removed', job='A')
+    path = str(cell.script(text))
+    running = run_job(cell, [], order=WorkOrder(order='on_line', script=path, quantity=LONG))
+    waiting = run_job(cell, [], order=WorkOrder(order='behind', script=path, quantity=LONG))
+    watch.until('item.removed', job='on_line')
 
     for handle, packed in ((waiting, False), (running, True)):
         watch.ros.wait(handle.cancel_goal_async(), 'the answer to the cancel request')
-        answer_for_the_slots(watch, 'B' if handle is waiting else 'A')
+        answer_for_the_slots(watch, 'behind' if handle is waiting else 'on_line')
         end = watch.ros.result(handle)
         assert (end.status, end.result.exit_status) == (GoalStatus.STATUS_CANCELED, 'aborted')
         assert bool(end.result.status.packed) is packed
-    assert watch.seen('job.aborted', job='B')[0]['counts']['started'] == 0
-    small_cell.stop()
+    assert watch.seen('job.aborted', job='behind')[0]['counts']['started'] == 0
 
 
-def test_an_action_whose_order_is_wrong_ends_with_the_findings(small_cell: CellProcesses) -> None:
-    order = WorkOrder(script='smal', quantity=1)
-    end = small_cell.watch.ros.result(run_job(small_cell, [], order=order))
-    assert (end.status, end.result.exit_status) == (GoalStatus.STATUS_ABORTED, 'refused')
-    path = str(small_cell.script(small_script()))
-    twice = WorkOrder(order='A', script=path, quantity=LONG)
-    first = run_job(small_cell, [], order=twice)
-    again = small_cell.watch.ros.result(run_job(small_cell, [], order=twice)).result
-    assert again.message == 'order A was given before; choose another id'
-    assert end.result.findings
-    small_cell.watch.ros.wait(first.cancel_goal_async(), 'the answer to the cancel request')
-    small_cell.watch.until('job.aborting', job='A')
+@pytest.mark.long
+@pytest.mark.timeout(600)
+def test_a_line_at_work_is_commanded(small_cell: CellProcesses) -> None:
+    """One job runs all the time, until the last step ends it."""
+    run_long(small_cell)
+    _an_order_is_added_held_run_next_and_another_cancelled(small_cell)
+    _a_job_that_runs_is_paused_and_resumed(small_cell)
+    _the_line_stops_after_the_current_item_and_goes_on(small_cell)
+    _a_stop_after_the_current_job_is_taken_back(small_cell)
+    _the_line_stops_after_an_aborted_job_which_is_cleared(small_cell)
     small_cell.stop()
 
 
@@ -284,78 +306,82 @@ def until_listed(cell: CellProcesses, *jobs: str) -> None:
     cell.watch.until_status(lambda s: [j.id for j in s.jobs] == list(jobs), f'only {jobs}')
 
 
-def decided(cell: CellProcesses) -> list[str]:
-    """Return what the journal says that was asked for by `ask`."""
-    events = [e for e in cell.watch.seen('operator.decided') if e['answer'] != 'add']
+def decided(cell: CellProcesses, since_seq: int) -> list[str]:
+    """Return what the journal says that was asked for by `ask`, since an event."""
+    events = [
+        event
+        for event in cell.watch.seen('operator.decided')
+        if event['seq'] > since_seq and event['answer'] != 'add'
+    ]
     assert {(event['who'], event['reason']) for event in events} == {('Ada', 'rush')}
     assert all(event['origin'].startswith('bt-orchestrator at ') for event in events)
     return [f'{event["answer"]} {event.get("job", "")}'.strip() for event in events]
 
 
-def test_an_order_is_added_held_run_next_and_another_cancelled(small_cell: CellProcesses) -> None:
-    run_long(small_cell)
-    assert small_cell.verb('submit', *order_files(small_cell, 'a', 'b'))[0] == 0
-    held = order_files(small_cell, 'c')
-    assert small_cell.verb('queue', 'add', *held, '--held')[0] == 0
-    assert queue(small_cell)[-1] == 'c NotAllowedToStart'
-    ask(small_cell, 'job', 'next', 'c')
-    assert queue(small_cell) == [f'{name} AllowedToStart' for name in 'cab']
-    ask(small_cell, 'job', 'cancel', 'b')
-    until_listed(small_cell, 'long', 'c', 'a')
-    assert decided(small_cell) == ['next c', 'cancel b']
-    small_cell.stop()
+def _an_order_is_added_held_run_next_and_another_cancelled(cell: CellProcesses) -> None:
+    since = cell.watch.events[-1]['seq']
+    assert cell.verb('submit', *order_files(cell, 'a', 'b'))[0] == 0
+    held = order_files(cell, 'c')
+    assert cell.verb('queue', 'add', *held, '--held')[0] == 0
+    assert queue(cell)[-1] == 'c NotAllowedToStart'
+    ask(cell, 'job', 'next', 'c')
+    assert queue(cell) == [f'{name} AllowedToStart' for name in 'cab']
+    ask(cell, 'job', 'cancel', 'b')
+    until_listed(cell, 'long', 'c', 'a')
+    assert decided(cell, since) == ['next c', 'cancel b']
+    for job in 'ca':
+        cancel = srv.QueueCommand.Request(command='cancel', job=job, who=WHO, reason='test')
+        assert cell.watch.call(srv.QueueCommand, 'queue/command', cancel).accepted
+    until_listed(cell, 'long')
 
 
-def test_a_job_that_runs_is_paused_and_resumed(small_cell: CellProcesses) -> None:
-    watch = small_cell.watch
-    run_long(small_cell)
-    pause(small_cell, 'long')
-    ask(small_cell, 'job', 'resume', 'long')
-    until_job(small_cell, 'long', 'Running')
+def _a_job_that_runs_is_paused_and_resumed(cell: CellProcesses) -> None:
+    watch = cell.watch
+    since = watch.events[-1]['seq']
+    pause(cell, 'long')
+    ask(cell, 'job', 'resume', 'long')
+    until_job(cell, 'long', 'Running')
     watch.until('item.placed', len(watch.seen('item.placed')) + 1)
-    assert decided(small_cell) == ['pause long', 'resume long']
-    small_cell.stop()
+    assert decided(cell, since) == ['pause long', 'resume long']
 
 
-def test_the_line_stops_after_the_current_item_and_goes_on(small_cell: CellProcesses) -> None:
-    watch = small_cell.watch
-    run_long(small_cell)
-    ask(small_cell, 'cell', 'stop-after', 'item')
+def _the_line_stops_after_the_current_item_and_goes_on(cell: CellProcesses) -> None:
+    watch = cell.watch
+    since = watch.events[-1]['seq']
+    ask(cell, 'cell', 'stop-after', 'item')
     watch.until_state('Stopped')
     assert not any(section.slot for section in watch.status.sections)
-    ask_to_begin(small_cell)
+    ask_to_begin(cell)
     watch.until_state('Execute')
     watch.until('item.placed', len(watch.seen('item.placed')) + 1)
-    assert decided(small_cell) == ['stop_after_item', 'reset', 'start']
-    small_cell.stop()
+    assert decided(cell, since) == ['stop_after_item', 'reset', 'start']
 
 
-def test_a_stop_after_the_current_job_is_taken_back(small_cell: CellProcesses) -> None:
-    watch = small_cell.watch
-    run_long(small_cell)
-    ask(small_cell, 'cell', 'stop-after', 'job')
+def _a_stop_after_the_current_job_is_taken_back(cell: CellProcesses) -> None:
+    watch = cell.watch
+    since = watch.events[-1]['seq']
+    ask(cell, 'cell', 'stop-after', 'job')
     watch.until_status(lambda s: s.stop_after == 'job', 'the stop that is to come')
-    ask(small_cell, 'cell', 'stop-after', 'never')
+    ask(cell, 'cell', 'stop-after', 'never')
     watch.until_status(lambda s: s.state == 'Execute' and not s.stop_after, 'no stop to come')
-    assert decided(small_cell) == ['stop_after_job', 'stop_after_never']
-    small_cell.stop()
+    assert decided(cell, since) == ['stop_after_job', 'stop_after_never']
 
 
-def test_the_line_stops_after_an_aborted_job_which_is_cleared(small_cell: CellProcesses) -> None:
-    watch = small_cell.watch
-    run_long(small_cell)
-    assert small_cell.verb('submit', *order_files(small_cell, 'a'))[0] == 0
-    ask(small_cell, 'cell', 'stop-after', 'job')
-    pause(small_cell, 'long')
-    ask(small_cell, 'job', 'abort', 'long')
-    until_job(small_cell, 'long', 'Aborted')
+def _the_line_stops_after_an_aborted_job_which_is_cleared(cell: CellProcesses) -> None:
+    watch = cell.watch
+    since = watch.events[-1]['seq']
+    assert cell.verb('submit', *order_files(cell, 'd'))[0] == 0
+    ask(cell, 'cell', 'stop-after', 'job')
+    pause(cell, 'long')
+    ask(cell, 'job', 'abort', 'long')
+    until_job(cell, 'long', 'Aborted')
     watch.until_state('Stopped')
-    ask(small_cell, 'job', 'clear', 'long')
-    until_listed(small_cell, 'a')
-    ask_to_begin(small_cell)
-    assert watch.until_ended('a').packed == 1
-    assert [event['job'] for event in watch.seen('job.started')] == ['long', 'a']
-    assert decided(small_cell) == [
+    ask(cell, 'job', 'clear', 'long')
+    until_listed(cell, 'd')
+    ask_to_begin(cell)
+    assert watch.until_ended('d').packed == 1
+    assert [event['job'] for event in watch.seen('job.started')] == ['long', 'd']
+    assert decided(cell, since) == [
         'stop_after_job',
         'pause long',
         'abort long',
@@ -363,4 +389,3 @@ def test_the_line_stops_after_an_aborted_job_which_is_cleared(small_cell: CellPr
         'reset',
         'start',
     ]
-    small_cell.stop()
