@@ -26,83 +26,96 @@ def worker(status: Any) -> Any:
     return next(c for c in status.components if c.name == 'worker')
 
 
-def attempts(cell: CellProcesses) -> list[int]:
-    return [event['attempt'] for event in cell.watch.seen('task.started', task='work')]
+def attempts(cell: CellProcesses, order: str = 'WO-1') -> list[int]:
+    started = cell.watch.seen('task.started', task='work', job=order)
+    return [event['attempt'] for event in started]
 
 
-def assert_held(cell: CellProcesses, reason: str) -> str:
+def reasons(cell: CellProcesses, order: str = 'WO-1') -> list[str]:
+    """Return why the attempts at the work of an order failed, in order."""
+    return [event['reason'] for event in cell.watch.seen('task.failed', task='work', job=order)]
+
+
+def assert_held(cell: CellProcesses, reason: str, order: str = 'WO-1') -> str:
     """Wait until the cell is Held by the work's failure, and return the hold."""
     hold = cell.watch.until_held()
-    assert (hold.section, hold.item, hold.task, hold.reason) == (2, 'WO-1/1', 'work', reason)
-    assert cell.watch.reasons('work')[-1] == reason
+    assert (hold.section, hold.item, hold.task, hold.reason) == (2, f'{order}/1', 'work', reason)
+    assert reasons(cell, order)[-1] == reason
     raised = cell.watch.seen('hold.raised')[-1]
     assert (raised['hold'], raised['reason']) == (hold.id, reason)
     return str(hold.id)
 
 
-def assert_packed(cell: CellProcesses, *, nonconforming: int = 0) -> None:
-    job = cell.watch.until_ended('WO-1')
+def assert_made(cell: CellProcesses, order: str, *, nonconforming: int = 0) -> None:
+    """Wait for the end of an order, whose one item is packed."""
+    job = cell.watch.until_ended(order)
     assert (job.packed, job.nonconforming, job.rejected) == (1, nonconforming, 0)
+
+
+def assert_packed(cell: CellProcesses, *, nonconforming: int = 0) -> None:
+    """Wait for the end of the only order, and end everything."""
+    assert_made(cell, 'WO-1', nonconforming=nonconforming)
     cell.stop()
 
 
-# --- ends that the server reports -------------------------------------------------------------
+# --- ends that the server reports, and a limit that it keeps ------------------------------------
 
 
-@pytest.mark.parametrize(
-    ('fault', 'reason'),
-    [
-        ('TASK_A=reject', 'goal_rejected'),
-        ('TASK_A=abort', 'aborted'),
-    ],
-)
-def test_a_failed_attempt_is_repeated(start_cell: StartCell, fault: str, reason: str) -> None:
-    cell = start(start_cell, fault)
-    cell.run_small(', retries: 1')
-
-    assert_packed(cell)
-    assert cell.watch.reasons('work') == [reason]
-    assert attempts(cell) == [1, 2]
-    assert [event['attempt'] for event in cell.watch.seen('task.retrying')] == [2]
-    assert not cell.watch.seen('hold.raised')
+def test_ends_of_goals(start_cell: StartCell) -> None:
+    """The worker's goals are counted over all orders: an attempt is one of them."""
+    numbers = (1, 'reject'), (3, 'abort'), (5, 'abort'), (6, 'reject'), (8, 'false'), (9, 'hang')
+    cell = start(start_cell, *(f'TASK_A#{number}={fault}' for number, fault in numbers))
+    _a_failed_attempt_is_repeated(cell, 'rejected', 'goal_rejected')
+    _a_failed_attempt_is_repeated(cell, 'aborted', 'aborted')
+    _when_no_retry_is_left_the_section_holds_until_it_is_answered(cell)
+    _with_continue_the_item_is_packed_nonconforming(cell)
+    _at_its_timeout_a_goal_is_cancelled_and_then_repeated(cell)
+    cell.stop()
 
 
-def test_when_no_retry_is_left_the_section_holds_until_it_is_answered(
-    start_cell: StartCell,
-) -> None:
-    cell = start(start_cell, 'TASK_A#1=abort', 'TASK_A#2=reject')
-    cell.run_small(', retries: 1')
+def _a_failed_attempt_is_repeated(cell: CellProcesses, order: str, reason: str) -> None:
+    held = len(cell.watch.seen('hold.raised'))
+    cell.run_small(', retries: 1', order=order)
 
-    hold = assert_held(cell, 'goal_rejected')
-    assert cell.watch.reasons('work') == ['aborted', 'goal_rejected']
+    assert_made(cell, order)
+    assert reasons(cell, order) == [reason]
+    assert attempts(cell, order) == [1, 2]
+    retrying = cell.watch.seen('task.retrying', job=order)
+    assert [event['attempt'] for event in retrying] == [2]
+    assert len(cell.watch.seen('hold.raised')) == held
+
+
+def _when_no_retry_is_left_the_section_holds_until_it_is_answered(cell: CellProcesses) -> None:
+    cell.run_small(', retries: 1', order='held')
+
+    hold = assert_held(cell, 'goal_rejected', 'held')
+    assert reasons(cell, 'held') == ['aborted', 'goal_rejected']
     assert cell.watch.answer(hold, 'retry').accepted
-    assert_packed(cell)
-    assert attempts(cell) == [1, 2, 3]
+    assert_made(cell, 'held')
+    assert attempts(cell, 'held') == [1, 2, 3]
 
 
-def test_with_continue_the_item_is_packed_nonconforming(start_cell: StartCell) -> None:
-    cell = start(start_cell, 'TASK_A=false')
-    cell.run_small(', continue_if_fail: true')
+def _with_continue_the_item_is_packed_nonconforming(cell: CellProcesses) -> None:
+    cell.run_small(', continue_if_fail: true', order='continued')
 
-    assert_packed(cell, nonconforming=1)
-    assert cell.watch.reasons('work') == ['task_result_false']
+    assert_made(cell, 'continued', nonconforming=1)
+    assert reasons(cell, 'continued') == ['task_result_false']
     assert [e['policy'] for e in cell.watch.seen('task.continued', task='work')] == ['continue']
 
 
-# --- time limits ------------------------------------------------------------------------------
+def _at_its_timeout_a_goal_is_cancelled_and_then_repeated(cell: CellProcesses) -> None:
+    cell.run_small(', timeout: 0.5, retries: 1', order='late')
 
-
-def test_at_its_timeout_a_goal_is_cancelled_and_then_repeated(start_cell: StartCell) -> None:
-    cell = start(start_cell, 'TASK_A=hang')
-    cell.run_small(', timeout: 0.5, retries: 1')
-
-    assert_packed(cell)
+    assert_made(cell, 'late')
     (asked,) = cell.watch.seen('task.cancel_requested')
     assert asked['cause'] == 'timeout'
     assert cell.goals(event='cancel', goal=asked['goal'], obeyed=True)
-    assert cell.watch.reasons('work') == ['timeout']
-    failed = cell.watch.until('task.failed')
+    assert reasons(cell, 'late') == ['timeout']
+    failed = cell.watch.until('task.failed', job='late')
     assert failed['time'] - asked['time'] < GRACE_S
+
+
+# --- a goal that nobody can end -----------------------------------------------------------------
 
 
 @pytest.fixture
@@ -139,7 +152,7 @@ def test_a_retry_in_doubt_is_a_new_attempt_that_the_server_may_refuse(
     assert cell.watch.answer(hold.id, 'retry').accepted
 
     assert_packed(cell, nonconforming=1)
-    assert cell.watch.reasons('work') == ['in_doubt', 'goal_rejected']
+    assert reasons(cell) == ['in_doubt', 'goal_rejected']
     goals = [event['goal'] for event in cell.watch.seen('task.started', task='work')]
     assert len(set(goals)) == 2, 'a new attempt has a new UUID'
     assert cell.goals(event='rejected', goal=goals[1])
@@ -148,48 +161,56 @@ def test_a_retry_in_doubt_is_a_new_attempt_that_the_server_may_refuse(
 # --- servers that vanish ----------------------------------------------------------------------
 
 
-def test_a_request_that_is_never_answered_is_lost(start_cell: StartCell) -> None:
-    cell = start(start_cell, 'TASK_A=mute')
-    cell.run_small(', retries: 1, on_failure: continue')
+def test_servers_that_vanish(start_cell: StartCell) -> None:
+    """The worker's goals are counted over all orders; after the last one it does not come back."""
+    numbers = (1, 'mute'), (3, 'die:2'), (5, 'die:2'), (7, 'die')
+    cell = start(start_cell, *(f'TASK_A#{number}={fault}' for number, fault in numbers))
+    _a_request_that_is_never_answered_is_lost(cell)
+    _a_lost_task_that_may_be_repeated_is(cell)
+    _a_server_that_died_and_came_back_has_lost_the_task(cell)
+    _a_server_that_died_and_stays_away_has_lost_the_task(cell)
+    cell.stop()
 
-    hold = assert_held(cell, 'server_lost')
-    assert attempts(cell) == [1], 'neither retry nor policy, for nobody knows what was done'
+
+def _a_request_that_is_never_answered_is_lost(cell: CellProcesses) -> None:
+    cell.run_small(', retries: 1, on_failure: continue', order='mute')
+
+    hold = assert_held(cell, 'server_lost', 'mute')
+    assert attempts(cell, 'mute') == [1], 'neither retry nor policy: nobody knows what was done'
     assert cell.watch.answer(hold, 'retry').accepted
-    assert_packed(cell)
+    assert_made(cell, 'mute')
 
 
-def test_a_lost_task_that_may_be_repeated_is(start_cell: StartCell) -> None:
-    cell = start(start_cell, 'TASK_A=die:2')
-    cell.run_small(', retries: 1, repeatable: true')
+def _a_lost_task_that_may_be_repeated_is(cell: CellProcesses) -> None:
+    held = len(cell.watch.seen('hold.raised'))
+    cell.run_small(', retries: 1, repeatable: true', order='repeated')
 
-    assert_packed(cell)
-    assert cell.watch.reasons('work') == ['server_lost']
-    assert attempts(cell) == [1, 2]
-    assert not cell.watch.seen('hold.raised')
+    assert_made(cell, 'repeated')
+    assert reasons(cell, 'repeated') == ['server_lost']
+    assert attempts(cell, 'repeated') == [1, 2]
+    assert len(cell.watch.seen('hold.raised')) == held
 
 
-def test_a_server_that_died_and_came_back_has_lost_the_task(start_cell: StartCell) -> None:
-    cell = start(start_cell, 'TASK_A=die:2')
-    cell.run_small(', retries: 1, on_failure: continue')
+def _a_server_that_died_and_came_back_has_lost_the_task(cell: CellProcesses) -> None:
+    cell.run_small(', retries: 1, on_failure: continue', order='back')
 
-    hold = assert_held(cell, 'server_lost')
-    failed = cell.watch.until('task.failed')
-    started = cell.watch.until('task.started', task='work')
+    hold = assert_held(cell, 'server_lost', 'back')
+    failed = cell.watch.until('task.failed', job='back')
+    started = cell.watch.until('task.started', task='work', job='back')
     assert failed['time'] - started['time'] < SERVER_LEASE_S / 2
-    assert attempts(cell) == [1]
+    assert attempts(cell, 'back') == [1]
     assert cell.watch.answer(hold, 'retry').accepted
-    assert_packed(cell)
+    assert_made(cell, 'back')
 
 
-def test_a_server_that_died_and_stays_away_has_lost_the_task(start_cell: StartCell) -> None:
-    cell = start(start_cell, 'TASK_A=die')
-    cell.run_small(', retries: 1, on_failure: continue')
+def _a_server_that_died_and_stays_away_has_lost_the_task(cell: CellProcesses) -> None:
+    cell.run_small(', retries: 1, on_failure: continue', order='away')
 
-    hold = assert_held(cell, 'server_lost')
+    hold = assert_held(cell, 'server_lost', 'away')
     status = cell.watch.until_status(lambda s: not worker(s).available, 'the worker to be missed')
     assert [c.name for c in status.components if not c.available] == ['worker']
     assert cell.watch.answer(hold, 'skip').accepted
-    assert_packed(cell)
+    assert_made(cell, 'away')
 
 
 def test_a_goal_waits_for_a_server_that_comes_late(start_cell: StartCell) -> None:
@@ -201,7 +222,7 @@ def test_a_goal_waits_for_a_server_that_comes_late(start_cell: StartCell) -> Non
     started = cell.watch.until('task.started', task='work')
     cell.sims.append(cell.start_sim('worker'))
     assert_packed(cell)
-    assert cell.watch.reasons('work') == []
+    assert reasons(cell) == []
     (appeared,) = cell.goals(event='appeared', component='worker')
     assert started['time'] < appeared['time']
 
@@ -212,7 +233,7 @@ def test_a_server_that_never_comes_is_unavailable(start_cell: StartCell) -> None
     cell.run_small(', on_failure: continue')
 
     assert_packed(cell, nonconforming=1)
-    assert cell.watch.reasons('work') == ['server_unavailable']
+    assert reasons(cell) == ['server_unavailable']
 
 
 KILLED = '/killed'
@@ -234,7 +255,7 @@ def test_a_server_that_was_killed_and_restarted_has_lost_the_task(start_cell: St
     cell.sims.append(cell.start_sim('worker'))
 
     assert_packed(cell)
-    assert cell.watch.reasons('work') == ['server_lost']
+    assert reasons(cell) == ['server_lost']
     failed = cell.watch.until('task.failed')
     assert failed['time'] - killed['time'] < 0.9 * SERVER_LEASE_S, 'the graph need not forget it'
 
