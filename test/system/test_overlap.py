@@ -13,12 +13,18 @@ initialization:
 """
 
 
-def test_the_second_job_follows_while_the_first_is_on_the_line(
-    small_cell: CellProcesses,
+def test_jobs_of_different_scripts(small_cell: CellProcesses) -> None:
+    _the_second_job_follows_while_the_first_is_on_the_line(small_cell)
+    _the_source_waits_while_its_components_are_being_initialized(small_cell)
+    small_cell.stop()
+
+
+def _the_second_job_follows_while_the_first_is_on_the_line(
+    cell: CellProcesses,
 ) -> None:
-    watch = small_cell.watch
-    first = small_cell.script(small_script('first', task='TASK_C') + INITIALIZATION, 'first')
-    second = small_cell.script(small_script('second') + INITIALIZATION, 'second')
+    watch = cell.watch
+    first = cell.script(small_script('first', task='TASK_C') + INITIALIZATION, 'first')
+    second = cell.script(small_script('second') + INITIALIZATION, 'second')
     watch.submit(first, order='WO-1', quantity=2)
     watch.submit(second, order='WO-2', quantity=2)
     assert watch.until_ended('WO-1').packed == 2
@@ -37,13 +43,12 @@ def test_the_second_job_follows_while_the_first_is_on_the_line(
     assert source_done < feeder_readied < first_placed < last_packed, 'both are on the belt'
     assert worker_done < worker_readied < first_worked
     assert when('job.started', job='WO-2') < when('job.completed', job='WO-1')
-    small_cell.stop()
 
 
-def test_the_source_waits_while_its_components_are_being_initialized(
-    small_cell: CellProcesses,
+def _the_source_waits_while_its_components_are_being_initialized(
+    cell: CellProcesses,
 ) -> None:
-    watch = small_cell.watch
+    watch = cell.watch
     slow = """
 initialization:
   - {id: ready_worker, task: TASK_C, action: worker/task}
@@ -51,14 +56,13 @@ initialization:
 initialization_dependencies:
   - {upstream: ready_worker, downstream: ready_feeder}
 """
-    watch.submit(small_cell.script(small_script('first'), 'first'), order='WO-1')
-    watch.submit(small_cell.script(small_script('slow') + slow, 'slow'), order='WO-2')
-    watch.until('task.started', job='WO-2', task='ready_worker')
+    watch.submit(cell.script(small_script('first'), 'first'), order='WO-3')
+    watch.submit(cell.script(small_script('slow') + slow, 'slow'), order='WO-4')
+    watch.until('task.started', job='WO-4', task='ready_worker')
 
     watch.until_status(
         lambda s: any('initialization' in wait.reason for wait in s.sections[0].waits),
         'section 1 to wait for initialization',
     )
-    assert watch.seen('job.completed', job='WO-1'), 'the line has drained'
-    assert watch.until_ended('WO-2').packed == 1
-    small_cell.stop()
+    assert watch.seen('job.completed', job='WO-3'), 'the line has drained'
+    assert watch.until_ended('WO-4').packed == 1
