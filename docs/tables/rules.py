@@ -9,7 +9,8 @@ from pathlib import Path
 from tables.markdown import table
 
 _ROOT = Path(__file__).resolve().parents[2]
-_RULE_TEST = re.compile(r'^def test_(\d)_(\d+)_', re.MULTILINE)
+_RULE_TEST = re.compile(r'^def (?:test)?_(\d)_(\d+)_', re.MULTILINE)
+"""A test, or a step of a test, such as `_7_1_a_removal_is_recorded`."""
 
 
 def tests_of_the_rules() -> Iterator[str]:
