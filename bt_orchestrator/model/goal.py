@@ -142,7 +142,7 @@ class SetupReading:
     """Its value, or another text; None: nothing is published there (any more)."""
 
 
-NOT_HEARD = 'nothing was heard of it yet'
+NOT_HEARD = sentence('unsafe_unheard')
 """Why a safety input is not ready at first."""
 
 

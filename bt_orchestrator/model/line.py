@@ -13,6 +13,7 @@ from bt_orchestrator.model.jobs.initialization import Preparation
 from bt_orchestrator.model.script import SectionList, Task
 from bt_orchestrator.model.state import CellState, JobState, Phase, SectionState
 from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.words import sentence
 
 
 class Start(NamedTuple):
@@ -44,12 +45,9 @@ def stopped_because(state: CellState) -> Wait | None:
 
 def barred_because(state: CellState) -> str:
     """Say why nothing starts in a cell that would work: the node ends, or it is not safe (7.9)."""
-    return 'the node ends' if state.shutting_down else not_ready_words(state.unsafe)
-
-
-def not_ready_words(why: str) -> str:
-    """Say that the safety input is not ready."""
-    return f'the safety input is not ready: {why}'
+    if state.shutting_down:
+        return sentence('ending')
+    return sentence('unsafe', words=state.unsafe)
 
 
 def waits_for_service(state: CellState, component: str) -> Wait | None:

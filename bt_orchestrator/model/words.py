@@ -52,6 +52,17 @@ SENTENCES: Mapping[str, str] = {
     # why the line stands still
     'stopped': 'the cell was stopped',
     'starved': '{task} waits for {topic}',
+    # why nothing starts
+    'ending': 'the node ends',
+    'unsafe': 'the safety input is not ready: {words}',
+    'unsafe_unheard': 'nothing was heard of it yet',
+    'unsafe_silent': 'no message for {seconds} s',
+    'unsafe_value': 'its value is {value}',
+    'unsafe_unreadable': 'its value cannot be read: {words}',
+    'unsafe_unpublished': 'it has no publisher',
+    'unsafe_publishers': 'it has {count} publishers: {publishers}',
+    'unsafe_latched': 'its publisher keeps old messages (transient local)',
+    'unsafe_unsent': 'it was not sent: the safety input is not ready',
     # why the end of a job is unknown
     'job_paused': '{job} is paused',
     'job_held': '{job} is held in the queue',

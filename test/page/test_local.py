@@ -69,12 +69,14 @@ def test_7_8_a_line_in_local_is_moved_at_its_panel_alone(tmp_path: Path, sit: Si
             'remote',
         ]
 
-        line.cell.node._gateway.say_of_safety('it is False')
-        told = 'Safety input not ready: it is False'
+        line.cell.node._gateway.say_of_safety('its value is False')
+        told = 'Safety input not ready: its value is False'
         ann.page.locator('.unsafe', has_text=told).wait_for()
         picture(ann, 'unsafe')
 
         german = sit(line.port, locale='de-DE', **person).open()
         line.ask('cell.local')
         german.page.locator('.in-local', has_text='Lokal').wait_for()
+        told = 'Sicherheitseingang nicht bereit: sein Wert ist False'
+        german.page.locator('.unsafe', has_text=told).wait_for()
         picture(german, 'local_german')

@@ -91,7 +91,7 @@ def flap(safety: Safety, cell: CellProcesses) -> None:
     """Let the input come and go several times, each time for long enough to be seen."""
     for value in ('false', 'true', 'false', 'true', 'false'):
         safety.says(value)
-        wanted = 'ready' if value == 'true' else 'it is False'
+        wanted = 'ready' if value == 'true' else 'its value is False'
         until_safety(cell, wanted)
 
 
@@ -99,8 +99,8 @@ LOSSES: dict[str, tuple[Callable[[Safety, CellProcesses], object], str]] = {
     'lost': (lambda safety, _: safety.processes[0].kill(), 'no message for 2 s'),
     'frozen': (lambda safety, _: safety.freeze(), 'no message for 2 s'),
     'silent': (lambda safety, _: safety.says(''), 'no message for 2 s'),
-    'false': (lambda safety, _: safety.says('false'), 'it is False'),
-    'flapping': (flap, 'it is False'),
+    'false': (lambda safety, _: safety.says('false'), 'its value is False'),
+    'flapping': (flap, 'its value is False'),
     'doubled': (lambda safety, _: safety.start(), '2 publishers: /safety_controller, '),
 }
 
@@ -172,15 +172,18 @@ def test_7_9_a_line_at_rest_is_held_and_only_the_hold_lets_it_go_on(
     (hold,) = cell.watch.until_status(lambda one: one.holds, 'a hold').holds
     assert (hold.reason, hold.message) == (
         'safety',
-        'the safety input is not ready: it is False',
+        'the safety input is not ready: its value is False',
     )
     cell.run_small()
     _, output, _ = run_verb(cell.folder, 'status')
-    assert 'safety input not ready: it is False' in output
+    assert 'safety input not ready: its value is False' in output
     resume = ('cell', 'resume', '--hold', hold.id, '--reason', 'looked')
     assert run_verb(cell.folder, *resume)[0] == 1
+    said = cell.watch.status.safety_words
+    assert (said.kind, [one.value for one in said.values]) == ('unsafe_value', ['False'])
     safety.says('true')
     cell.watch.until_status(lambda one: one.safety == 'ready', 'the return')
+    assert cell.watch.status.safety_words.kind == ''
     assert cell.goals(event='started') == []
     assert run_verb(cell.folder, *resume)[0] == 0
     assert cell.watch.until_ended('WO-1').packed == 1
@@ -221,7 +224,7 @@ def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
 
         def lose() -> None:
             safety.says('false')
-            cell.watch.until_status(lambda one: one.safety == 'it is False', 'the loss')
+            cell.watch.until_status(lambda one: one.safety == 'its value is False', 'the loss')
 
         began = time.monotonic()
         assert list(differences(asked, hand_over, lose)) == []

@@ -352,13 +352,12 @@ class Unsent:
 
     def __init__(self, request: GoalRequest) -> None:
         self.request = request
-        self.end = GoalEnd(GoalStatus.CANCELED, message=_UNSENT, never_begun=True)
+        self.end = GoalEnd(
+            GoalStatus.CANCELED, message=sentence('unsafe_unsent'), never_begun=True
+        )
 
     def cancel(self) -> None:
         """Do nothing: it has ended."""
-
-
-_UNSENT = 'it was not sent: the safety input is not ready'
 
 
 def _request_of(event: e.TaskStarted) -> GoalRequest:

@@ -123,6 +123,7 @@ class Overview:
             wish=state.wish,
             waits_for=_waits_for(state),
             safety=_safety(state),
+            safety_words=_facts(state.unsafe),
             control=state.control,
             unit_mode=state.unit_mode,
             manual=goal_of(state),
@@ -217,7 +218,13 @@ def _stop_words(state: CellState) -> Words | None:
     by_hold = state.stop_reason in (StopReason.OPERATOR, StopReason.OWN_FAULT)
     if state.holds and by_hold:
         return Words('hold', {'hold': next(iter(state.holds))})
-    return next(iter(facts_of(state.stop_message)), None)
+    return _facts(state.stop_message)
+
+
+def _facts(message: str) -> Words | None:
+    """Return what a message of one sentence says; None: it is known in words only."""
+    facts = facts_of(message)
+    return facts[0] if len(facts) == 1 else None
 
 
 def description_of(cell: Cell, types: ActionTypes) -> CellDescription:

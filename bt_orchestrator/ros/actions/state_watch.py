@@ -21,6 +21,7 @@ from bt_orchestrator.model.limits import (
     cut,
     shortened,
 )
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports.news import News
 from bt_orchestrator.ports.spare_log import SpareLog, guarded, report
 from bt_orchestrator.ros.actions.goal_client import own_endpoint
@@ -227,10 +228,10 @@ class SafetyWatch:
         try:
             value = field_value(message, self._path)
         except Exception as error:  # noqa: BLE001 - whatever it is, the value cannot be read
-            self._value = f'its value cannot be read: {error!r:.200}'
+            self._value = sentence('unsafe_unreadable', words=f'{error!r:.200}')
         else:
             is_good = any(_same(value, good) for good in self._wanted.ready)
-            self._value = '' if is_good else f'it is {shown(value)}'
+            self._value = '' if is_good else sentence('unsafe_value', value=shown(value))
         self._look_at_publishers()
         self._tell()
 
@@ -255,11 +256,13 @@ class SafetyWatch:
         if self._is_contested:
             topic = self._subscription.topic_name
             where = ', '.join(placed(endpoints, own_endpoint(self._node, topic)))
-            self._publishers = f'{len(endpoints)} publishers: {where}'
+            self._publishers = sentence(
+                'unsafe_publishers', count=len(endpoints), publishers=where
+            )
         elif not endpoints:
-            self._publishers = 'it has no publisher'
+            self._publishers = sentence('unsafe_unpublished')
         elif endpoints[0].qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL:
-            self._publishers = 'its publisher keeps old messages (transient local)'
+            self._publishers = sentence('unsafe_latched')
         else:
             self._publishers = ''
 
@@ -273,7 +276,8 @@ class SafetyWatch:
         is_early = self._began is None or time.monotonic() - self._began < HEARD_AFTER_S
         if self._told is None and is_early and not self._is_contested:
             return NOT_HEARD  # until now this thread has started the node
-        return self._publishers or f'no message for {self._wanted.within_s:g} s'
+        silent = sentence('unsafe_silent', seconds=f'{self._wanted.within_s:g}')
+        return self._publishers or silent
 
     def _tell(self) -> None:
         why = self._why()

@@ -62,7 +62,7 @@ def test_7_8_1_every_request_of_every_role_is_as_the_hand_written_table(
             assert answer.accepted, answer
 
     def lose() -> None:
-        bench.sim.gateway.say_of_safety('it is False')
+        bench.sim.gateway.say_of_safety('its value is False')
         bench.sim.orchestrator.settle()
 
     found = list(differences(asked, hand_over, lose))

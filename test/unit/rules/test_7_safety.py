@@ -56,7 +56,7 @@ def test_7_9_a_loss_cancels_every_goal_once_however_often_it_flaps() -> None:
     running = set(run.state.running)
     say(run, 'no message for 0.5 s')
     assert run.state.packml.value in ('Aborting', 'Aborted')
-    for unsafe in ('', 'it is False', '', 'it has no publisher'):
+    for unsafe in ('', 'its value is False', '', 'it has no publisher'):
         say(run, unsafe)
     run.go()
     assert run.state.packml.value == 'Aborted'
@@ -73,12 +73,12 @@ def test_7_9_a_loss_cancels_every_goal_once_however_often_it_flaps() -> None:
 def test_7_9_without_a_goal_in_flight_a_hold_takes_the_place_of_the_abort() -> None:
     run = VirtualRun(safe_cell(), LINE.types)
     run.go()
-    for unsafe in ('it is False', '', 'it is False'):
+    for unsafe in ('its value is False', '', 'it is False'):
         say(run, unsafe)
     (hold,) = run.all('hold.raised')
     assert (hold['reason'], hold['message']) == (
         'safety',
-        'the safety input is not ready: it is False',
+        'the safety input is not ready: its value is False',
     )
     assert aborts(run) == []
 
@@ -86,11 +86,11 @@ def test_7_9_without_a_goal_in_flight_a_hold_takes_the_place_of_the_abort() -> N
 def test_7_9_its_return_starts_nothing_until_a_person_names_the_hold() -> None:
     run = VirtualRun(safe_cell(), LINE.types)
     run.go()
-    say(run, 'it is False')
+    say(run, 'its value is False')
     run.submit('J', SCRIPT, 1)
     refused = run.ask(Resume(ann(), '1'))
     assert refused.message == (
-        'cell.resume is refused: the safety input is not ready: it is False'
+        'cell.resume is refused: the safety input is not ready: its value is False'
     )
     say(run, '')
     run.go()
@@ -103,7 +103,7 @@ def test_7_9_its_return_starts_nothing_until_a_person_names_the_hold() -> None:
 
 def test_7_9_after_an_abort_its_return_starts_nothing() -> None:
     run = at_work()
-    say(run, 'it is False')
+    say(run, 'its value is False')
     run.go()
     clear = Clear(ann(), AsShown(run.state.seq))
     assert 'cell.clear is refused' in run.ask(clear).message
@@ -131,11 +131,11 @@ def test_7_9_requests_that_start_something_are_refused_while_it_is_not_ready() -
     run = VirtualRun(safe_cell(), LINE.types)
     run.go()
     assert run.ask(SetService('a2', False, ann())).accepted
-    say(run, 'it is False')
+    say(run, 'its value is False')
     for asked in (Reset(ann()), Start(ann()), SetService('a2', True, ann())):
         answer = run.ask(asked)
         assert not answer.accepted
-        assert 'the safety input is not ready: it is False' in answer.message
+        assert 'the safety input is not ready: its value is False' in answer.message
         assert run.all('operator.refused')[-1]['message'] == answer.message
 
 
@@ -151,7 +151,7 @@ def test_7_9_nothing_starts_before_it_was_heard() -> None:
     assert [one['reason'] for one in run.all('hold.raised')] == ['safety']
 
 
-@pytest.mark.parametrize('unsafe', ['', 'it is False'])
+@pytest.mark.parametrize('unsafe', ['', 'its value is False'])
 def test_7_9_at_a_take_over_goals_in_flight_end_unless_it_is_heard_ready(unsafe: str) -> None:
     world = World(safe_cell())
     killed_at_work(world, SCRIPT)
@@ -184,7 +184,7 @@ def test_7_9_a_goal_whose_record_was_written_meanwhile_is_not_sent() -> None:
     def appending(events: Sequence[e.Event]) -> None:
         append(events)
         if any(isinstance(one, e.TaskStarted) for one in events):
-            gateway.say_of_safety('it is False')  # while the record is written
+            gateway.say_of_safety('its value is False')  # while the record is written
 
     run.store.append = appending  # type: ignore[method-assign]
     run.submit('J', SCRIPT, 1)

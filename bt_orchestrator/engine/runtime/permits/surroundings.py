@@ -14,7 +14,6 @@ from bt_orchestrator.engine.runtime.cell_commands import RESUME, events_of_abort
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import Command
 from bt_orchestrator.model.goal import NOT_HEARD, Contest, SafetyReading, SeenContest
-from bt_orchestrator.model.line import not_ready_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import SAFETY, UNKNOWN_GOAL
@@ -103,7 +102,7 @@ class SafetyGuard:
         if is_loss or is_ready is bool(state.unsafe):
             yield e.SafetyChanged(ready=is_ready, reason=reading.unsafe)
         if is_loss:
-            yield from _lost(state, not_ready_words(reading.unsafe))
+            yield from _lost(state, sentence('unsafe', words=reading.unsafe))
 
 
 def _lost(state: CellState, words: str) -> Iterator[e.Event]:
@@ -131,4 +130,5 @@ def refuse_unsafe(state: CellState, command: Command) -> None:
     """
     request = getattr(command, 'request', None)
     if state.unsafe and request is not None and request.needs_safety:
-        raise CommandRefused(f'{request.name} is refused: {not_ready_words(state.unsafe)}')
+        why = sentence('unsafe', words=state.unsafe)
+        raise CommandRefused(f'{request.name} is refused: {why}')

@@ -143,7 +143,8 @@ class PageWording(Wording):
         :param reason: why it is held
         """
         if wait.kind is WaitKind.CELL_STATE:
-            return self._cell_state(wait.name)
+            is_known = facts_of(wait.reason)
+            return self.message(wait.reason) if is_known else self._cell_state(wait.name)
         if wait.holds:
             *others, last = wait.holds
             names = f'{", ".join(others)} {self._word("stands", "and")} {last}'

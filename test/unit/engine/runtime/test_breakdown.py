@@ -142,7 +142,7 @@ def test_7_9_a_loss_without_a_journal_cancels_every_goal_once(is_known: bool) ->
     if is_known:
         plant.fill_disk()
     plant.disk.is_full = True  # or else the record of the loss is the first that fails
-    for unsafe in ('it is False', 'no message for 0.5 s'):
+    for unsafe in ('its value is False', 'no message for 0.5 s'):
         plant.gateway.say_of_safety(unsafe)
         plant.orchestrator.settle()
     assert plant.orchestrator.broken

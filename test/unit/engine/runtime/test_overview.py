@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from fakes.commands import Abort
 from fakes.line import THREE, TYPES, Line, with_section
@@ -10,10 +12,12 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.engine.runtime.overview import Overview, description_of
+from bt_orchestrator.model.cell import SafetyInput
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.state import End, PassedTask
 from bt_orchestrator.model.status import CellStatus, FinishedCycle, ItemStatus
 from bt_orchestrator.model.wait import WaitKind
+from bt_orchestrator.model.words import Words, sentence
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.view.drawing.line import draw_line
 from bt_orchestrator.view.drawing.status_marks import line_state
@@ -222,6 +226,46 @@ def test_a_cell_is_described_as_its_file_says() -> None:
     assert (a1.durations_s['TASK_B'], a1.default_duration_s) == (4.0, 1.0)
     assert a1.tasks == ('PREPARE', 'TASK_A', 'TASK_B', 'TASK_C')
     assert a1.goal_fields == {'special_argument_1': 'string', 'special_argument_2': 'float64'}
+
+
+def safe_run() -> VirtualRun:
+    line = Line(3)
+    safety = SafetyInput('/safety/ok', 'std_msgs/msg/Bool', 'data', (True,))
+    return VirtualRun(replace(line.cell, safety=safety), line.types)
+
+
+def test_why_the_safety_input_is_not_ready_is_told_as_facts() -> None:
+    run = safe_run()
+    overview = Overview(run.sim.orchestrator)
+
+    def told(unsafe: str) -> Words | None:
+        run.sim.gateway.say_of_safety(unsafe)
+        run.sim.orchestrator.settle()
+        return overview.status(run.now).safety_words
+
+    run.go()
+    assert told('') is None
+    assert told(sentence('unsafe_value', value='False')) == Words(
+        'unsafe_value', {'value': 'False'}
+    )
+    (hold,) = overview.status(run.now).holds
+    assert [one.kind for one in hold.message_words] == ['unsafe']
+    assert overview.status(run.now).stop_words == Words('hold', {'hold': hold.id})
+    told('')
+    assert told('as an older node said') is None
+    assert overview.status(run.now).safety == 'as an older node said'
+    told('')
+    assert told(sentence('unsafe_value', value='a; b')) is None, 'half of it would be wrong'
+
+
+def test_an_abort_by_the_safety_input_is_told_as_facts() -> None:
+    run = safe_run()
+    run.submit('J', Line(3).script(THREE), 1)
+    run.go(until=1.0)
+    run.sim.gateway.say_of_safety(sentence('unsafe_silent', seconds='0.5'))
+    run.sim.orchestrator.settle()
+    status = Overview(run.sim.orchestrator).status(run.now)
+    assert status.stop_words == Words('unsafe', {'words': 'no message for 0.5 s'})
 
 
 def test_a_contest_is_told_as_facts() -> None:

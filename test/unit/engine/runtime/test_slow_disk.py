@@ -291,7 +291,7 @@ def test_7_9_a_loss_cancels_every_goal_before_the_disk_answers() -> None:
     plant = Plant(fault='#1=hang')
     goal = plant.until_working()
     slow(plant).put(Pause(ann()))
-    plant.gateway.say_of_safety('it is False')
+    plant.gateway.say_of_safety('its value is False')
     plant.orchestrator.settle()
     plant.advance()
     assert goal.end is not None

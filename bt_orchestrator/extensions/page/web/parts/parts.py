@@ -75,6 +75,7 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'since': status.state_since,
         'stop_reason': status.stop_reason.value if status.stop_reason else '',
         'stop_said': said_in_each(status.stop_message),
+        'safety_said': said_in_each(status.safety),
         'wish': _wish_part(status.wish) if status.wish else None,
         'control': status.control.value,
         'unit_mode': status.unit_mode.value,
@@ -102,18 +103,9 @@ def _leadership_part(leadership: Leadership) -> dict[str, object]:
 
 _ELSEWHERE = (
     *('cell', 'stamp', 'seq', 'history', 'state_since', 'stop_reason', 'stop_words', 'wish'),
-    *(
-        'control',
-        'unit_mode',
-        'unauthenticated_role',
-        'initialization',
-        'sections',
-        'holds',
-        'jobs',
-        'belt',
-        'flags',
-    ),
-    *('components', 'state_times', 'commands', 'leadership', 'boot', 'uptime'),
+    *('safety_words', 'control', 'unit_mode', 'unauthenticated_role', 'initialization'),
+    *('sections', 'holds', 'jobs', 'belt', 'flags', 'components', 'state_times', 'commands'),
+    *('leadership', 'boot', 'uptime'),
 )
 """Fields that other parts have, or this one under another name."""
 

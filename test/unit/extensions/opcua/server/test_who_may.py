@@ -212,7 +212,7 @@ def test_7_8_1_every_request_is_as_the_hand_written_table(tmp_path: Path) -> Non
 
         def lose() -> None:
             with cell.lock:
-                cell.node._gateway.say_of_safety('it is False')
+                cell.node._gateway.say_of_safety('its value is False')
                 cell.node.running.engine.settle()
 
         stack = AsyncExitStack()

@@ -29,7 +29,7 @@ def bench(tmp_path: Path) -> Iterator[CellBench]:
 
 
 def lose(node: VirtualNode) -> None:
-    node._gateway.say_of_safety('it is False')
+    node._gateway.say_of_safety('its value is False')
     node.running.engine.settle()
 
 

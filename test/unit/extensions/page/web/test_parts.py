@@ -309,6 +309,14 @@ def test_a_contest_is_said_in_each_language() -> None:
     assert said['de'].startswith('2 Server für /a2/do: /here, /there')
 
 
+def test_why_the_safety_input_is_not_ready_is_said_in_each_language() -> None:
+    run = Line().begin(quantity=1).go(until=1.0)
+    run.state.unsafe = sentence('unsafe_unpublished')
+    cell = page_parts(run)['cell']
+    assert cell['safety_said'] == {'en': 'it has no publisher', 'de': 'er hat keinen Publisher'}
+    assert 'safety_words' not in cell
+
+
 def test_leader_and_standbys_are_told_in_each_language() -> None:
     run = Line().begin(quantity=1).go(until=1.0)
     assert page_parts(run)['cell']['leadership'] is None

@@ -8,9 +8,10 @@ from pathlib import Path
 from fakes.page_files import LANGUAGES, STATIC, keys_asked_for, modules, words
 
 from bt_orchestrator.model.by import Role
+from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import REQUESTS
-from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.stop_reason import NAMED, PAUSED, StopReason
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.model.words import SENTENCES
 from bt_orchestrator.view.drawing import card, line, mark
@@ -93,6 +94,8 @@ def test_states_reasons_roles_and_waits_have_words() -> None:
     assert {f'stop_reason.{reason.value}' for reason in StopReason} <= known
     assert {f'role.{role.value}' for role in Role} <= known
     assert {f'wait.{kind.value}' for kind in WaitKind} <= known
+    reasons = {*NAMED, PAUSED, *(reason.value for reason in Reason)}
+    assert {f'reason.{reason}' for reason in reasons} <= known
 
 
 def test_sentences_of_the_node_stand_there_as_in_its_own_catalogue() -> None:

@@ -126,6 +126,40 @@ def test_messages_of_the_engine_are_german_on_a_german_page() -> None:
     assert GERMAN.message(why) == known
 
 
+UNSAFE = [
+    ('nothing was heard of it yet', 'von ihm wurde noch nichts gehört'),
+    ('no message for 0.5 s', 'seit 0.5 s keine Nachricht'),
+    ('its value is False', 'sein Wert ist False'),
+    (
+        "its value cannot be read: AttributeError('x; y')",
+        "sein Wert ist nicht lesbar: AttributeError('x; y')",
+    ),
+    ('it has no publisher', 'er hat keinen Publisher'),
+    (
+        'it has 2 publishers: /a, /b (on this computer)',
+        'er hat 2 Publisher: /a, /b (on this computer)',
+    ),
+    (
+        'its publisher keeps old messages (transient local)',
+        'sein Publisher hält alte Nachrichten vor (transient local)',
+    ),
+    ('it is False', 'it is False'),  # in journals of older versions
+]
+"""Why a safety input is not ready."""
+
+
+@pytest.mark.parametrize(('english', 'german'), UNSAFE)
+def test_each_reason_of_the_safety_input_is_said_alone_and_in_a_sentence(
+    english: str, german: str
+) -> None:
+    whole = f'the safety input is not ready: {english}'
+    said = f'der Sicherheitseingang ist nicht bereit: {german}'
+    assert (GERMAN.message(english), GERMAN.message(whole)) == (german, said)
+    assert wordings()['en'].message(whole) == whole
+    assert GERMAN.wait(Wait(whole, WaitKind.CELL_STATE, 'Execute')) == said
+    assert GERMAN.report(f'safety ({whole})') == f'der Sicherheitseingang fiel aus ({said})'
+
+
 def test_reasons_of_unknown_ends_are_german_each_in_its_sentence() -> None:
     line = Line()
     run = line.begin(THREE, 3)

@@ -4,7 +4,7 @@ import { get } from '../core/api.js';
 import { attribute, h, show, text } from '../core/dom.js';
 import { isEmergency } from '../core/requests.js';
 import { news, part, shownMoment, subscribe } from '../core/store.js';
-import { at, duration, t, tOr } from '../core/text.js';
+import { at, duration, said, t, tOr } from '../core/text.js';
 import { everySecond } from '../core/tick.js';
 import { newsLine, newsTrouble } from './news_line.js';
 import { offers } from './offers.js';
@@ -87,7 +87,7 @@ function stateBlock() {
     showKind(element, drawn, cell);
     text(name, cell?.name ?? '');
     showLocal(local, cell);
-    showUnsafe(unsafe, cell?.safety ?? '');
+    showUnsafe(unsafe, cell);
     text(word, cell ? stateWords(cell) : t('news.waiting'));
     text(since, cell ? sinceWords(sinceWhen(cell)) : '');
     why.say(newsTrouble() || (cell ? whyItStands(cell) : ''));
@@ -120,10 +120,10 @@ function showLocal(element, cell) {
 }
 
 /** Show why the safety input is not ready; without one, or with `ready`, there is nothing to show. */
-function showUnsafe(element, why) {
-  const isUnsafe = why !== '' && why !== 'ready';
+function showUnsafe(element, cell) {
+  const isUnsafe = Boolean(cell?.safety) && cell.safety !== 'ready';
   show(element, isUnsafe);
-  text(element, isUnsafe ? t('topbar.unsafe', { why }) : '');
+  text(element, isUnsafe ? t('topbar.unsafe', { why: said(cell.safety_said) }) : '');
 }
 
 /** Since when the word of the state is true. */
