@@ -101,7 +101,7 @@ LOSSES: dict[str, tuple[Callable[[Safety, CellProcesses], object], str]] = {
     'silent': (lambda safety, _: safety.says(''), 'no message for 2 s'),
     'false': (lambda safety, _: safety.says('false'), 'its value is False'),
     'flapping': (flap, 'its value is False'),
-    'doubled': (lambda safety, _: safety.start(), '2 publishers: /safety_controller, '),
+    'doubled': (lambda safety, _: safety.start(), 'it has 2 publishers: /safety_controller'),
 }
 
 
