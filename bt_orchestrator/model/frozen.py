@@ -24,6 +24,11 @@ def changed(fact: _T, **changes: Any) -> _T:
     return copy
 
 
+def shared(fact: object, kind: type[Any]) -> dict[str, Any]:
+    """Return the fields of a fact that a dataclass has by the same names."""
+    return {name: value for name, value in vars(fact).items() if name in kind.__dataclass_fields__}
+
+
 def made_at_once(kind: type[_T]) -> type[_T]:
     """Give a frozen dataclass a constructor that sets all fields by one call.
 

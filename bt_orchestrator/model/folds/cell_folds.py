@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import TypeAlias
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.failures import answers, why_not_offered
-from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.frozen import changed, shared
 from bt_orchestrator.model.goal import Contest
 from bt_orchestrator.model.jobs.job_folds import forget_skips, note_work
 from bt_orchestrator.model.jobs.setups import forget_all, note_told
@@ -198,13 +197,10 @@ def _stay(state: CellState, until: float) -> None:
 
 # How events of holds change the state, and which answers a hold offers.
 
-_SHARED = {field.name for field in fields(Hold)} & {field.name for field in fields(e.HoldRaised)}
-"""Facts of a hold that its event tells by the same name."""
-
 
 def hold_of(event: e.HoldRaised) -> Hold:
     """Return a hold as it is raised."""
-    return Hold(id=event.hold, since=event.time, **{name: vars(event)[name] for name in _SHARED})
+    return Hold(id=event.hold, since=event.time, **shared(event, Hold))
 
 
 def hold_raised(event: e.HoldRaised, state: CellState) -> None:

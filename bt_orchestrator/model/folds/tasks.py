@@ -7,7 +7,7 @@ from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.failures import will_hold
 from bt_orchestrator.model.folds.cell_folds import note_uptime
 from bt_orchestrator.model.folds.line import mark_nonconforming
-from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.frozen import changed, shared
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.jobs.job_folds import forget_skips
 from bt_orchestrator.model.jobs.setups import forget, forget_all, learn
@@ -142,8 +142,7 @@ def task_succeeded(event: e.TaskSucceeded, state: CellState) -> None:
 
 def manual_asked(event: e.ManualAsked, state: CellState) -> None:
     """Forget what the component is set up for, and that its initialization is done."""
-    facts = {name: vars(event)[name] for name in _TOLD_OF_MANUAL}
-    state.manual = ManualRun(asked=event.time, **facts)
+    state.manual = ManualRun(asked=event.time, **shared(event, ManualRun))
     state.tasks.pop(e.MANUAL_KEY, None)
     action = state.cell.components[event.component].action
     for done in [key for key in state.done_once if key.startswith(f'{action} ')]:
@@ -153,9 +152,6 @@ def manual_asked(event: e.ManualAsked, state: CellState) -> None:
     held = state.holds.get(event.hold)
     if held is not None:
         state.holds[held.id] = changed(held, manual=(*held.manual, event.name))
-
-
-_TOLD_OF_MANUAL = ('component', 'name', 'args', 'who', 'known', 'reason', 'hold')
 
 
 def _manual_ended(state: CellState, event: e.TaskSucceeded | e.TaskFailed, end: str) -> None:

@@ -21,6 +21,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.commands import Answer, Command
 from bt_orchestrator.model.failures import raise_hold, will_hold
+from bt_orchestrator.model.frozen import shared
 from bt_orchestrator.model.goal import Contest, Reason
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.judging.belt_statement import believed, corrections
@@ -348,16 +349,10 @@ def goal_of(state: CellState) -> ManualGoal | None:
     if task.phase is Phase.RUNNING:
         word = 'running' if task.cancel_cause is None else 'cancelling'
     return ManualGoal(
-        component=run.component,
+        **shared(run, ManualGoal),
         task=run.name,
         state=word,
-        args=run.args,
-        hold=run.hold,
-        who=run.who,
-        reason=run.reason,
         goal=task.goal or '',
         started=task.started or run.asked,
-        ended=run.ended,
         message=task.message,
-        results=run.results,
     )
