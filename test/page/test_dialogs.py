@@ -94,7 +94,8 @@ def clear_shows_each_item_whole(tab: Tab, line: Stand) -> None:
     clear.click()
     dialog = tab.page.locator('dialog[data-dialog="cell.clear"]')
     told = dialog.locator('.choice-words').all_inner_texts()
-    assert told[2:4] == [f'{LONG}/1', ITEM]
+    assert f'{LONG}/1' in told
+    assert ITEM in told
     assert not tab.page.evaluate(_CUT, '.belt-row, .choice-words')
     bar, title = (tab.page.locator(one).bounding_box() for one in ('#top', 'dialog h2'))
     assert bar is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from page.browsing import Person, Tab
 from page.conftest import Sit, StartPage, StartProxy
 from page.proxy import LoseOneEvent, Proxy
 from page_process import PageProcess
+
+from bt_orchestrator.store.sqlite.records import SqliteRecords
 
 TIMES = 3
 MISSED = 20
@@ -33,9 +36,14 @@ class Line:
 
     @property
     def happened(self) -> int:
-        """Number of the last event that the node told of."""
-        self.cell.watch.ros.spin_for(0.05, lambda: False)
-        return int(self.cell.watch.status.seq)
+        """Number of the last event, by the journal: this process may hear of it much later."""
+        with closing(SqliteRecords(self.journal)) as records:
+            return records.extent().last_seq
+
+    @property
+    def journal(self) -> Path:
+        """Of the node."""
+        return self.cell.folder / 'journal.sqlite3'
 
     def until_shown(self) -> None:
         """Wait until the tab has what has happened by now."""
@@ -53,7 +61,7 @@ class Line:
         self.cell.watch.until_state('Stopped')
         self.until_shown()
         self.cell.stop()
-        words = ['events', '--journal', str(self.cell.folder / 'journal.sqlite3')]
+        words = ['events', '--journal', str(self.journal)]
         status, output, errors = run_verb(self.cell.folder, *words)
         assert (status, errors) == (0, '')
         return [json.loads(line)['seq'] for line in output.splitlines()]

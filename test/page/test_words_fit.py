@@ -136,7 +136,11 @@ def test_a_long_reason_moves_nothing_and_can_be_read_whole(
             tab.until_quiet()
             if why.get_attribute('data-cut') is not None:
                 why.focus()
-            if wrong := broken(tab) + outside(tab) + tab.page.evaluate(_CUT, '.room-words'):
+            if (
+                wrong := broken(tab)
+                + outside(tab)
+                + tab.page.evaluate(_CUT, '.state-why .room-words')
+            ):
                 found[width] = wrong
         assert not found
         assert why.get_attribute('data-cut') is not None, 'a telephone has no room for it'
