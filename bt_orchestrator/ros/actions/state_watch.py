@@ -336,6 +336,9 @@ class StateFlow:
             return
         left = self._allowance.left(now)
         for kept in self.forms():
+            least = len(kept) if isinstance(kept, str) else 0  # of its JSON, which takes long
+            if _RECORD_BYTES + least > left and not self._must_be_told(kept):
+                continue
             size = _RECORD_BYTES + len(json_of(kept))
             if size <= left or self._must_be_told(kept):
                 self._allowance.use(size, now)

@@ -28,7 +28,7 @@ def test_7_4_waits_name_the_real_obstacles_and_the_journal_says_the_same() -> No
     """
     seen: Counter[str] = Counter()
 
-    @examples(200, 1000)
+    @examples(100, 1000)
     @given(lines())
     def holds(plan: Plan) -> None:
         show(plan)

@@ -5,7 +5,10 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
+import pytest
+
 from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.ros.actions import state_watch
 from bt_orchestrator.ros.actions.state_watch import SetupFlow, StateFlow
 
 READY = 'READY'
@@ -54,6 +57,16 @@ def test_long_values_a_thousand_times_a_second_are_told_now_and_then() -> None:
         topic.say(f'{number} {LONG}')
     assert topic.bytes < 128_000 + 60 * 2_000 + 1_000
     assert len(topic.told) > 60
+
+
+def test_a_long_value_is_written_out_only_if_it_may_be_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    written: list[Any] = []
+    monkeypatch.setattr(state_watch, 'json_of', lambda value: written.append(value) or value)
+    topic = Topic()
+    topic.say(*(f'{n} {LONG}' for n in range(2_000)))
+    assert len(written) <= 2 * len(topic.told)
 
 
 def test_short_values_a_thousand_times_a_second_are_told_now_and_then() -> None:
