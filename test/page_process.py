@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ from urllib.request import urlopen
 
 from program_process import PATIENCE_S
 from served_process import PASSWORD, ServedProcess
+
+_LOOK_S = 0.1
 
 
 class PageProcess(ServedProcess):
@@ -26,8 +29,20 @@ class PageProcess(ServedProcess):
     @property
     def readers(self) -> int:
         """How many streams it has open."""
+        return int(self._health['readers'])
+
+    def wait_heard(self) -> None:
+        """Wait until it serves, and has heard of the node."""
+        self.wait_ready()
+        deadline = time.monotonic() + PATIENCE_S
+        while not self._health['heard']:
+            assert time.monotonic() < deadline, 'the page has heard nothing of the node'
+            time.sleep(_LOOK_S)
+
+    @property
+    def _health(self) -> Any:
         with urlopen(f'http://127.0.0.1:{self.port}/healthz', timeout=PATIENCE_S) as answer:
-            return int(json.load(answer)['readers'])
+            return json.load(answer)
 
 
 class Browser:

@@ -46,7 +46,7 @@ def test_a_node_takes_over_and_a_program_at_its_page_goes_on(
     (tmp_path / 'users.yaml').chmod(0o600)
     page = PageProcess(tmp_path, '/bt_orchestrator', ['--journal', journal])
     try:
-        page.wait_ready()
+        page.wait_heard()
         program = [sys.executable, str(KEPT / 'programs' / 'page_client.py')]
         done = subprocess.run(
             [*program, f'http://127.0.0.1:{page.port}', 'mes', 'inspect_by_weight'],

@@ -32,7 +32,7 @@ def test_7_8_control_goes_to_a_panel_and_back_over_kills_of_the_node(
         start_cell, tmp_path, '--journal', str(tmp_path / 'journal.db'), '--auto-resume'
     )
     cell.connect()
-    page.wait_ready()
+    page.wait_heard()
     cell.script(small_script())
     local = ('cell', 'local', '--reason', 'work at section 2')
     status, _, errors = run_verb(cell.folder, *local)

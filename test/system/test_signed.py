@@ -166,7 +166,7 @@ def test_7_12_a_page_signs_for_its_users_and_a_key_is_a_panel(
     page.process.kill()
     page.start()
     cell.connect()
-    page.wait_ready()
+    page.wait_heard()
     with closing(Browser(page.port, 'operate')) as operator:
         assert operator.ask('cell.pause')['accepted']
     decided = cell.watch.until('operator.decided', answer='pause')

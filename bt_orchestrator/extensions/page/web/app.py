@@ -130,6 +130,7 @@ def _core(page: WebPage) -> list[Endpoint]:
         return JSONResponse(
             {
                 'node': page.doors.name,
+                'heard': page.status is not None,
                 'silent_s': round(page.doors.silent_s, 1),
                 'readers': len(page.streams.readers),
             }

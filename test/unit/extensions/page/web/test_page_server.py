@@ -315,6 +315,7 @@ def _threads_of_page(before: set[threading.Thread]) -> list[threading.Thread]:
 class TestServer:
     def test_it_says_how_it_is(self, scene: Scene) -> None:
         with scene.page() as server:
+            scene.wait_until(lambda: get(server, '/healthz')[1]['heard'], 'the node is heard')
             status, found = get(server, '/healthz')
         assert (status, found['node'], found['readers']) == (200, '/bt_orchestrator', 0)
         assert found['silent_s'] >= 0
