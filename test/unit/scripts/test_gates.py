@@ -43,12 +43,11 @@ def gates(clone: Path, *words: str, **variables: str) -> subprocess.CompletedPro
     return run(['bash', 'scripts/test', *words], clone, **variables)
 
 
-def test_a_gate_over_twice_its_budget_fails_in_ci(clone: Path) -> None:
+def test_a_gate_over_twice_its_budget_is_named_and_fails_nothing(clone: Path) -> None:
     done = gates(clone, '--only', 'format,lint', CI='true')
-    assert done.returncode == 1
-    assert 'lint         FAILED: more than twice its budget' in done.stdout
-    assert 'format       passed' in done.stdout
-    assert gates(clone, '--only', 'lint').returncode == 0
+    assert done.returncode == 0
+    assert 'lint         passed, over twice its budget ' in done.stdout
+    assert 'format       passed  ' in done.stdout
 
 
 def test_types_are_left_out_without_the_annotated_rclpy(clone: Path) -> None:
