@@ -21,6 +21,9 @@ from served_process import PASSWORD
 JOB_CONTROL = 'http://opcfoundation.org/UA/ISA95-JOBCONTROL_V2/'
 PATIENCE_S = 60.0
 
+_BUSY_S = 20.0
+"""A server on a busy machine may take so long for an answer."""
+
 
 class AsyncuaSubscriber:
     """Runs in a thread of its own. States: made, connected (after `connect`), ended (`close`).
@@ -86,7 +89,9 @@ class AsyncuaSubscriber:
         )
 
     async def _connect(self, user: str) -> None:
-        client = Client(self._endpoint, auto_reconnect=True, reconnect_max_delay=1.0)
+        client = Client(
+            self._endpoint, timeout=_BUSY_S, auto_reconnect=True, reconnect_max_delay=1.0
+        )
         client.application_uri = self._uri
         client.set_user(user)
         client.set_password(PASSWORD)
