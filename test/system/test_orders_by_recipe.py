@@ -260,7 +260,8 @@ def _what_if_in_an_outage_comes_true(cell: CellProcesses, recipes: Path) -> None
     assert ends['Y'] > whole_s, 'the packer works for the worker'
     for job, within_s in ends.items():
         ended = watch.until('job.completed', job=job)
-        assert abs(ended['time'] - moment.now_s - within_s) < 1.0, (job, ended, expected)
+        took_s = _worked_s(cell, moment.now_s, ended['time'])
+        assert abs(took_s - within_s) < 1.0, (job, ended, expected)
     assert watch.command('in_service', component='worker', who='Ada').accepted
 
 
@@ -291,9 +292,24 @@ def _what_if_with_a_requeue_comes_true(cell: CellProcesses, recipes: Path) -> No
     ended = [watch.until('job.completed', job=job) for job in ('Z', 'Z-rest')]
     assert ended[0]['seq'] < ended[1]['seq']
     for event in ended:
-        within_s = ends[event['job']]
-        assert abs(event['time'] - moment.now_s - within_s) < 1.0, (event, expected)
+        took_s = _worked_s(cell, moment.now_s, event['time'])
+        assert abs(took_s - ends[event['job']]) < 1.0, (event, expected)
     assert watch.until('task.started', job='Z-rest', task='work')['component'] == 'worker'
+
+
+def _worked_s(cell: CellProcesses, since: float, until: float) -> float:
+    """Return for how long a goal was in flight: a busy machine takes its time between goals."""
+    worked, begun, running = 0.0, since, set[str]()
+    for event in cell.watch.events:
+        if not since <= event['time'] <= until:
+            continue
+        if event['event'] == 'task.started':
+            begun = begun if running else event['time']
+            running.add(event['goal'])
+        elif event['event'] == 'task.succeeded' and event['goal'] in running:
+            running.remove(event['goal'])
+            worked += 0.0 if running else event['time'] - begun
+    return worked + (until - begun if running else 0.0)
 
 
 def _a_version_says_one_thing(cell: CellProcesses, recipes: Path) -> None:
