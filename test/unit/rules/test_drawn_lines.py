@@ -57,7 +57,7 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     """
     seen: Counter[str] = Counter()
 
-    @examples(150, 2000)
+    @examples(200, 2000)
     @given(lines())
     def holds(plan: Plan) -> None:
         show(plan)
