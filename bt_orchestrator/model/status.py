@@ -352,7 +352,7 @@ class CellStatus:
     safety: str = ''
     """ready, or why the safety input is not (semantics 7.9); empty: the cell has none."""
     safety_words: Words | None = None
-    """Why it is not ready, as facts; None: it is, or it is known in words only."""
+    """Why it is not ready, as facts; None: it is ready, or the reason is known in words only."""
     control: Control = Control.REMOTE
     """local: only the panels of the line may move it (semantics 7.8)."""
     unit_mode: UnitMode = UnitMode.PRODUCTION

@@ -69,7 +69,7 @@ class Inbox:
 
     def _carry_out(self, command: OnRecord) -> str:
         if not isinstance(command, RefusedRequest):  # it says more than a limit would
-            _check_lengths(command)  # first: it is short, however long they are
+            _check_lengths(command)  # first: it takes no time, however long the texts are
             command = _as_may_be_recorded(command)
             _check_characters(command)
         if command.by is None:

@@ -211,4 +211,4 @@ def _list(what: str, entries: Sequence[Listed]) -> None:
 
 def _shown(text: str) -> str:
     """Return what a client says of itself without what a terminal would do something with."""
-    return ''.join(char if char.isprintable() else '?' for char in text)[:200]
+    return ''.join(char if char.isprintable() else '?' for char in text[:200])

@@ -337,10 +337,11 @@ class StateFlow:
         left = self._allowance.left(now)
         for kept in self.forms():
             least = len(kept) if isinstance(kept, str) else 0  # of its JSON, which takes long
-            if _RECORD_BYTES + least > left and not self._must_be_told(kept):
+            must = self._must_be_told(kept)
+            if _RECORD_BYTES + least > left and not must:
                 continue
             size = _RECORD_BYTES + len(json_of(kept))
-            if size <= left or self._must_be_told(kept):
+            if size <= left or must:
                 self._allowance.use(size, now)
                 self.told = kept if kept == UNCLEAR else self._newest
                 yield kept

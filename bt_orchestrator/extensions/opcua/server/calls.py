@@ -134,8 +134,9 @@ def client_of(name: str | None, address: str) -> str:
 
     :param name: what it calls itself
     """
-    shown = ''.join(char if char.isprintable() else ' ' for char in name or '').strip()
-    return f'{cut(shown, LONGEST_CLIENT) or "a client"} at {address}'
+    text = cut(name or '', LONGEST_CLIENT)
+    shown = ''.join(char if char.isprintable() else ' ' for char in text).strip()
+    return f'{shown or "a client"} at {address}'
 
 
 # The arguments of methods: as they are declared, and whether a call fits them.

@@ -149,7 +149,12 @@ def _core(page: WebPage) -> list[Endpoint]:
         )
 
     return [
-        Endpoint('GET', '/healthz', healthz, 'the page is there, and how long the node is silent'),
+        Endpoint(
+            'GET',
+            '/healthz',
+            healthz,
+            'the page is there; whether the node was heard, and how long it is silent',
+        ),
         Endpoint(
             'GET', '/api/stream', _Stream(page), 'what happens, as server-sent events',
             query={'after': 'HISTORY:SEQ of the last event that is known; also Last-Event-ID'},
