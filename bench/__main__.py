@@ -14,6 +14,7 @@ from pathlib import Path
 import interrupts
 
 from bench import (
+    attached_rows,
     database_rows,
     engine_rows,
     opcua_rows,
@@ -52,6 +53,9 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('report',): lambda: report_rows.report(rounds, events),
         ('dispatch', 'dispatch_normal', 'polling', 'wrap', 'cpu', 'watcher'): lambda: (
             ros_rows.dispatch(in_turns, 3 if quick else 20)
+        ),
+        ('page_attached', 'opcua_attached', 'plain_client', 'plain_client_cpu'): lambda: (
+            attached_rows.attached(in_turns, 3 if quick else 20)
         ),
         ('postgres_append',): lambda: database_rows.append(rounds, 5 if quick else 200),
         ('postgres_dispatch',): lambda: database_rows.dispatch(in_turns, 3 if quick else 20),

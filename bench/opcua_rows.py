@@ -54,10 +54,7 @@ def _round(here: Stand, orders: int) -> Use:
 async def _measured(
     here: Stand, orders: int, processes: dict[str, ProgramProcess], endpoint: str
 ) -> Use:
-    client = Client(endpoint)
-    client.set_user('mes')
-    client.set_password(PASSWORD)
-    async with client:
+    async with logged_in(endpoint) as client:
         mes = Mes(client, here.script.stem)
         await mes.subscribe()
         await mes.run('warm', WARM_UP)
@@ -72,6 +69,14 @@ async def _measured(
                 used_s = family_cpu_s(one.pid) - before[who]
                 found[f'{who}, ms, {name}'] = used_s / orders * 1e3
         return found
+
+
+def logged_in(endpoint: str) -> Client:
+    """Return a client that logs in as an MES does, when it connects."""
+    client = Client(endpoint)
+    client.set_user('mes')
+    client.set_password(PASSWORD)
+    return client
 
 
 class Mes:

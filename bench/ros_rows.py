@@ -19,7 +19,17 @@ from bench.counted_node import FILE
 from bench.recipe_files import OPERATIONS, able_cell_text, write_recipe
 from bench.rows import Row, percentile
 from bench.stamped import FILE as STAMPS
-from bench.stand import TASKS_A_CYCLE, WARM_UP, Measured, Stand, stand
+from bench.stand import (
+    TASKS_A_CYCLE,
+    WARM_UP,
+    Measured,
+    Ratios,
+    Stand,
+    in_turns,
+    p50,
+    stand,
+    watcher,
+)
 from bench.tail import until
 from bt_orchestrator.ros.node_parameters import EVENTS, SINGLE
 
@@ -44,10 +54,10 @@ def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
         for number in range(rounds):
             found.append(_round(here, cycles, number))
             writes.append(_cold_write_s(here.folder))
-    p50 = _Ratios(found)
+    ratios = Ratios(found)
     disk = {
-        'FULL with the disk / chain': _p50(p50.sequence(OURS, CHAIN_LEAN)),
-        'cold durable write of 4 kB, median, ms': _p50(writes) * 1e3,
+        'FULL with the disk / chain': p50(ratios.sequence(OURS, CHAIN_LEAN)),
+        'cold durable write of 4 kB, median, ms': p50(writes) * 1e3,
         'cold durable write of 4 kB, longest round, ms': max(writes) * 1e3,
     }
     latencies = {'latencies, s': _all(found, 'sequence'), 'wraps, s': _all(found, 'wrap')}
@@ -58,29 +68,29 @@ def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
     yield Row(
         'dispatch',
         [
-            (_p50(ours.sequence) - write) / _p50(chain.sequence)
+            (p50(ours.sequence) - write) / p50(chain.sequence)
             for ours, write, chain in rounds_less_disk
         ],
         figures,
     )
-    yield Row('dispatch_normal', p50.sequence(NORMAL, CHAIN_LEAN))
+    yield Row('dispatch_normal', ratios.sequence(NORMAL, CHAIN_LEAN))
     yield Row(
         'wrap',
-        [(_p50(ours.wrap) - write) / _p50(chain.wrap) for ours, write, chain in rounds_less_disk],
-        {'FULL with the disk / chain': _p50(p50.wrap(OURS, CHAIN_LEAN))},
+        [(p50(ours.wrap) - write) / p50(chain.wrap) for ours, write, chain in rounds_less_disk],
+        {'FULL with the disk / chain': p50(ratios.wrap(OURS, CHAIN_LEAN))},
     )
-    yield Row('polling', p50.sequence(POLLED, OURS), {'wrap': _p50(p50.wrap(POLLED, OURS))})
-    wrap_fast = {'wrap': _p50(p50.wrap(POLLED_FAST, OURS))}
-    yield Row('polling_fast', p50.sequence(POLLED_FAST, OURS), wrap_fast)
+    yield Row('polling', ratios.sequence(POLLED, OURS), {'wrap': p50(ratios.wrap(POLLED, OURS))})
+    wrap_fast = {'wrap': p50(ratios.wrap(POLLED_FAST, OURS))}
+    yield Row('polling_fast', ratios.sequence(POLLED_FAST, OURS), wrap_fast)
     cpu_ms = {
-        f'{n}, ms CPU a task': _p50([r[n].cpu_per_task for r in found]) * 1e3 for n in found[0]
+        f'{n}, ms CPU a task': p50([r[n].cpu_per_task for r in found]) * 1e3 for n in found[0]
     }
     others = {
-        "ours / chain on rclpy's executor": _p50(p50.cpu(OURS, CHAIN)),
-        'events executor, ours / chain': _p50(p50.cpu(OURS_EVENTS, CHAIN_EVENTS)),
+        "ours / chain on rclpy's executor": p50(ratios.cpu(OURS, CHAIN)),
+        'events executor, ours / chain': p50(ratios.cpu(OURS_EVENTS, CHAIN_EVENTS)),
     }
-    yield Row('cpu', p50.cpu(OURS, CHAIN_LEAN), {**others, **cpu_ms})
-    yield Row('watcher', p50.sequence(WATCHED, OURS))
+    yield Row('cpu', ratios.cpu(OURS, CHAIN_LEAN), {**others, **cpu_ms})
+    yield Row('watcher', ratios.sequence(WATCHED, OURS))
 
 
 def own_part(rounds: int, cycles: int) -> Iterator[Row]:
@@ -95,13 +105,13 @@ def own_part(rounds: int, cycles: int) -> Iterator[Row]:
         for number in range(rounds):
             for is_ours in (True, False) if number % 2 else (False, True):
                 found = ours if is_ours else chain
-                found.append(_p50(_stamped(here, cycles, is_ours=is_ours)))
+                found.append(p50(_stamped(here, cycles, is_ours=is_ours)))
             writes.append(_cold_write_s(here.folder))
     ratios = [(own - write) / plain for own, write, plain in zip(ours, writes, chain, strict=True)]
     notes = {
-        'ours, p50, ms': _p50(ours) * 1e3,
-        'chain, p50, ms': _p50(chain) * 1e3,
-        'cold durable write, p50, ms': _p50(writes) * 1e3,
+        'ours, p50, ms': p50(ours) * 1e3,
+        'chain, p50, ms': p50(chain) * 1e3,
+        'cold durable write, p50, ms': p50(writes) * 1e3,
     }
     yield Row('own_part', ratios, notes)
 
@@ -131,65 +141,40 @@ def _cold_write_s(folder: Path) -> float:
             file.write(bytes(4096))
             os.fdatasync(file.fileno())
             times.append(time.perf_counter() - began)
-    return _p50(times)
+    return p50(times)
 
 
 def _round(here: Stand, cycles: int, number: int) -> dict[str, Measured]:
-    """Let every candidate drive once; each round begins with another one."""
-    drives: list[tuple[str, Callable[[], Measured]]] = [
-        (CHAIN, lambda: here.by_hand('chain', PLAIN, cycles)),
-        (OURS, lambda: here.ours(cycles, 'FULL', SINGLE)),
-        (CHAIN_LEAN, lambda: here.by_hand('chain', SINGLE, cycles)),
-        (WATCHED, lambda: here.ours(cycles, 'FULL', SINGLE, watched=True)),
-        (NORMAL, lambda: here.ours(cycles, 'NORMAL', SINGLE)),
-        (POLLED, lambda: here.by_hand('polling_tree', '0.1', cycles)),
-        (POLLED_FAST, lambda: here.by_hand('polling_tree', '0.01', cycles)),
-        (CHAIN_EVENTS, lambda: here.by_hand('chain', EVENTS, cycles)),
-        (OURS_EVENTS, lambda: here.ours(cycles, 'FULL', EVENTS)),
-    ]
-    first = number % len(drives)
-    measured = {name: drive() for name, drive in [*drives[first:], *drives[:first]]}
-    return {name: measured[name] for name, _ in drives}
-
-
-class _Ratios:
-    """Ratios of medians, one a round."""
-
-    def __init__(self, rounds: Rounds) -> None:
-        self._rounds = rounds
-
-    def sequence(self, above: str, below: str) -> list[float]:
-        """Of dispatch latencies within a section."""
-        return [_p50(r[above].sequence) / _p50(r[below].sequence) for r in self._rounds]
-
-    def wrap(self, above: str, below: str) -> list[float]:
-        """Of those at the beginning of a cycle."""
-        return [_p50(r[above].wrap) / _p50(r[below].wrap) for r in self._rounds]
-
-    def cpu(self, above: str, below: str) -> list[float]:
-        """Of CPU a task."""
-        return [r[above].cpu_per_task / r[below].cpu_per_task for r in self._rounds]
+    """Let every candidate drive once."""
+    drives: dict[str, Callable[[], Measured]] = {
+        CHAIN: lambda: here.by_hand('chain', PLAIN, cycles),
+        OURS: lambda: here.ours(cycles, 'FULL', SINGLE),
+        CHAIN_LEAN: lambda: here.by_hand('chain', SINGLE, cycles),
+        WATCHED: lambda: here.ours(cycles, 'FULL', SINGLE, attached=watcher),
+        NORMAL: lambda: here.ours(cycles, 'NORMAL', SINGLE),
+        POLLED: lambda: here.by_hand('polling_tree', '0.1', cycles),
+        POLLED_FAST: lambda: here.by_hand('polling_tree', '0.01', cycles),
+        CHAIN_EVENTS: lambda: here.by_hand('chain', EVENTS, cycles),
+        OURS_EVENTS: lambda: here.ours(cycles, 'FULL', EVENTS),
+    }
+    return in_turns(drives, number)
 
 
 def _p95(values: list[float]) -> float:
     return percentile(values, 0.95)
 
 
-def _p50(values: list[float]) -> float:
-    return percentile(values, 0.5)
-
-
 def _figures(rounds: Rounds) -> dict[str, float]:
-    ratios = _Ratios(rounds)
+    ratios = Ratios(rounds)
     figures = {
-        "FULL / chain on rclpy's executor": _p50(ratios.sequence(OURS, CHAIN)),
-        "wrap, FULL / chain on rclpy's executor": _p50(ratios.wrap(OURS, CHAIN)),
-        'events executor, FULL / chain': _p50(ratios.sequence(OURS_EVENTS, CHAIN_EVENTS)),
+        "FULL / chain on rclpy's executor": p50(ratios.sequence(OURS, CHAIN)),
+        "wrap, FULL / chain on rclpy's executor": p50(ratios.wrap(OURS, CHAIN)),
+        'events executor, FULL / chain': p50(ratios.sequence(OURS_EVENTS, CHAIN_EVENTS)),
     }
     for kind in ('sequence', 'wrap'):
         for name, values in _all(rounds, kind).items():
-            figures[f'{name}, {kind} p50, ms'] = percentile(values, 0.5) * 1e3
-            figures[f'{name}, {kind} p95, ms'] = percentile(values, 0.95) * 1e3
+            figures[f'{name}, {kind} p50, ms'] = p50(values) * 1e3
+            figures[f'{name}, {kind} p95, ms'] = _p95(values) * 1e3
     return figures
 
 
@@ -209,12 +194,12 @@ def planning(rounds: int, cycles: int) -> Iterator[Row]:
             turns = (None, recipes) if number % 2 else (recipes, None)
             first, second = (here.ours(cycles, 'FULL', SINGLE, recipes=one) for one in turns)
             found.append((first, second) if turns[0] is None else (second, first))
-    ratios = [_p50(beside.sequence) / _p50(alone.sequence) for alone, beside in found]
+    ratios = [p50(beside.sequence) / p50(alone.sequence) for alone, beside in found]
     notes = {
         'made in a round': min(beside.made for _, beside in found),
         'operations of each': OPERATIONS,
-        'p95': _p50([_p95(beside.sequence) / _p95(alone.sequence) for alone, beside in found]),
-        'alone, p50, ms': _p50([_p50(alone.sequence) for alone, _ in found]) * 1e3,
+        'p95': p50([_p95(beside.sequence) / _p95(alone.sequence) for alone, beside in found]),
+        'alone, p50, ms': p50([p50(alone.sequence) for alone, _ in found]) * 1e3,
     }
     yield Row('recipe_load', ratios, notes)
 
@@ -225,8 +210,8 @@ def setup(rounds: int) -> Iterator[Row]:
         pairs = [(_set_up(60), _set_up(2)) for _ in range(rounds)]
     for key, unit in (('setup_time', 's'), ('setup_memory', 'mb')):
         notes = {
-            f'300 leaves, {unit}': _p50([many[unit] for many, _ in pairs]),
-            f'10 leaves, {unit}': _p50([few[unit] for _, few in pairs]),
+            f'300 leaves, {unit}': p50([many[unit] for many, _ in pairs]),
+            f'10 leaves, {unit}': p50([few[unit] for _, few in pairs]),
         }
         yield Row(key, [many[unit] / few[unit] for many, few in pairs], notes)
 
@@ -243,8 +228,8 @@ def idle(rounds: int, seconds: float) -> Iterator[Row]:
     with stand() as here:
         pairs = [(_idle_ours(here, seconds), _idle_empty(seconds)) for _ in range(rounds)]
     notes = {
-        'ours, % of a core': _p50([ours for ours, _ in pairs]) * 100,
-        'empty node, % of a core': _p50([empty for _, empty in pairs]) * 100,
+        'ours, % of a core': p50([ours for ours, _ in pairs]) * 100,
+        'empty node, % of a core': p50([empty for _, empty in pairs]) * 100,
     }
     yield Row('idle', [ours / empty for ours, empty in pairs], notes)
 

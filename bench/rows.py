@@ -64,6 +64,10 @@ TARGETS = {
         'dispatch p50, journal in PostgreSQL without a replica / file with FULL', 1.1, 1.0
     ),
     'watcher': Target('dispatch p50, tree watcher attached / without', 1.2, 1.05),
+    'page_attached': Target('dispatch p50, page with one reader / without', 1.2, 1.05),
+    'opcua_attached': Target('dispatch p50, OPC UA with two subscribers / without', 1.2, 1.05),
+    'plain_client': Target('dispatch p50, client plain / ours'),
+    'plain_client_cpu': Target('CPU per task, client plain / ours'),
     'page_cpu': Target('CPU, page with one reader / watch on a terminal', 1.5, 1.0),
     'page_node': Target('CPU of the node, with a page that is read / with watch', 1.1, 1.0),
     'page_reader': Target('CPU of the page, with one reader / without'),

@@ -5,9 +5,9 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from threading import Event
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ from program_process import ProgramProcess
 from ros_domain import OwnDomain
 
 from bench.line_files import SECTIONS, cell_text, script_text
+from bench.rows import percentile
 from bench.tail import PATIENCE_S, Tail, until
 from bt_orchestrator.ros.link.client import NodeClient
 
@@ -27,6 +28,10 @@ WARM_UP = 5
 
 ENDLESS = 100_000
 """Items of an order: more than are made."""
+
+
+Attached = Callable[[], AbstractContextManager[object]]
+"""Begins something that looks on at the node, and ends it with the block."""
 
 
 class Measured(NamedTuple):
@@ -96,21 +101,24 @@ class Stand:
         synchronous: str,
         executor: str,
         *,
-        watched: bool = False,
+        attached: Attached = nullcontext,
+        options: Sequence[str] = (),
         recipes: Iterator[str] | None = None,
         program: str = 'bt_orchestrator',
         journal: str = '',
     ) -> Measured:
         """Let a tree node drive the line.
 
+        :param attached: what looks on as long as the line is driven
+        :param options: of `run`, more than those of the journal and the executor
         :param recipes: what is ordered meanwhile, one after another; None: nothing
         :param program: the module that Python runs
         :param journal: its address; empty: a new file
         """
         journal = journal or str(self.folder / f'{self.name("journal")}.sqlite3')
-        options = ['--journal', journal, '--journal-synchronous', synchronous]
-        words = [*options, '--executor', executor]
-        with self.node(words, program) as node, watcher(watched):
+        words = ['--journal', journal, '--journal-synchronous', synchronous]
+        words += ['--executor', executor, *options]
+        with self.node(words, program) as node, attached():
             tail = self.tail()
             self.submit('WO-1', WARM_UP + cycles if recipes is None else ENDLESS)
             tail.until_ended(WARM_UP * TASKS_A_CYCLE)
@@ -207,11 +215,8 @@ def stand(cell: str = '') -> Iterator[Stand]:
 
 
 @contextmanager
-def watcher(attached: bool) -> Iterator[None]:
+def watcher() -> Iterator[None]:
     """Have a tree watcher attached, in a process of its own."""
-    if not attached:
-        yield
-        return
     program = Path(__file__).parents[1] / 'test' / 'watching_client.py'
     process = subprocess.Popen([sys.executable, str(program)], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
@@ -222,6 +227,41 @@ def watcher(attached: bool) -> Iterator[None]:
         process.kill()
         process.wait()
         process.stdout.close()
+
+
+def in_turns(drives: Mapping[str, Callable[[], Measured]], number: int) -> dict[str, Measured]:
+    """Let every candidate drive once; each round begins with another one.
+
+    :param number: of the round
+    """
+    first = number % len(drives)
+    names = [*drives][first:] + [*drives][:first]
+    measured = {name: drives[name]() for name in names}
+    return {name: measured[name] for name in drives}
+
+
+class Ratios:
+    """Ratios of two candidates, one a round."""
+
+    def __init__(self, rounds: Sequence[Mapping[str, Measured]]) -> None:
+        self._rounds = rounds
+
+    def sequence(self, above: str, below: str) -> list[float]:
+        """Of the medians of dispatch latencies within a section."""
+        return [p50(r[above].sequence) / p50(r[below].sequence) for r in self._rounds]
+
+    def wrap(self, above: str, below: str) -> list[float]:
+        """Of the medians of those at the beginning of a cycle."""
+        return [p50(r[above].wrap) / p50(r[below].wrap) for r in self._rounds]
+
+    def cpu(self, above: str, below: str) -> list[float]:
+        """Of CPU a task."""
+        return [r[above].cpu_per_task / r[below].cpu_per_task for r in self._rounds]
+
+
+def p50(values: Sequence[float]) -> float:
+    """Return the median."""
+    return percentile(values, 0.5)
 
 
 def sequences(records: Sequence[dict[str, Any]]) -> Iterator[float]:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import rclpy
+from patience import PATIENCE_S
 from rclpy.action import ActionClient  # type: ignore[attr-defined] # not in its __all__
 from rclpy.action.client import ClientGoalHandle
 from rclpy.context import Context
@@ -16,9 +17,6 @@ from rclpy.node import Node
 from unique_identifier_msgs.msg import UUID
 
 from bt_orchestrator.ros.qos import SERVICES
-
-PATIENCE_S = 120.0
-"""Longest wait for what should come at once; a busy machine is no bug."""
 
 
 class ActionCaller:

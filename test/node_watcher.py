@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from action_caller import PATIENCE_S, ActionCaller
+from action_caller import ActionCaller
 from bt_orchestrator_interfaces.msg import Event, Status
 from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem, SubmitOrder
 from diagnostic_msgs.msg import KeyValue
+from patience import PATIENCE_S
 
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, create_client
 

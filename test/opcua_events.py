@@ -9,7 +9,7 @@ from typing import Any
 
 from asyncua import ua
 from opcua_reader import Reader
-from opcua_stand import PATIENCE_S
+from patience import PATIENCE_S
 
 KINDS = (
     ua.ObjectIds.BaseEventType,

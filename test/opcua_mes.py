@@ -10,7 +10,7 @@ from typing import Any
 import asyncua
 from asyncua import ua
 from opcua_reader import Reader, client_of
-from opcua_stand import PATIENCE_S
+from patience import PATIENCE_S
 
 DONE, UNKNOWN, WRONG, NOT_ACCEPTED, MALFORMED = 1, 2, 8, 16, 1 << 32
 ENDED, ABORTED = 5, 6

@@ -9,7 +9,7 @@ from typing import Any
 
 import asyncua
 from asyncua import ua
-from opcua_stand import PATIENCE_S
+from patience import PATIENCE_S
 
 
 class Reader:

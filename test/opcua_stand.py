@@ -15,6 +15,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from patience import PATIENCE_S
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -22,9 +24,6 @@ if TYPE_CHECKING:
 
     from bt_orchestrator.extensions.opcua.server.server import OpcUaServer
     from bt_orchestrator.ports import EventStore
-
-PATIENCE_S = 120.0
-"""The longest wait for something that must come."""
 
 
 @contextmanager

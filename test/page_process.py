@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 from urllib.request import urlopen
 
-from program_process import PATIENCE_S
+from patience import PATIENCE_S
 from served_process import PASSWORD, ServedProcess
 
 _LOOK_S = 0.1

@@ -17,7 +17,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from program_process import PATIENCE_S, ProgramProcess, program_in
+from patience import PATIENCE_S
+from program_process import ProgramProcess, program_in
 
 from bt_orchestrator.cli.verbs import PROGRAM
 

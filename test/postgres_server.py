@@ -16,11 +16,12 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from patience import PATIENCE_S
+
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.keeping.records import Wanted
 
-PATIENCE_S = 120.0
 USER = 'plant'
 """Owns every database."""
 

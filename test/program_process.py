@@ -10,10 +10,9 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from bt_orchestrator.cli.verbs import PROGRAM as NAME
+from patience import PATIENCE_S
 
-PATIENCE_S = 120.0
-"""Longest time that a program may take to be ready or to end, on a busy machine."""
+from bt_orchestrator.cli.verbs import PROGRAM as NAME
 
 _LOOK_S = 0.02
 

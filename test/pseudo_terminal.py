@@ -15,8 +15,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 
 import pyte
-
-PATIENCE_S = 120.0
+from patience import PATIENCE_S
 
 
 class PseudoTerminal:

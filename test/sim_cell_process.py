@@ -11,7 +11,8 @@ import threading
 from pathlib import Path
 from typing import Any
 
-PATIENCE_S = 120.0
+from patience import PATIENCE_S
+
 _PROGRAM = 'import sys; from bt_orchestrator.cli.sim_cell import sim_cell_main as m; sys.exit(m())'
 
 

@@ -9,7 +9,8 @@ import time
 from http.client import HTTPConnection
 from typing import Any
 
-_PATIENCE_S = 60.0
+from patience import PATIENCE_S
+
 _REQUEST = b'GET /api/stream HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n\r\n'
 
 
@@ -24,7 +25,7 @@ class StreamReader:
         self.numbers: list[int] = []
         self.delays_s: list[float] = []
         self.has_begun = threading.Event()
-        self._connection = HTTPConnection('127.0.0.1', port, timeout=_PATIENCE_S)
+        self._connection = HTTPConnection('127.0.0.1', port, timeout=PATIENCE_S)
         self._connection.request('GET', '/api/stream')
         self._response = self._connection.getresponse()
         assert self._response.status == 200
@@ -33,7 +34,7 @@ class StreamReader:
 
     def wait_begun(self) -> None:
         """Wait until the page has told where the events begin."""
-        assert self.has_begun.wait(_PATIENCE_S), 'the stream never began'
+        assert self.has_begun.wait(PATIENCE_S), 'the stream never began'
 
     @property
     def last(self) -> int:
@@ -44,7 +45,7 @@ class StreamReader:
         """Leave."""
         if self._connection.sock is not None:
             self._connection.sock.shutdown(socket.SHUT_RDWR)
-        self._thread.join(_PATIENCE_S)
+        self._thread.join(PATIENCE_S)
         self._connection.close()
 
     def _read(self) -> None:
@@ -75,7 +76,7 @@ class StuckReader:
     def __init__(self, port: int) -> None:
         self._socket = socket.socket()
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-        self._socket.settimeout(_PATIENCE_S)
+        self._socket.settimeout(PATIENCE_S)
         self._socket.connect(('127.0.0.1', port))
         self._socket.sendall(_REQUEST % port)
 

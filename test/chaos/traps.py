@@ -26,6 +26,7 @@ from chaos.plan import SHARES
 from chaos.truth import Controllers, journal, judge
 from chaos.witnesses import vanished
 from mutations.run import HERE, applies, copy_package
+from patience import PATIENCE_S
 
 ITEMS = 4
 
@@ -34,7 +35,6 @@ _FIRST_GOALS, _MORE_GOALS = 4, 2
 _GOES_ON_S = 20.0
 """A node ends within this time, or goes on."""
 
-_PATIENCE_S = 90.0
 
 _PROGRAM = """
 import sys
@@ -87,7 +87,7 @@ class Round:
         """Spring the trap, let the replica take over, and return what was lost."""
         with self._left:
             self._cell.connect()
-            self.live(lambda: self._goals >= _FIRST_GOALS, _PATIENCE_S)
+            self.live(lambda: self._goals >= _FIRST_GOALS, PATIENCE_S)
             self._trap.spring(self)
             if not self._trap.is_synchronous:
                 return list(self._holes())
@@ -97,7 +97,7 @@ class Round:
             self._cell.start_node(self._program)
             self._operator.gives_more = False
             self._operator.forget()
-            ended = self.live(self._operator.is_done, _PATIENCE_S)
+            ended = self.live(self._operator.is_done, PATIENCE_S)
             return [*self._faults(), *([] if ended else ['the order did not end'])]
 
     def live(self, until: Callable[[], bool], within_s: float) -> bool:
@@ -169,7 +169,7 @@ def rounds(folder: Path, trap: Trap, number: int, *, checked: bool) -> list[list
 def _seen_after_a_crash(at: Round) -> None:
     """Rows that nobody has confirmed are seen when the server is up again; no replica has them."""
     at.database.replica.stop(signal.SIGQUIT)
-    at.live(lambda: at.database.is_waited_for, _PATIENCE_S)
+    at.live(lambda: at.database.is_waited_for, PATIENCE_S)
     at.database.strike('crash')
     at.goes_on()
     at.database.replica_returns_alone()
@@ -178,7 +178,7 @@ def _seen_after_a_crash(at: Round) -> None:
 def _cancelled_wait(at: Round) -> None:
     """Somebody cancels the wait for the replica; the server reports success, and a warning."""
     at.database.replica.stop(signal.SIGQUIT)
-    at.live(lambda: at.database.is_waited_for, _PATIENCE_S)
+    at.live(lambda: at.database.is_waited_for, PATIENCE_S)
     at.database.cancel_waits()
     at.goes_on(goals=1)
     at.database.replica_returns_alone()
@@ -186,7 +186,7 @@ def _cancelled_wait(at: Round) -> None:
 
 def _answered_before_the_commit(at: Round) -> None:
     """The answer to a statement arrives, and its commit never happens."""
-    at.live(at.database.strike('lost_commit'), _PATIENCE_S)
+    at.live(at.database.strike('lost_commit'), PATIENCE_S)
     at.goes_on()
 
 

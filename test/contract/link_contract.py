@@ -9,17 +9,9 @@ from typing import Any
 
 import pytest
 from contract.link_bench import LinkBench, Seen
-from contract.link_doors import (
-    ANN,
-    PATIENCE_S,
-    add,
-    asked_of,
-    happen,
-    new_id,
-    numbers,
-    turn_until,
-)
+from contract.link_doors import ANN, add, asked_of, happen, new_id, numbers, turn_until
 from contract.link_following import FollowingContract
+from patience import PATIENCE_S
 
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.jobs.isa95 import JobWord

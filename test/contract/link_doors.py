@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from contract.link_bench import LinkBench
+from patience import PATIENCE_S
 from ros_domain import kept_domain
 
 from bt_orchestrator.model.by import By, Known, Role
@@ -21,8 +22,6 @@ from bt_orchestrator.ports import CellLink
 
 ANN = By('Ann', 'contract', 'because', Role.ENGINEER, Known.LOCAL_USER)
 
-PATIENCE_S = 60.0
-"""How long a busy machine may take."""
 
 numbers = itertools.count(1)
 """For names that nothing else has."""

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, STUCK, TREES
+from patience import PATIENCE_S
 
 from bt_orchestrator.model.codec import from_record
 
 CELL = ('--cell', str(REFERENCE_CELL))
-PATIENCE_S = 60.0
 SHIPPED = TREES / 'reference_process.yaml'
 
 

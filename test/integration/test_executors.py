@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from action_msgs.srv import CancelGoal
+from patience import PATIENCE_S
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
@@ -25,8 +26,6 @@ from bt_orchestrator.ros.executor.lean_parts import LeanQuestions, PartedWaitabl
 from bt_orchestrator.ros.executor.ways import Service
 
 pytestmark = pytest.mark.every_distro
-
-PATIENCE_S = 60.0
 
 
 class WaitCounter(Waitable):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy

@@ -10,8 +10,8 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from fakes.shipped import REFERENCE_CELL, TREES
+from patience import PATIENCE_S
 
-PATIENCE_S = 60.0
 SVG = '{http://www.w3.org/2000/svg}'
 SCRIPT = TREES / 'inspect_and_assemble.yaml'
 

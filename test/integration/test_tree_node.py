@@ -12,6 +12,7 @@ import pytest
 import rclpy
 from bt_orchestrator_interfaces.srv import RemoveItem
 from cell_processes import SMALL_CELL
+from patience import PATIENCE_S
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
@@ -36,7 +37,6 @@ from bt_orchestrator.ros.services.outputs import StatusTopic
 
 pytestmark = pytest.mark.every_distro
 
-PATIENCE_S = 60.0
 
 EXECUTORS = ['single']
 if importlib.util.find_spec('rclpy.experimental') is not None:

@@ -16,10 +16,10 @@ from asyncua.crypto.cert_gen import setup_self_signed_certificate
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 from cryptography.x509.oid import ExtendedKeyUsageOID
 from opcua.line import NAMESPACE, ORDERS, RESULTS, state_of
+from patience import PATIENCE_S
 from served_process import PASSWORD
 
 JOB_CONTROL = 'http://opcfoundation.org/UA/ISA95-JOBCONTROL_V2/'
-PATIENCE_S = 60.0
 
 _BUSY_S = 20.0
 """A server on a busy machine may take so long for an answer."""

@@ -14,7 +14,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-PATIENCE_S = 60.0
+from patience import PATIENCE_S
 
 CLIENTS = Path(__file__).parent / 'clients'
 PACKAGES = Path(sys.prefix) / 'node' / 'node_modules'

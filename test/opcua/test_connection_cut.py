@@ -13,9 +13,7 @@ from opcua.asyncua_subscriber import AsyncuaSubscriber
 from opcua.conftest import StartLine, Tell
 from opcua.line import EVENT, ORDERS, RESULTS, Line, job_order, states_in
 from page.proxy import Proxy
-
-PATIENCE_S = 90.0
-"""Thirty seconds are promised, on a machine that has nothing else to do."""
+from patience import PATIENCE_S
 
 TOGETHER_S = 1.0
 """A subscriber that is there hears of a change within this time."""

@@ -13,6 +13,7 @@ from cell_processes import ROOT, small_script
 from opcua.conftest import StartLine
 from opcua.driver import node_program, node_variables
 from opcua.line import Line
+from patience import PATIENCE_S
 from served_process import PASSWORD
 
 EXAMPLES = ROOT / 'docs' / 'examples'
@@ -36,8 +37,6 @@ def examples() -> list[Path]:
 def differ(one: Path, other: Path) -> bool:
     return one.read_text(encoding='utf-8') != other.read_text(encoding='utf-8')
 
-
-PATIENCE_S = 90.0
 
 DONE = """\
 StoreAndStart: 1

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from typing import Any
 
 from browser import find_browser
+from patience import PATIENCE_S
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 from served_process import PASSWORD
 
-PATIENCE_S = 60.0
 _LOOK_MS = 20
 
 _REFUSED = ', '.join(

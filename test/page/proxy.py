@@ -12,13 +12,14 @@ import threading
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
+from patience import PATIENCE_S
+
 Filter = Callable[[bytes], bytes]
 """Gets what the page sends, piece by piece, and returns as many bytes of it."""
 
 _T = TypeVar('_T')
 _BUNDLE = re.compile(rb'event: ?happened\r?\n(?:id:.*\r?\n)?data: ?({.*})\r?\n')
 _PIECE = 64 * 1024
-_PATIENCE_S = 10.0
 
 
 class Proxy:
@@ -70,7 +71,7 @@ class Proxy:
         self._loop.close()
 
     def _do(self, one: Coroutine[Any, Any, _T]) -> _T:
-        return asyncio.run_coroutine_threadsafe(one, self._loop).result(_PATIENCE_S)
+        return asyncio.run_coroutine_threadsafe(one, self._loop).result(PATIENCE_S)
 
     async def _listen(self) -> asyncio.Server:
         return await asyncio.start_server(self._connect, '127.0.0.1', 0)

@@ -9,8 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 from page.proxy import LoseOneEvent, Proxy
-
-PATIENCE_S = 20.0
+from patience import PATIENCE_S
 
 
 class Echo:

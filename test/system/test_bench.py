@@ -13,8 +13,8 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_S
 from process_use import family
-from program_process import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 CHEAP = ('simulator', 'sections', 'check', 'restart', 'report', 'postgres_append')

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from fakes.opcua_access import with_login
 from opcua_reader import reading
-from program_process import DEMO_PACKED, PATIENCE_S, ProgramProcess
+from patience import PATIENCE_S
+from program_process import DEMO_PACKED, ProgramProcess
 
 from bt_orchestrator.cli.demo.folder import stop_process
 from bt_orchestrator.cli.demo.programs import NAME, PASSWORD

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering, run_verb
-from program_process import PATIENCE_S
+from patience import PATIENCE_S
 
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.model.by import By, Known, Role

@@ -13,7 +13,7 @@ from urllib.request import urlopen
 import pytest
 from cell_processes import StartCell
 from page_process import PageProcess
-from program_process import PATIENCE_S
+from patience import PATIENCE_S
 from web.sse_client import Message, SseClient
 
 from bt_orchestrator.cli.journal_file import open_records

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering
+from patience import PATIENCE_S
 from postgres_server import PostgresServer, postgres_server
 from program_process import ProgramProcess
 
-PATIENCE_S = 60.0
 KILLS = 8
 
 

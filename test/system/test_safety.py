@@ -13,7 +13,8 @@ import pytest
 import safety_publisher
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, run_verb
 from fakes.who_may import differences
-from program_process import PATIENCE_S, ProgramProcess
+from patience import PATIENCE_S
+from program_process import ProgramProcess
 
 from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.jobs.order import WorkOrder

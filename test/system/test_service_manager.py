@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from cell_processes import StartCell
-from program_process import PATIENCE_S
+from patience import PATIENCE_S
 
 
 @pytest.fixture

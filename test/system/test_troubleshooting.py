@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 from cell_processes import ROOT, StartCell, run_verb
+from patience import PATIENCE_S
 from program_process import program_in
 
 PAGE = ROOT / 'docs' / 'troubleshooting.md'
-PATIENCE_S = 60.0
 
 
 def commands() -> list[str]:

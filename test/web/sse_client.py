@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-PATIENCE_S = 20.0
+from patience import PATIENCE_S
 
 
 class Message(NamedTuple):

@@ -8,12 +8,13 @@ from functools import partial
 from typing import Any
 
 from attack.attacks.attack import Attack, Bounds
-from attack.peer import PATIENCE_S, Peer
+from attack.peer import Peer
 from attack.plain_node import NAME
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
 from bt_orchestrator_interfaces.srv import QueueAdd, QueueCommand, SubmitOrder
 from diagnostic_msgs.msg import KeyValue
+from patience import PATIENCE_S
 from rcl_interfaces.srv import GetParameters
 
 from bt_orchestrator.ros.qos import create_client

@@ -7,10 +7,9 @@ import signal
 import threading
 
 import pytest
+from patience import PATIENCE_S
 
 from bt_orchestrator.base.stop_signals import StopSignals
-
-PATIENCE_S = 10.0
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])

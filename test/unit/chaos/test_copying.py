@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 from chaos.copying import BACKUP, COPIES, READ, digest_of
 from chaos.readers import COPYING
+from patience import PATIENCE_S
 
 ROWS = [(1, '{"seq": 1}'), (2, '{"seq": 2}')]
 
-PATIENCE_S = 60.0
 
 WRITER = 'import sys; file = open(sys.argv[1]); sys.stdin.read()'
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from fakes.programs import program
-from program_process import PATIENCE_S
+from patience import PATIENCE_S
 
 ROOT = Path(__file__).parents[3]
 

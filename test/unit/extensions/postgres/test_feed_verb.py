@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 from fakes.long_journal import LongRun
+from patience import PATIENCE_S
 from postgres_server import PostgresServer, postgres_server
-from program_process import PATIENCE_S, ProgramProcess
+from program_process import ProgramProcess
 
 from bt_orchestrator.cli.main import main
 

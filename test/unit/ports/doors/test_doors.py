@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from fakes.statuses import status
+from patience import PATIENCE_S
 
 from bt_orchestrator.base.errors import NodeUnreachable
 from bt_orchestrator.model.events import JobHeld
@@ -21,8 +22,6 @@ from bt_orchestrator.ports import CellLink, EventPage, Listener
 from bt_orchestrator.ports.doors import following_door
 from bt_orchestrator.ports.doors.doors import AskingDoor, Doors
 from bt_orchestrator.ports.doors.following_door import DEAF_S, Began, Fact, FollowingDoor, Happened
-
-PATIENCE_S = 20.0
 
 
 class Door:

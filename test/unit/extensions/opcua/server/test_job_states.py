@@ -10,7 +10,8 @@ from typing import Any
 
 from asyncua import ua
 from opcua_mes import DONE, WRONG, Mes, data, order, parameter, with_mes
-from opcua_stand import PATIENCE_S, opcua_stand, served
+from opcua_stand import opcua_stand, served
+from patience import PATIENCE_S
 from web.stand_cell import StandCell
 
 from bt_orchestrator.store.memory import MemoryStore

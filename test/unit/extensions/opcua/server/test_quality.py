@@ -14,7 +14,8 @@ import asyncua
 import pytest
 from asyncua import ua
 from opcua_reader import Reader, client_of, reading
-from opcua_stand import PATIENCE_S, opcua_stand
+from opcua_stand import opcua_stand
+from patience import PATIENCE_S
 from web.stand_cell import StandCell
 
 from bt_orchestrator.model.jobs.order import WorkOrder

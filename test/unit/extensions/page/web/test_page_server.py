@@ -17,7 +17,8 @@ from typing import Any
 
 import pytest
 from fakes.certificates import make_certificate
-from web.sse_client import PATIENCE_S, SseClient
+from patience import PATIENCE_S
+from web.sse_client import SseClient
 from web.stand_cell import StandCell
 
 from bt_orchestrator.extensions.page.web import server as server_module

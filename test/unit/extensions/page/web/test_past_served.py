@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from fakes.shipped import TREES
-from web.sse_client import PATIENCE_S
+from patience import PATIENCE_S
 from web.stand_cell import StandCell
 
 from bt_orchestrator.extensions.page.web.access import Access

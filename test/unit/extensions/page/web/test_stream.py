@@ -9,14 +9,13 @@ from dataclasses import replace
 from typing import Any, cast
 
 from fakes.statuses import status
+from patience import PATIENCE_S
 
 from bt_orchestrator.extensions.page.web.board import Board
 from bt_orchestrator.extensions.page.web.stream import Streams
 from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.ports.doors.following_door import Happened
-
-PATIENCE_S = 20.0
 
 
 class SlowDoors:

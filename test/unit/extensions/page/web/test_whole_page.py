@@ -18,9 +18,9 @@ import pytest
 from fakes.browser import Browser
 from fakes.certificates import make_certificate
 from fakes.quick_users import PASSWORD, write_users
+from patience import PATIENCE_S
 from starlette.applications import Starlette
 from starlette.routing import Mount, Route
-from web.sse_client import PATIENCE_S
 from web.stand_cell import StandCell
 
 from bt_orchestrator.extensions.page.web.access import Access
