@@ -4,7 +4,7 @@ import interrupts
 from fakes.profiles import PROFILE
 from hypothesis import settings
 
-pytest_plugins = ['failed_cells', 'long_first', 'ros_domain', 'skips']
+pytest_plugins = ['failed_cells', 'long_first', 'on_idle', 'ros_domain', 'skips']
 
 # The same examples in every run: a red gate means that the change is wrong. No deadline, because
 # a busy machine is no bug. In the night the examples are new, and a failure is printed with what

@@ -1,0 +1,47 @@
+"""Further test processes begin a test only where the machine has time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import on_idle
+import pytest
+
+BEFORE = 'cpu  100 10 40 800 50 0 0 0 0 0\ncpu0 50 5 20 400 25 0 0 0 0 0\n'
+BUSY = 'cpu  170 10 60 806 54 0 0 0 0 0\n'
+IDLE = 'cpu  180 10 80 880 60 0 0 0 0 0\n'
+
+
+class Kernel:
+    """Tells what the cores did, one text after the other; the last one for ever."""
+
+    def __init__(self, texts: Sequence[str]) -> None:
+        self.left = [*texts]
+
+    def read_text(self, encoding: str) -> str:
+        return self.left.pop(0) if len(self.left) > 1 else self.left[0]
+
+
+@pytest.mark.parametrize(('after', 'share'), [(BUSY, 0.1), (IDLE, 0.43), (BEFORE, 0.0)])
+def test_the_share_of_idle_time(after: str, share: float) -> None:
+    assert on_idle.idle_share(BEFORE, after) == pytest.approx(share, abs=0.01)
+
+
+@pytest.mark.parametrize(('worker', 'waits'), [('', False), ('gw0', False), ('gw99', True)])
+def test_the_first_processes_never_wait(worker: str, waits: bool) -> None:
+    assert on_idle.needs_idle(worker) is waits
+
+
+@pytest.mark.parametrize(
+    ('texts', 'left'),
+    [([BEFORE, BUSY, IDLE, 'never read'], 1), ([BEFORE, IDLE, 'never read'], 1), ([BUSY], 1)],
+)
+def test_it_waits_until_the_cores_have_time_or_long_enough(
+    monkeypatch: pytest.MonkeyPatch, texts: list[str], left: int
+) -> None:
+    kernel = Kernel(texts)
+    monkeypatch.setattr(on_idle, 'TIMES', kernel)
+    monkeypatch.setattr(on_idle, 'LOOK_S', 0.0)
+    monkeypatch.setattr(on_idle, 'LONGEST_S', 0.5)
+    on_idle.wait_for_idle()
+    assert len(kernel.left) == left
