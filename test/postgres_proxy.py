@@ -59,6 +59,8 @@ class _Passing:
     def __init__(self, proxy: Proxy, client: socket.socket, server: socket.socket) -> None:
         self._proxy, self._client, self._server = proxy, client, server
         self._fault: threading.Event | None = None
+        self._parsed: dict[bytes, bytes] = {}
+        """Statements that the server has read, by name."""
 
     def start(self) -> None:
         for work in (self._up, self._down):
@@ -78,7 +80,9 @@ class _Passing:
         self._server.sendall(struct.pack('!I', size) + _exactly(self._client, size - 4))
         while True:
             kind, message = _message(self._client)
-            if kind == b'P' and b'INSERT INTO events' in message:
+            if kind == b'P':
+                self._parsed[_names(message)[0]] = message
+            if kind == b'B' and self._is_append(message):
                 for fault in (self._proxy.loses_answer, self._proxy.loses_commit):
                     if fault.is_set():
                         self._fault = fault
@@ -87,6 +91,10 @@ class _Passing:
             if kind == b'S' and self._fault is self._proxy.loses_commit:
                 message = b'H' + message[1:]  # flush instead of sync
             self._server.sendall(message)
+
+    def _is_append(self, message: bytes) -> bool:
+        """Tell whether a message carries out a statement that writes events."""
+        return b'INSERT INTO events' in self._parsed[_names(message)[1]]
 
     def _down(self) -> None:
         while True:
@@ -104,6 +112,11 @@ class _Passing:
         self._fault.clear()
         self._proxy.happened.set()
         raise EOFError
+
+
+def _names(message: bytes) -> list[bytes]:
+    """Return the texts that a message begins with."""
+    return message[5:].split(b'\0')
 
 
 def _message(source: socket.socket) -> tuple[bytes, bytes]:

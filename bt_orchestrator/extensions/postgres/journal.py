@@ -275,7 +275,7 @@ class PostgresStore(KeptJournal):
 
     def _insert(self, session: Session, columns: Sequence[str], floor: int) -> None:
         values = (*columns, self._cell.number, self._cell.epoch, floor)
-        if not session.ask(_APPEND, values).fetchone()[0]:
+        if not session.ask(_APPEND, values, often=True).fetchone()[0]:
             self._refuse_another(session)
             raise JournalFailed(
                 f'the last event is {_floor_of(session)} and not {floor}: another program '

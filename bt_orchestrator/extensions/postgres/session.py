@@ -46,6 +46,7 @@ class Session:
         self._connection = connection
         self._transformer = Transformer(connection)
         self._one_at_a_time = threading.RLock()
+        self._kept: dict[str, bytes] = {}
         self._warned = ''
         self.within_s = within_s
         self.until = math.inf
@@ -74,29 +75,43 @@ class Session:
         for row in rows:
             self.execute(query, row)
 
-    def ask(self, query: str, values: Sequence[Any] = ()) -> Rows:
-        """Carry out a statement of PostgreSQL, with `$1` for the first value."""
+    def ask(self, query: str, values: Sequence[Any] = (), *, often: bool = False) -> Rows:
+        """Carry out a statement of PostgreSQL, with `$1` for the first value.
+
+        :param often: it comes again and again: the server reads it and plans it once
+        """
         given = [_given(value) for value in values]
         kinds = [BYTEA if isinstance(value, bytes) else 0 for value in values]
+        formats = [int(kind == BYTEA) for kind in kinds]
         with self._one_at_a_time:
             self._warned = ''
             self._deadline = min(self.until, time.monotonic() + self.within_s)
             pgconn = self._connection.pgconn
-            pgconn.send_query_params(
-                query.encode(), given, kinds, [int(kind == BYTEA) for kind in kinds]
-            )
-            results = list(self._results(pgconn))
-            if self._warned:
-                raise NotOnReplicas(self._warned)
-            for result in results:
-                if result.status not in (pq.ExecStatus.TUPLES_OK, pq.ExecStatus.COMMAND_OK):
-                    raise psycopg.errors.error_from_result(result)
-            return Rows(self._transformer, results[-1])
+            if not often:
+                pgconn.send_query_params(query.encode(), given, kinds, formats)
+                return self._answer(pgconn)
+            if query not in self._kept:
+                name = f'kept_{len(self._kept)}'.encode()
+                pgconn.send_prepare(name, query.encode(), kinds)
+                self._answer(pgconn)
+                self._kept[query] = name
+            pgconn.send_query_prepared(self._kept[query], given, formats)
+            return self._answer(pgconn)
 
     def close(self) -> None:
         """Close it, after the answer that another thread waits for."""
         with self._one_at_a_time:
             self._connection.close()
+
+    def _answer(self, pgconn: pq.abc.PGconn) -> Rows:
+        """Return the rows that were asked for, when the server is ready for the next query."""
+        results = list(self._results(pgconn))
+        if self._warned:
+            raise NotOnReplicas(self._warned)
+        for result in results:
+            if result.status not in (pq.ExecStatus.TUPLES_OK, pq.ExecStatus.COMMAND_OK):
+                raise psycopg.errors.error_from_result(result)
+        return Rows(self._transformer, results[-1])
 
     def _results(self, pgconn: pq.abc.PGconn) -> Iterator[pq.abc.PGresult]:
         """Yield results until the server is ready for the next query."""

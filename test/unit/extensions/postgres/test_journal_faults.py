@@ -88,6 +88,17 @@ def test_9_1_the_end_of_a_history_is_written_once_when_the_answer_is_lost(
             assert (store.history, list(store.read())) == (history, events(1, 14))
 
 
+def test_the_server_plans_appends_once_a_connection(address: str, tmp_path: Path) -> None:
+    with closing(PostgresStore(address, tmp_path)) as store:
+        for first in range(1, 21, 2):
+            store.append(events(first, first + 1))
+        with store.writing() as session:
+            plans = session.ask(
+                'SELECT generic_plans, custom_plans FROM pg_prepared_statements'
+            ).fetchall()
+    assert plans == [(10, 0)]
+
+
 def test_9_1_a_cancelled_wait_for_replicas_is_no_commit(
     address: str, person: Connection, tmp_path: Path
 ) -> None:
