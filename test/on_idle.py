@@ -51,9 +51,9 @@ def needs_idle(worker: str) -> bool:
 
 def wait_for_idle() -> None:
     """Return when the cores had time, or after a while."""
-    deadline = time.monotonic() + LONGEST_S
     with _LOCK.open('a') as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
+        deadline = time.monotonic() + LONGEST_S
         before = TIMES.read_text(encoding='ascii')
         while time.monotonic() < deadline:
             time.sleep(LOOK_S)
