@@ -11,7 +11,7 @@ from bt_orchestrator.cli.door import ask_and_print, asked, door_for
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.output import WrongUse
 from bt_orchestrator.model.requests import About, requests_about
-from bt_orchestrator.model.requests.alike import why_singly
+from bt_orchestrator.model.requests.offers import why_singly
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.script.given_values import results_of

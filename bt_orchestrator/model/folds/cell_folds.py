@@ -13,7 +13,7 @@ from bt_orchestrator.model.jobs.job_folds import forget_skips, note_work
 from bt_orchestrator.model.jobs.setups import forget_all, note_told
 from bt_orchestrator.model.judging.rejects import forget_rejects, note_hold
 from bt_orchestrator.model.packml import PackmlState, UnitMode
-from bt_orchestrator.model.requests.alike import together
+from bt_orchestrator.model.requests.offers import together
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Hold, OutOfService, Phase, Reading, TaskState
 from bt_orchestrator.model.stop_reason import (

@@ -289,7 +289,7 @@ class Hold:
     topic_says: str = ''
     """In doubt after a restart: what the action's status topic says of the goal."""
     answers_together: tuple[str, ...] = ()
-    """Those that one list may give to several holds (`model.alike`)."""
+    """Those that one list may give to several holds (`model.requests.offers`)."""
     answers_why: str = ''
     """Why other answers are not offered; empty: nothing is left out."""
     manual: tuple[str, ...] = ()

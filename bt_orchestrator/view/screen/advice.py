@@ -10,8 +10,8 @@ from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, Request, of_hold, requests_about
-from bt_orchestrator.model.requests.alike import alike
 from bt_orchestrator.model.requests.offers import (
+    alike,
     allowed,
     answers_of_others,
     may_make,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from bt_orchestrator.model.frozen import changed
-from bt_orchestrator.model.requests.alike import alike, together, why_singly
+from bt_orchestrator.model.requests.offers import alike, together, why_singly
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import Hold
 
