@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from bt_orchestrator.model.events import HoldRaised
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.texts import one_line
+from bt_orchestrator.model.words import sentence
 
 
 def hold_words(hold: Hold | HoldRaised) -> str:
@@ -27,8 +28,10 @@ def hold_name(hold: Hold) -> str:
     """
     what = hold.task or hold.item or hold.job
     if what:
-        return f'hold {hold.id} ({what}: {hold.reason})'
-    return f'hold {hold.id} ({", ".join(filter(None, (hold.reason, one_line(hold.message))))})'
+        return sentence('hold_of', hold=hold.id, task=what, reason=hold.reason)
+    message = one_line(hold.message)
+    kind = 'hold_why' if message else 'hold_bare'
+    return sentence(kind, hold=hold.id, reason=hold.reason, message=message)
 
 
 def hold_wait_words(holds: Iterable[Hold]) -> str:

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from enum import Enum
 
+from bt_orchestrator.model.words import sentence
+
 
 class PackmlState(Enum):
     """State of the cell."""
@@ -181,11 +183,14 @@ def refusal(state: PackmlState, cause: Cause) -> str | None:
     """Say why a command cannot be carried out in a state, and what can; None: it can."""
     if cause in TRANSITIONS[state] or cause in HOLD_ANYWHERE:
         return None
-    fitting = ' or '.join(other.value for other in PackmlState if cause in TRANSITIONS[other])
-    if len(fitting.split(' or ')) > 2:
-        fitting = 'another state'
-    possible = ', '.join(VERBS[other] for other in possible_in(state))
-    return f'the cell is {state.value}; {VERBS[cause]} is for {fitting}; possible now: {possible}'
+    fitting = [other.value for other in PackmlState if cause in TRANSITIONS[other]]
+    return sentence(
+        'not_in_state' if len(fitting) <= 2 else 'not_in_this_state',
+        state=state.value,
+        verb=VERBS[cause],
+        states=' or '.join(fitting),
+        verbs=', '.join(VERBS[other] for other in possible_in(state)),
+    )
 
 
 def possible_in(state: PackmlState) -> tuple[Cause, ...]:

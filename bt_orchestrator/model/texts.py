@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import unicodedata
 
+from bt_orchestrator.model.words import sentence
+
 _WANTED = '\t\n\r\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}'
 """Breaks of lines, and what some scripts and pictures are written with."""
 
@@ -21,7 +23,7 @@ def text_fault(text: str) -> str | None:
     if char is None:
         return None
     name = unicodedata.name(char, 'a control character')
-    return f'it has U+{ord(char):04X} ({name}), which hides or turns what is read'
+    return sentence('unseen', char=f'U+{ord(char):04X}', name=name)
 
 
 def readable(text: str) -> str:

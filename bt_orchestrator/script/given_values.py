@@ -9,13 +9,14 @@ from typing import Any
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType, MessageType
 from bt_orchestrator.model.limits import REQUEST_BYTES, RESULTS_TEXT
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.task_values import settable
 from bt_orchestrator.script.yaml_nodes import MapNode, as_data, found, plain_value
 
-_EXPECTED = 'expected the arguments as a mapping in JSON or YAML, as in {"job": "WO-7"}'
+_EXAMPLE = '{"job": "WO-7"}'
 
 
 def arguments_of(text: str) -> Mapping[str, Any]:
@@ -24,14 +25,15 @@ def arguments_of(text: str) -> Mapping[str, Any]:
     :raises CommandRefused: says what was expected and what was found
     """
     if len(text) > REQUEST_BYTES:
-        raise CommandRefused(
-            f'the arguments have {len(text)} characters; expected at most {REQUEST_BYTES}; '
-            'give fewer at a time'
-        )
+        raise CommandRefused(sentence('fewer_arguments', count=len(text), most=REQUEST_BYTES))
     plain = _plain(text) if text.strip() else {}
     if not isinstance(plain, Mapping) or not all(isinstance(name, str) for name in plain):
-        raise CommandRefused(f'{_EXPECTED}; found {json.dumps(plain):.60}')
+        raise CommandRefused(_no_arguments(f'{json.dumps(plain):.60}'))
     return plain
+
+
+def _no_arguments(found_words: str) -> str:
+    return sentence('no_arguments', example=_EXAMPLE, found=found_words)
 
 
 def _plain(text: str) -> object:
@@ -39,7 +41,7 @@ def _plain(text: str) -> object:
         plain = json.loads(text)
         json.dumps(plain, ensure_ascii=False).encode()  # half a character would end the process
     except UnicodeEncodeError as error:
-        raise CommandRefused(f'the arguments are not a valid text: {error.reason}') from error
+        raise CommandRefused(sentence('no_text', cause=error.reason)) from error
     except (ValueError, RecursionError):
         return _yaml(text)
     return plain
@@ -47,12 +49,14 @@ def _plain(text: str) -> object:
 
 def _yaml(text: str) -> object:
     if len(text) > RESULTS_TEXT:
-        raise CommandRefused(f'arguments of more than {RESULTS_TEXT} characters must be JSON')
+        raise CommandRefused(sentence('long_yaml', most=RESULTS_TEXT))
     report = Report('arguments')
     node = compose(text, report)
-    if report.findings or node is None:
+    if report.findings:
         problems = '. '.join(f'{finding.what}; {finding.hint}' for finding in report.findings[:3])
-        raise CommandRefused(f'{_EXPECTED}; {problems or "found nothing"}')
+        raise CommandRefused(sentence('wrong_arguments', example=_EXAMPLE, words=problems))
+    if node is None:
+        raise CommandRefused(_no_arguments('nothing'))
     return as_data(node)
 
 
@@ -81,19 +85,19 @@ def given_goal(text: str, action: ActionType) -> dict[str, Any]:
 
 def _values(text: str, fields: MessageType, what: str) -> dict[str, Any]:
     if len(text) > RESULTS_TEXT:
-        raise CommandRefused(
-            f'the {what} have {len(text)} characters; expected at most {RESULTS_TEXT}'
-        )
+        words = sentence('long_fields', fields=what, count=len(text), most=RESULTS_TEXT)
+        raise CommandRefused(words)
     report = Report(what)
     node = compose(text, report)
     values: dict[str, Any] = {}
     if isinstance(node, MapNode):
         values = MessageReader(report).read(node, fields)
     elif node is not None:
-        raise CommandRefused(f'{what} are a mapping, {{field: value, ...}}; found {found(node)}')
+        expected = {'fields': what, 'example': '{field: value, ...}'}
+        raise CommandRefused(sentence('no_fields', **expected, found=found(node)))
     if report.findings:
         problems = [f'{finding.what}; {finding.hint}' for finding in report.findings[:_TOLD]]
-        raise CommandRefused(f'{what}: ' + '. '.join(problems))
+        raise CommandRefused(sentence(f'wrong_{what}', words='. '.join(problems)))
     return values
 
 

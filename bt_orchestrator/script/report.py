@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from bt_orchestrator.base.errors import Finding, Refused
+from bt_orchestrator.model.words import sentence
 
 
 @dataclass(frozen=True, order=True)
@@ -85,7 +86,7 @@ def nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str | Non
 def did_you_mean(name: str, known: Iterable[str], otherwise: str) -> str:
     """Offer the nearest known name, else say something else."""
     near = nearest(name, known)
-    return f'did you mean `{near}`?' if near else otherwise
+    return sentence('did_you_mean', name=near) if near else otherwise
 
 
 def listing(names: Iterable[str], longest: int = 12) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.report import Place, Report, did_you_mean, listing
 from bt_orchestrator.script.yaml_nodes import quoted
@@ -18,14 +19,16 @@ def check_task_name(name: str, type_: ActionType, place: Place, report: Report) 
 def wrong_task(name: str, type_: ActionType) -> str:
     """Say why an action type does not have a task; empty: it has."""
     hint = _why_not(name, type_)
-    return f'{type_.name} has no task {quoted(name)}; {hint}' if hint else ''
+    if not hint:
+        return ''
+    return sentence('no_such_task', type=type_.name, task=quoted(name), words=hint)
 
 
 def _why_not(name: str, type_: ActionType) -> str:
     if not type_.has_task_field or name in type_.constants:
         return ''
     known = listing(type_.constants)
-    otherwise = f'its tasks are {known}' if known else 'add a constant to the goal of that type'
+    otherwise = sentence('its_tasks', tasks=known) if known else sentence('add_constant')
     return did_you_mean(name, type_.constants, otherwise)
 
 

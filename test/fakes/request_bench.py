@@ -8,6 +8,7 @@ from typing import Any
 
 from fakes.line import TYPES, Line, expanded
 from fakes.operator import engineer
+from fakes.refusals import check_refusal
 
 from bt_orchestrator.base.errors import Refused
 from bt_orchestrator.base.replies import begin
@@ -19,7 +20,7 @@ from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.plant.shifts import PlantReason
-from bt_orchestrator.model.requests import ask
+from bt_orchestrator.model.requests import CLASSIFY, ask
 from bt_orchestrator.ports import MadeScript
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
@@ -110,6 +111,8 @@ class RequestBench:
         before = self.sim.state.seq
         answer = begin(self.handler.carry_out(ask(name, by, **given))).value
         said = 'accepted' if answer.accepted else 'refused'
+        if not answer.accepted and name != CLASSIFY.name:  # here a stop has no history to name
+            check_refusal(answer.message)
         given = {key: value for key, value in given.items() if key != 'orders'}
         self.told.append(f'> {name} {given} by {by.role.value}: {said}: {answer.message}')
         self.told += map(to_text, self.store.read(after=before))
@@ -117,7 +120,10 @@ class RequestBench:
 
     def ask_named(self, name: str, arguments: str = '', by: By = ANN) -> Answer:
         """Make a request that comes as texts."""
-        return begin(self.handler.carry_out_named(name, arguments, by)).value
+        answer = begin(self.handler.carry_out_named(name, arguments, by)).value
+        if not answer.accepted:
+            check_refusal(answer.message)
+        return answer
 
     def records(self, event: str) -> list[Any]:
         """Return the events of a name."""

@@ -20,13 +20,14 @@ from fakes.commands import (
 from fakes.full_tree import check_view
 from fakes.invariants import Invariants
 from fakes.operator import ann, engineer
+from fakes.refusals import check_refusal
 from fakes.told_waits import ToldWaits, told_of
 from fakes.tree_waits import waits_of
 
 from bt_orchestrator.engine.tree.compile import CellTree
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest, from_record, to_record
-from bt_orchestrator.model.commands import Answer, Command
+from bt_orchestrator.model.commands import Answer, Command, RefusedRequest
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import GoalRequest
@@ -121,6 +122,8 @@ class VirtualRun:
     def ask(self, command: Command) -> Answer:
         """Give a command now; everything due at this moment has happened."""
         answer = self.sim.orchestrator.ask(command)
+        if not answer.accepted and not isinstance(command, RefusedRequest):
+            check_refusal(answer.message)
         self._after_settle()
         self._check()
         return answer

@@ -34,6 +34,7 @@ from bt_orchestrator.model.requests import (
 )
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import joined, sentence
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.given_values import (
     arguments_of,
@@ -108,9 +109,9 @@ def unknown_code(asked: Asked, reasons: Mapping[str, PlantReason] | None) -> str
     if not code or (reasons is not None and code in reasons):
         return ''
     if reasons is None:
-        return f'this node knows no reasons, and not {code!r}; start it with --reasons FILE'
-    hint = did_you_mean(code, reasons, f'the plant has {listing(reasons)}')
-    return f'there is no reason {code!r}; {hint}'
+        return sentence('no_reasons', code=repr(code))
+    hint = did_you_mean(code, reasons, sentence('plant_has', names=listing(reasons)))
+    return sentence('no_such_reason', code=repr(code), words=hint)
 
 
 def without_code(asked: Asked) -> Asked:
@@ -127,11 +128,9 @@ def stop_number(name: str, history: str) -> int:
     """
     match = _STOP_NAME.fullmatch(name)
     if match is None:
-        raise CommandRefused(f'a stop has a name as in {history}:123; found {name!r}')
+        raise CommandRefused(sentence('stop_form', history=history, found=repr(name)))
     if match['history'] != history:
-        raise CommandRefused(
-            f'the stop {name} is of another history than this journal, which is {history}'
-        )
+        raise CommandRefused(sentence('stop_elsewhere', name=name, history=history))
     return int(match['seq'])
 
 
@@ -139,10 +138,7 @@ def stop_number(name: str, history: str) -> int:
 def _statement(asked: Asked, _: CellState, __: ActionTypes) -> dict[str, Any]:
     belt, as_shown = asked.arguments.get('belt'), asked.arguments.get('as_shown', 0)
     if bool(belt) == bool(as_shown):
-        raise CommandRefused(
-            f'{asked.request.word} needs to know what stands on the belt: either every slot, as '
-            'in 1=WO-1/3 and 2=empty, or the seq of the status of the belt as it stands'
-        )
+        raise CommandRefused(sentence('statement', verb=asked.request.word))
     return {'belt': parse_slots(belt) if belt else AsShown(as_shown)}
 
 
@@ -150,8 +146,9 @@ def _statement(asked: Asked, _: CellState, __: ActionTypes) -> dict[str, Any]:
 def _component(asked: Asked, state: CellState, _: ActionTypes) -> dict[str, Any]:
     name, components = asked['component'], {**state.cell.components, **state.out_of_service}
     if name not in components:
-        hint = did_you_mean(name, components, f'the cell has {listing(components)}')
-        raise CommandRefused(f'there is no component {name!r}; {hint}')
+        there = sentence('cell_has', components=listing(components))
+        hint = did_you_mean(name, components, there)
+        raise CommandRefused(joined(sentence('no_component', component=repr(name)), hint))
     return {}
 
 
@@ -161,7 +158,7 @@ def _goal(asked: Asked, state: CellState, types: ActionTypes) -> dict[str, Any]:
     _component(asked, state, types)
     component = state.cell.components.get(asked['component'])
     if component is None:
-        raise CommandRefused(f'{asked["component"]} is not in the cell file any more')
+        raise CommandRefused(sentence('component_gone', component=asked['component']))
     type_, task = types.action(component.type), asked['task']
     why_not = wrong_task(task, type_)
     if why_not:
@@ -184,11 +181,9 @@ def _digest(asked: Asked, state: CellState, _: ActionTypes) -> dict[str, Any]:
     if len(digests) == 1:
         return {'script': digests[0]}
     scripts = [f'{name} ({digest})' for digest, name in waiting.items()]
-    what = 'several scripts are called' if digests else 'no job in the queue waits for'
-    raise CommandRefused(
-        f'{what} {script!r}; name the digest of one; jobs wait for '
-        f'{listing(scripts) if scripts else "no script"}'
-    )
+    kind = 'several_scripts' if digests else 'no_script_awaited'
+    awaited = listing(scripts) if scripts else 'no script'
+    raise CommandRefused(sentence(kind, script=repr(script), scripts=awaited))
 
 
 @prepares(
@@ -206,9 +201,7 @@ def _results(asked: Asked, state: CellState, types: ActionTypes) -> dict[str, An
     hold = state.holds.get(asked['hold'])
     task = state.task(hold.key) if hold is not None and hold.key is not None else None
     if task is None:
-        raise CommandRefused(
-            f'hold {asked["hold"]} is about no task that can have results; answer it without'
-        )
+        raise CommandRefused(sentence('no_results', hold=asked['hold']))
     text = results_text(results)
     return {'results': given_results(text, types.action(_type_of(state, task)))}
 

@@ -54,6 +54,7 @@ from bt_orchestrator.model.requests import (
 )
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import ActionTypes, StopSearch
 from bt_orchestrator.script.given_values import arguments_of
 from bt_orchestrator.script.orders.asked import change_of
@@ -82,7 +83,7 @@ class RequestHandler:
         engine: Orchestrator,
         types: ActionTypes,
         orders: OrderReading,
-        why_no_panel: Callable[[], str] = lambda: 'a virtual line has no panels',
+        why_no_panel: Callable[[], str] = lambda: sentence('no_panels'),
         reasons: Mapping[str, PlantReason] | None = None,
         stops: StopSearch | None = None,
     ) -> None:
@@ -174,7 +175,7 @@ class RequestHandler:
         check_sender(asked)
         why = '' if asked.sender.known.is_panel else self.why_no_panel()
         if why:
-            raise CommandRefused(f'a line in local needs a panel that can move it: {why}')
+            raise CommandRefused(sentence('needs_panel', words=why))
         return await self._decide(asked)
 
     async def _decide(self, asked: Asked) -> Answer:
@@ -191,21 +192,15 @@ class RequestHandler:
         """Put the reason of a stop on record, if there is such a stop (7.10)."""
         check_sender(asked)
         if self._stops is None:
-            raise CommandRefused(
-                'this node keeps no journal, so a stop has no name that lasts; start it with '
-                '--journal FILE'
-            )
+            raise CommandRefused(sentence('no_stop_names'))
         why_not = unknown_code(asked, self._reasons)
         if why_not:
             raise CommandRefused(why_not)
         if not asked['code'].strip():
-            raise CommandRefused('the code of the reason is empty; nothing was done')
+            raise CommandRefused(sentence('empty_code'))
         seq = stop_number(asked['stop'], self._engine.state.history)
         if not await self._stops.has(seq):
-            raise CommandRefused(
-                f'no stop of the line began with event {seq}; `report --json` and the page name '
-                'the stops'
-            )
+            raise CommandRefused(sentence('no_such_stop', seq=seq))
         return await self._engine.carry_out(asked)
 
     # --- orders -----------------------------------------------------------------------------
@@ -232,7 +227,7 @@ class RequestHandler:
                 for parameter in UPDATE.parameters
                 if parameter is not UPDATE.subject
             )
-            raise CommandRefused(f'say what to change: {names}')
+            raise CommandRefused(sentence('say_what', parameters=names))
         return await self._change(change_of(asked.arguments), asked)
 
     async def _change(self, wish: AskedOrder, asked: Asked) -> Answer:
@@ -335,7 +330,7 @@ def rest_of(state: CellState, job: str, order: str) -> ChangedJob:
     name = order or _free_id(state, live)
     fault = order_id_fault(name)
     if fault is not None:
-        raise NotRead(f'{name!r} cannot be the id of the rest: {fault}; give another one')
+        raise NotRead(sentence('no_rest_id', id=repr(name), words=fault))
     wish, had = AskedOrder(recipe=live.job.recipe), live.job
     return ChangedJob(name, live.digest, live.cycles_left, had.params, wish, had.terms, had.recipe)
 

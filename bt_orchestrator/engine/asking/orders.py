@@ -12,7 +12,6 @@ from typing import Any
 from bt_orchestrator.base.errors import CommandRefused, NotRead, Refused, counted
 from bt_orchestrator.engine.runtime.deciding import not_from_there
 from bt_orchestrator.engine.runtime.job_queue import AT_PANEL, standing
-from bt_orchestrator.engine.runtime.orders import FITS
 from bt_orchestrator.engine.runtime.permits.surroundings import refuse_unsafe
 from bt_orchestrator.model.by import Control
 from bt_orchestrator.model.cell import Cell
@@ -22,6 +21,7 @@ from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES, listed
 from bt_orchestrator.model.requests import Asked, refusal
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import joined, sentence
 from bt_orchestrator.ports import ActionTypes, MadeScript
 from bt_orchestrator.script.orders.asked import asked_of
 from bt_orchestrator.script.orders.desk import (
@@ -76,19 +76,13 @@ def wanted_orders(given: Sequence[AskedOrder | WorkOrder | Mapping[str, Any]]) -
     :raises CommandRefused: one is no order
     """
     if not given:
-        raise NotRead('name at least one order')
+        raise NotRead(sentence('no_orders'))
     if len(given) > ORDERS:
-        raise NotRead(
-            f'{len(given)} orders are too many for one request, which is carried out as a whole; '
-            f'nothing was queued; give {ORDERS} or fewer at a time'
-        )
+        raise NotRead(sentence('many_orders', count=len(given), most=ORDERS))
     orders = tuple(map(asked_of, given))
     size = sum(map(_size, orders))
     if size > REQUEST_BYTES:
-        raise NotRead(
-            f'the orders of this request have {size} bytes of text, and a request may have '
-            f'{REQUEST_BYTES}; nothing was queued; give fewer at a time, or shorter ones'
-        )
+        raise NotRead(sentence('large_orders', count=size, most=REQUEST_BYTES))
     return Orders(orders)
 
 
@@ -100,7 +94,7 @@ def changed_job(state: CellState, name: str, wish: AskedOrder) -> ChangedJob:
     now = state.jobs.get(name)
     if now is None:
         there = listed(state.jobs.queued_names, 'nothing')
-        raise NotRead(f'{name} is not there; in the queue: {there}')
+        raise NotRead(sentence('not_queued', job=name, jobs=there))
     job = now.job
     return ChangedJob(name, now.digest, job.quantity, job.params, wish, job.terms, job.recipe)
 
@@ -112,7 +106,7 @@ def job_anew(state: CellState, name: str) -> ChangedJob:
     """
     anew = changed_job(state, name, AskedOrder(recipe=_AS_ORDERED))
     if anew.recipe is None:
-        raise NotRead(f'{name} is no job by recipe')
+        raise NotRead(sentence('not_by_recipe', job=name))
     return anew
 
 
@@ -144,13 +138,13 @@ def refused_orders(asked: Asked, orders: Orders, read: Sequence[Job | Refused]) 
     """Return what is put on record of orders that were read, some of them with mistakes."""
     pairs = list(zip(orders.orders, read, strict=True))
     each = tuple(
-        f'{result.id} {FITS}'
+        sentence('fits', job=result.id)
         if isinstance(result, Job)
         else f'{_name(order)} is {result.in_short}'
         for order, result in pairs
     )
     ids = tuple(result.id if isinstance(result, Job) else order.order for order, result in pairs)
-    return RefusedRequest(asked.request.word, asked.sender, '; '.join(each), ids, each)
+    return RefusedRequest(asked.request.word, asked.sender, joined(*each), ids, each)
 
 
 def answer_to_refused(orders: Orders, read: Sequence[Job | Refused]) -> Answer:
@@ -168,7 +162,7 @@ def _each_refused(
     mistakes = Told()
     for order, result in zip(orders, read, strict=True):
         if isinstance(result, Job):
-            yield OrderAnswer(message=f'{result.id} {FITS}')
+            yield OrderAnswer(message=sentence('fits', job=result.id))
         else:
             yield OrderAnswer(
                 message=f'{_name(order)} is {result.count}', findings=mistakes.of(result)

@@ -25,8 +25,9 @@ from bt_orchestrator.model.packml import (
 from bt_orchestrator.model.requests import About, Asked, requests_about
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.model.stop_reason import PAUSED, StopReason, release_command
+from bt_orchestrator.model.words import joined, sentence
 
-IN_MANUAL = 'the cell is in manual mode; end it with production first'
+IN_MANUAL = sentence('in_manual')
 
 RESUME = VERBS[Cause.UNHOLD]
 """The ways in which a pause ends."""
@@ -38,7 +39,8 @@ def _command(state: CellState, asked: Asked, _: float) -> Decided:
     cause = asked.request.cause
     assert cause is not None, asked.request.name
     if state.unit_mode is UnitMode.MANUAL and cause in NOT_IN_MANUAL:
-        raise CommandRefused(f'{asked.request.name} is refused: {IN_MANUAL}')
+        name = asked.request.name
+        raise CommandRefused(sentence('refused_because', request=name, words=IN_MANUAL))
     why = refusal(state.packml, cause)
     if why is not None and _is_told_late(state, asked):
         return f'the reason of the {asked.request.word} is on record', ()
@@ -81,10 +83,7 @@ def _pause(state: CellState, asked: Asked) -> _Act:
     """
     standing = sum(hold.reason == PAUSED for hold in state.pauses)
     if standing >= PAUSES:
-        raise CommandRefused(
-            f'{standing} pauses stand already, and more are not kept; each of them keeps the '
-            'cell from starting anything until it is released with resume'
-        )
+        raise CommandRefused(sentence('many_pauses', count=standing))
     hold = e.HoldRaised(
         hold=state.next_hold,
         reason=PAUSED,
@@ -101,7 +100,7 @@ def _resume(state: CellState, asked: Asked) -> _Act:
     :raises CommandRefused: there are none, others have requested them, or a reason is for none
     """
     if asked.arguments.get('code') and asked.arguments.get('hold') is None:
-        raise CommandRefused('a reason of the plant is for one pause or hold: name it, --hold N')
+        raise CommandRefused(sentence('reason_of_one'))
     released = [hold.id for hold in _to_release(state, asked)]
     return _after_resume(state, released), (e.HoldReleased(hold=hold) for hold in released)
 
@@ -149,7 +148,9 @@ def _to_release(state: CellState, asked: Asked) -> list[Hold]:
     :raises CommandRefused: there are none, or others have requested them
     """
     if not state.pauses:
-        raise CommandRefused(f'the cell is not paused; {_instead(state, state.holds)}')
+        waiting = _named(state.holds)
+        kind = 'not_paused_waits' if waiting else 'not_paused'
+        raise CommandRefused(sentence(kind, state=state.packml.value, named_holds=waiting))
     named = asked.arguments.get('hold')
     if named is not None:
         chosen = [hold for hold in state.pauses if hold.id == named]
@@ -157,15 +158,12 @@ def _to_release(state: CellState, asked: Asked) -> list[Hold]:
         chosen = [hold for hold in state.pauses if _is_meant(hold, asked)]
     if chosen:
         return chosen
-    there = '; '.join(map(_pause_in_words, state.pauses))
+    there = joined(*map(_pause_in_words, state.pauses))
     if named is not None:
-        raise CommandRefused(f'there is no pause {named}; {there}')
+        raise CommandRefused(joined(sentence('no_pause', hold=named), there))
     if all(hold.must_be_named for hold in state.pauses):
-        raise CommandRefused(f'nothing was released; {there}')
-    raise CommandRefused(
-        f'no pause is yours; {there}; the person who paused resumes, or name the hold '
-        'to release it for that person'
-    )
+        raise CommandRefused(joined(sentence('nothing_released'), there))
+    raise CommandRefused(joined(sentence('no_pause_yours'), there, sentence('pause_of_others')))
 
 
 def _is_meant(hold: Hold, asked: Asked) -> bool:
@@ -181,15 +179,17 @@ def _after_resume(state: CellState, released: Collection[str]) -> str:
     if still:
         return 'still paused: ' + '; '.join(map(_pause_in_words, still))
     holds = [hold for hold in state.holds if hold not in released]
-    return f'no longer paused; {_instead(state, holds)}' if holds else 'the cell goes on'
+    if not holds:
+        return 'the cell goes on'
+    return f'no longer paused; it waits for answers to {_named(holds)}'
 
 
-def _instead(state: CellState, holds: Iterable[str]) -> str:
-    waiting = ', '.join(f'hold {hold}' for hold in holds)
-    return f'it waits for answers to {waiting}' if waiting else f'it is {state.packml.value}'
+def _named(holds: Iterable[str]) -> str:
+    return ', '.join(sentence('hold', hold=hold) for hold in holds)
 
 
 def _pause_in_words(hold: Hold) -> str:
     if not hold.must_be_named:
         return hold_name(hold)
-    return f'{hold_name(hold)}, which only its number releases: {release_command(hold.id)}'
+    command = release_command(hold.id)
+    return sentence('pause_by_number', held=hold_name(hold), command=command)

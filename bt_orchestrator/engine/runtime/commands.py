@@ -30,18 +30,16 @@ from bt_orchestrator.model.packml import TRANSITIONS, Cause
 from bt_orchestrator.model.requests import CODE, RELEASE_SCRIPT, Asked
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import TWIN
+from bt_orchestrator.model.words import sentence
 
 
 @decides(RELEASE_SCRIPT)
 def _release(state: CellState, asked: Asked, _: float) -> Decided:
     script, here, meant = asked['script'], digest(state.cell), asked.arguments.get('cell_digest')
     if meant and meant != here:
-        raise CommandRefused(
-            f'{script} was generated for another cell file ({meant}) than the one '
-            f'that runs here ({here}); generate it with that file, and release what comes of it'
-        )
+        raise CommandRefused(sentence('other_cell', script=script, meant=meant, digest=here))
     if is_released(state, script):
-        raise CommandRefused(f'{script} is released for this cell already')
+        raise CommandRefused(sentence('released_already', script=script))
     reason = '' if asked.by is None else str(asked.by)
     released = e.ScriptReleased(digest=script, cell_digest=here, reason=reason)
     return '\n'.join(_said(script, state)), [released]

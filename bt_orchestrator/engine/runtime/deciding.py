@@ -11,6 +11,7 @@ from bt_orchestrator.model.by import By, Control
 from bt_orchestrator.model.commands import Command, OnRecord, RefusedRequest
 from bt_orchestrator.model.requests import Request, refusal
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import sentence
 
 Decided = tuple[str, Iterable[e.Event]]
 """The words of the answer, and what happens; the record of the request precedes it."""
@@ -60,22 +61,11 @@ def not_from_there(state: CellState, command: Command) -> str | None:
     if request is None or by is None:
         return None
     if request.needs_local and state.control is not Control.LOCAL:
-        return (
-            f'{request.name} is asked at a panel of a line in local, and the line is in remote; '
-            'nothing was done; give control to the panels with local first'
-        )
+        return sentence('not_in_remote', request=request.name)
     if not request.moves or not is_elsewhere(state, by):
         return None
-    return (
-        f'{request.name} moves the line, which is in local: only its panels may do that, and '
-        f'{by.named} ({by.known.value}) is at none; nothing was done; {_GIVE_BACK}'
-    )
-
-
-_GIVE_BACK = (
-    'give control back at a panel with remote; without one, start the node anew with --control '
-    'remote'
-)
+    sender = {'who': by.named, 'known': by.known.value}
+    return sentence('not_in_local', request=request.name, **sender)
 
 
 # The record of every command, carried out or refused: who, from where and why.

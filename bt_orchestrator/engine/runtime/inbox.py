@@ -38,6 +38,7 @@ from bt_orchestrator.model.limits import (
 )
 from bt_orchestrator.model.requests import Asked, Why
 from bt_orchestrator.model.texts import readable, text_fault
+from bt_orchestrator.model.words import joined, sentence
 
 _LONGEST = {'who': WHO, 'origin': ORIGIN, 'reason': REASON}
 
@@ -87,11 +88,8 @@ class Inbox:
 def _check_left(by: By, left: float) -> None:
     if left <= 0:
         seconds = 1 - left / COMMANDS_OF_ONE.per_s
-        raise CommandRefused(
-            f'too many commands: {by.who or "this sender"}, or all senders together, have filled '
-            'the journal as fast as they may; nothing was done; give it again in '
-            f'{seconds:.0f} s (abort, stop, pause and answers to holds are always taken)'
-        )
+        who = by.who or 'this sender'
+        raise CommandRefused(sentence('too_many_commands', who=who, seconds=f'{seconds:.0f}'))
 
 
 def _as_may_be_recorded(command: OnRecord) -> OnRecord:
@@ -113,9 +111,8 @@ def _check_lengths(command: OnRecord) -> None:
     for name, text in {**given, **_sender_texts(command)}.items():
         longest = _LONGEST.get(name, NAME)
         if isinstance(text, str) and len(text) > longest:
-            raise CommandRefused(
-                f'{name} has {len(text)} characters; expected at most {longest}; nothing was done'
-            )
+            words = sentence('too_many_characters', field=name, count=len(text), most=longest)
+            raise CommandRefused(joined(words, sentence('nothing_done')))
 
 
 def _check_characters(command: OnRecord) -> None:
@@ -123,9 +120,7 @@ def _check_characters(command: OnRecord) -> None:
     for name, text in _sender_texts(command).items():
         fault = text_fault(text) if isinstance(text, str) else None
         if fault is not None:
-            raise CommandRefused(
-                f'{name} cannot be recorded: {fault}; write it without; nothing was done'
-            )
+            raise CommandRefused(sentence('not_recorded', field=name, words=fault))
 
 
 def _sender_texts(command: OnRecord) -> Mapping[str, object]:

@@ -39,6 +39,7 @@ from bt_orchestrator.model.requests import (
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.state.proposed import refused_order
 from bt_orchestrator.model.stop_reason import AFTER, NEVER, STOP_AFTER, way_to_work
+from bt_orchestrator.model.words import sentence
 
 Events = Iterator[e.Event]
 
@@ -190,9 +191,7 @@ def _only(event: Callable[..., e.Event]) -> Callable[[CellState, JobState, str],
 
 def _resume(_: CellState, job: JobState, __: str, *, another: bool = False) -> Events:
     if not job.paused:
-        raise CommandRefused(
-            f'{job.job.id} is not paused, the whole cell is; resume the cell instead'
-        )
+        raise CommandRefused(sentence('job_not_paused', job=job.job.id))
     yield e.JobResumed(job=job.job.id, item=job.piece or None, another=another)
 
 
@@ -228,9 +227,10 @@ def _control(state: CellState, asked: Asked, _: float) -> Decided:
     word, name = asked.request.word, asked['job']
     method, answer, act = CONTROLS[word]
     job = allowed(state, method, name)
-    why_not = job_control.not_approving(job.piece, asked.sender.role, state.cell.first_piece)
+    who = state.cell.first_piece
+    why_not = job_control.not_approving(name, job.piece, asked.sender.role, who)
     if why_not is not None and method is job_control.RESUME:
-        raise CommandRefused(f'{name} {why_not}')
+        raise CommandRefused(why_not)
     events = list(act(state, job, asked.sender.deciding(word)))
     more = _after_release(state, job) if method is job_control.START else ()
     return '\n'.join([f'{name} {answer}', *more]), events
@@ -242,14 +242,14 @@ def _control(state: CellState, asked: Asked, _: float) -> Decided:
 @decides(STOP_AFTERS[NEVER])
 def _go_on(state: CellState, _: Asked, __: float) -> Decided:
     if state.stop_after is None:
-        raise CommandRefused('there is nothing to take back: no stop was asked for')
+        raise CommandRefused(sentence('no_stop_wished'))
     return 'the line goes on', [e.QueueStopCancelled()]
 
 
 @decides(*(STOP_AFTERS[after] for after in AFTER))
 def _stop_after(state: CellState, asked: Asked, _: float) -> Decided:
     if not state.on_the_line:
-        raise CommandRefused('no job has started; hold the jobs of the queue instead')
+        raise CommandRefused(sentence('none_started'))
     after = asked.request.word.removeprefix(STOP_AFTER)
     message = f'the cell stops after the current {after}'
     return message, [e.QueueStopRequested(after=after)]
@@ -311,11 +311,11 @@ def _check_queued(state: CellState, name: str) -> JobState:
     job = state.jobs.get(name)
     if job is None or job.started:
         queue = listed(state.jobs.queued_names, 'nothing')
-        why = 'has started' if job else 'is not there'
-        raise CommandRefused(f'{name} {why}; in the queue: {queue}')
+        kind = 'has_started' if job else 'not_queued'
+        raise CommandRefused(sentence(kind, job=name, jobs=queue))
     return job
 
 
 def _check_position(position: int, last: int) -> None:
     if not 1 <= position <= last:
-        raise CommandRefused(f'the position must be from 1 to {last}, not {position}')
+        raise CommandRefused(sentence('place', last=last, position=position))

@@ -7,6 +7,7 @@ from bt_orchestrator.engine.runtime.overview import Overview
 from bt_orchestrator.model.limits import QUEUE_PAGE, fitting, listed, rough_size
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.model.words import sentence
 
 PAGE_BYTES = 1_000_000
 """Most parameters and details in one answer; where they are longer it has fewer jobs."""
@@ -21,8 +22,8 @@ def find(state: CellState, name: str) -> JobState:
     if job is not None:
         return job
     if name in state.order_ids:
-        raise CommandRefused(f'{name} is no longer listed; the journal has its history')
-    raise CommandRefused(f'there is no job {name}; jobs now: {listed(state.jobs, "none")}')
+        raise CommandRefused(sentence('not_listed', job=name))
+    raise CommandRefused(sentence('no_job', job=name, jobs=listed(state.jobs, 'none')))
 
 
 def page(state: CellState, overview: Overview, after: str = '', most: int = 0) -> list[ListedJob]:

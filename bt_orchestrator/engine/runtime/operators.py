@@ -39,6 +39,7 @@ from bt_orchestrator.model.requests import (
 from bt_orchestrator.model.requests.offers import offer_words
 from bt_orchestrator.model.state import CellState, Hold, Phase
 from bt_orchestrator.model.stop_reason import release_command
+from bt_orchestrator.model.words import AND, sentence
 
 
 @decides(*ANSWERS.values())
@@ -91,7 +92,7 @@ def _remove(state: CellState, asked: Asked, _: float) -> Decided:
     if item is None or not item.section or not item.present:
         standing = [s.slot for s in state.sections.values() if s.slot is not None]
         present = listed([name for name in standing if state.items[name].present], 'nothing')
-        raise CommandRefused(f'{name} is not on the belt; on it: {present}')
+        raise CommandRefused(sentence('not_on_belt', item=name, items=present))
     removed = e.ItemRemoved(job=item.job, item=item.id, section=item.section, how='by_hand')
     return f'{name} is off the belt', chain([removed], released_with(state, item.id))
 
@@ -106,7 +107,7 @@ def _standing(state: CellState, name: str) -> Hold:
     hold = state.holds.get(name)
     if hold is None:
         there = listed(state.holds, 'none')
-        raise CommandRefused(f'there is no hold {name}; holds now: {there}')
+        raise CommandRefused(sentence('no_hold', hold=name, holds=there))
     return hold
 
 
@@ -116,18 +117,16 @@ def offering(state: CellState, name: str, word: str, role: Role) -> Hold:
     :raises CommandRefused: there is no such hold, or it does not offer it; says what it offers
     """
     hold = _standing(state, name)
+    held = hold_name(hold)
     if hold.is_pause:
-        raise CommandRefused(f'{hold_name(hold)} takes no answer; {release_command(hold.id)}')
+        raise CommandRefused(sentence('takes_none', held=held, command=release_command(hold.id)))
     if hold.task is None:
-        raise CommandRefused(
-            f'{hold_name(hold)} takes no answer; take {hold.item} off the belt and say so with '
-            f'remove-item {hold.item}'
-        )
+        raise CommandRefused(sentence('takes_removal', held=held, item=hold.item))
     if word not in hold.answers:
-        raise CommandRefused(
-            f'{hold_name(hold)} can be answered with {offer_words(hold.answers, role)}; '
-            f'found {word!r}'
-        )
+        replies, _, others = offer_words(hold.answers, role).partition(AND)
+        kind = 'answers_are_also' if others else 'answers_are'
+        values = {'held': held, 'replies': replies, 'words': others, 'found': repr(word)}
+        raise CommandRefused(sentence(kind, **values))
     return hold
 
 
@@ -138,10 +137,8 @@ def _check_results(state: CellState, hold: Hold, asked: Asked) -> None:
     """
     results = _results(asked)
     if results and hold.item is None:
-        raise CommandRefused(
-            f'results are given with {MARK_DONE}, of the task of an item; found '
-            f'{asked.request.word} of {hold.key}'
-        )
+        answer = asked.request.word
+        raise CommandRefused(sentence('results_of_item', answer=answer, task=hold.key))
     task = state.task(hold.key) if hold.key is not None else None
     problem = too_long(serial_in(task, results)) if task is not None else ''
     if problem:

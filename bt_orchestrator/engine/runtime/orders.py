@@ -19,9 +19,7 @@ from bt_orchestrator.model.jobs.order import Job, MadeAnew, Terms
 from bt_orchestrator.model.proof.sharing import contradiction
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
-
-FITS = 'fits, but was not queued because of the others'
-"""The message for a valid order that was refused together with others."""
+from bt_orchestrator.model.words import joined, sentence
 
 
 def queue(
@@ -193,9 +191,10 @@ def _refuse_unless_all_fit(state: CellState, jobs: Sequence[Job], sharing: Shari
     wrong = [reason for reason in reasons if reason is not None]
     if wrong:
         each = [
-            f'{job.id} {FITS}' if r is None else r for job, r in zip(jobs, reasons, strict=True)
+            sentence('fits', job=job.id) if reason is None else reason
+            for job, reason in zip(jobs, reasons, strict=True)
         ]
-        raise CommandRefused('; '.join(wrong), each)
+        raise CommandRefused(joined(*wrong), each)
 
 
 def _reasons(
@@ -209,7 +208,7 @@ def _reasons(
     for job in jobs:
         script = digest(job.script)
         if job.id in ids or job.id in state.order_ids:
-            yield f'order {job.id} was given before; choose another id'
+            yield sentence('id_again', job=job.id)
         else:
             if script not in why_not:
                 why_not[script] = contradiction(job.script, known, sharing)
@@ -228,10 +227,8 @@ def _other_recipe(job: Job, known: Mapping[str, str]) -> str | None:
     before = known.get(recipe_key(made_from.recipe, made_from.version), now)
     if before == now:
         return None
-    return (
-        f'recipe {made_from.recipe} version {made_from.version} was another one before: it is '
-        f'{now} now, and was {before}; give the recipe another version'
-    )
+    names = {'recipe': made_from.recipe, 'version': made_from.version}
+    return sentence('other_recipe', **names, digest=now, before=before)
 
 
 def _note_recipe(job: Job, known: dict[str, str]) -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.cell import Approval
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.words import joined, sentence
 
 Change = Mapping[JobWord | None, JobWord | None]
 """State before and after; None: there is no such job."""
@@ -167,60 +168,54 @@ def refusal(method: Method, job: str, facts: JobFacts) -> str | None:
         if method in MORE_WHILE_PASSED:
             return None
         if method is START and not facts.awaits_start:
-            return '; '.join(_passed_words(job, facts.unreleased, facts.unavailable))
+            return joined(*_passed_words(job, facts.unreleased, facts.unavailable))
     if word is ALLOWED and facts.awaits_start and method in MORE_WHILE_AWAITING:
         return None
     if word not in method.changes:
         fitting = ' or '.join(before.value for before in method.changes if before is not None)
-        return f'{job} is {word.value}; {method.title} is for jobs that are {fitting}'
+        states = {'job_state': word.value, 'job_states': fitting}
+        return sentence('not_for_job', job=job, method=method.title, **states)
     if ending and method not in LEFT_WHILE_ENDING[ending]:
         left_to_ask = ', '.join(other.title for other in LEFT_WHILE_ENDING[ending])
-        what = f'{job} is {ending} already and ends when its last item has left the line'
-        return f'{what}; only {left_to_ask} is left' if left_to_ask else what
+        kind = 'job_ends_but' if left_to_ask else 'job_ends'
+        return sentence(kind, job=job, job_state=ending, method=left_to_ask)
     if method is ANOTHER and not facts.piece:
-        return f'{job} waits for no approval of a first piece'
+        return sentence('no_first_piece', job=job)
     if method is RESUME and facts.piece and facts.piece_left != 'packed':
         return _no_approval(job, facts)
     return _no_rest(job, facts) if method is REQUEUE else None
 
 
-def not_approving(piece: str, role: Role, who: Approval) -> str | None:
+def not_approving(job: str, piece: str, role: Role, who: Approval) -> str | None:
     """Say why a role may not approve a first piece (semantics 6.12); None: it may."""
     may = {Role.ENGINEER, *([Role.OPERATE] if who is Approval.OPERATE else [])}
     if not piece or role in may:
         return None
     names = ' or '.join(sorted(approver.value for approver in may))
-    what = f'waits for the approval of {piece}, its first piece, by {names}'
-    return f'{what}; your role is {role.value}'
+    return sentence('not_approver', job=job, item=piece, roles=names, role=role.value)
 
 
 def _no_approval(job: str, facts: JobFacts) -> str:
     """Say why a first piece cannot be approved."""
     if not facts.piece_left:
-        return f'{facts.piece}, the first piece of {job}, has not left the line yet'
-    return (
-        f'{facts.piece}, the first piece of {job}, cannot be approved: it was not packed, but '
-        f'{facts.piece_left}; job another {job} makes another one, job stop {job} ends the order'
-    )
+        return sentence('first_piece_here', item=facts.piece, job=job)
+    return sentence('first_piece_lost', item=facts.piece, job=job, left=facts.piece_left)
 
 
 def _no_rest(job: str, facts: JobFacts) -> str | None:
     """Say why nothing of a job on the line can be made anew; None: something can."""
     if not facts.is_by_recipe:
-        return (
-            f'{job} was ordered by its script, so it cannot be made anew; stop it (job stop '
-            f'{job}), and give an order for the rest'
-        )
+        return sentence('no_recipe', job=job)
     if not facts.left:
-        return f'{job} has begun all of its items, so nothing is left to queue; nothing was done'
+        return sentence('no_rest', job=job)
     return None
 
 
 def _passed_words(job: str, unreleased: str, unavailable: Sequence[str]) -> Iterator[str]:
     if unreleased:
-        yield f'{job} is not released: {unreleased_words(unreleased)}'
+        yield sentence('not_released', job=job, words=unreleased_words(unreleased))
     if unavailable:
-        yield f'{job} is unavailable: {unavailable_words(unavailable)}'
+        yield sentence('unavailable', job=job, words=unavailable_words(unavailable))
 
 
 def lacks_words(unreleased: str, unavailable: Sequence[str]) -> Iterator[str]:
@@ -233,14 +228,10 @@ def lacks_words(unreleased: str, unavailable: Sequence[str]) -> Iterator[str]:
 
 def unreleased_words(digest: str) -> str:
     """Say that a script is not released, and who can do that."""
-    return (
-        f'its script was generated and is not released for this cell; release-script {digest} '
-        '(by an engineer) lets it start in its turn'
-    )
+    return sentence('unreleased', digest=digest)
 
 
 def unavailable_words(unavailable: Sequence[str]) -> str:
     """Say which components a job lacks, and what lets it start."""
-    names = ' and '.join(unavailable)
-    verb = 'is' if len(unavailable) == 1 else 'are'
-    return f'it needs {names}, which {verb} out of service; in-service lets it start in its turn'
+    kind = 'lacks_component' if len(unavailable) == 1 else 'lacks_components'
+    return sentence(kind, components=' and '.join(unavailable))

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.state import CellState, Hold, ItemState, Phase
+from bt_orchestrator.model.words import joined, sentence
 
 EMPTY = 'empty'
 """The word for a slot without an item, whether or not it holds an empty position."""
@@ -46,9 +47,9 @@ def parse_slots(words: Sequence[str]) -> Slots:
     for word in words:
         match = re.fullmatch(r'\s*(\d+)\s*=\s*(\S.*?)\s*', word)
         if match is None:
-            raise CommandRefused(f'a slot is stated as N=ITEM or N={EMPTY}, found {word!r}')
+            raise CommandRefused(sentence('slot_form', found=repr(word)))
         if int(match[1]) in items:
-            raise CommandRefused(f'slot {match[1]} is stated twice; state it once')
+            raise CommandRefused(sentence('slot_twice', slot=match[1]))
         items[int(match[1])] = match[2]
     return Slots(items)
 
@@ -81,32 +82,25 @@ def _standing(state: CellState, section: int) -> str | None:
 
 def _refuse_while_the_move_is_open(state: CellState) -> None:
     if state.indexing and state.move is not None and state.move.phase is Phase.HELD:
-        raise CommandRefused(
-            'it is open whether the belt has moved; answer hold '
-            f'{state.move.hold} first: mark_done if it has, retry if it has not'
-        )
+        raise CommandRefused(sentence('move_open', hold=state.move.hold))
 
 
 def _check_seq(state: CellState, seq: int) -> None:
     if not state.belt_seq <= seq <= state.seq:
-        raise CommandRefused(
-            f'the belt has changed since the status with seq {seq}, at event {state.belt_seq} of '
-            f'{state.seq}; the cell believes {believed(state)}; look again'
-        )
+        seqs = {'seq': seq, 'event': state.belt_seq, 'last': state.seq}
+        raise CommandRefused(sentence('belt_changed', **seqs, belt=believed(state)))
 
 
 def _check_complete(state: CellState, statement: Slots) -> None:
     stated_slots, there = set(statement.by_section), set(state.sections)
-    for words, numbers in (
-        ('is not stated', there - stated_slots),
-        ('does not exist', stated_slots - there),
+    for kind, numbers in (
+        ('slot_missing', there - stated_slots),
+        ('no_slot', stated_slots - there),
     ):
         if numbers:
             slots = ', '.join(map(str, sorted(numbers)))
-            raise CommandRefused(
-                f'slot {slots} {words}; say of every slot from 1 to {len(there)} what stands '
-                f'there; the cell believes {believed(state)}'
-            )
+            words = sentence(kind, slots=slots, last=len(there), belt=believed(state))
+            raise CommandRefused(words)
 
 
 def _gone(state: CellState, section: int, content: str) -> ItemState | None:
@@ -119,20 +113,20 @@ def _gone(state: CellState, section: int, content: str) -> ItemState | None:
         return None
     if content == EMPTY:
         return state.slot(section)
-    mismatch = f'slot {section}: the cell believes {standing or EMPTY}, not {content}'
-    raise CommandRefused(f'{mismatch}; {_remedy(state, content)}')
+    mismatch = sentence('slot_other', slot=section, content=standing or EMPTY, stated=content)
+    raise CommandRefused(joined(mismatch, _remedy(state, content)))
 
 
 def _remedy(state: CellState, name: str) -> str:
     item = state.items.get(name)
     if item is None:
-        return 'no such item is on the line; take it off and say empty'
+        return sentence('not_on_line')
     if item.section and item.present:
-        return f'{name} belongs into slot {item.section}: put it there, or take it off'
+        return sentence('belongs', item=name, slot=item.section)
     held = next((hold for hold in state.holds.values() if _places(state, hold, name)), None)
     if held is not None:
-        return f'if {held.task} did place it, answer hold {held.id} with mark_done first'
-    return 'it is not on the belt for the cell; take it off and say empty'
+        return sentence('if_placed', task=held.task, hold=held.id)
+    return sentence('not_believed')
 
 
 def _places(state: CellState, hold: Hold, item: str) -> bool:

@@ -8,6 +8,7 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
 from bt_orchestrator.model.proof.deadlock import get_stuck_together
 from bt_orchestrator.model.script import Dependency, Script
+from bt_orchestrator.model.words import sentence
 
 
 def examine(new: Mapping[str, Script], live: Mapping[str, Script]) -> Sharing:
@@ -50,11 +51,7 @@ def _circle(new: Script, others: Mapping[str, Script]) -> str | None:
     if not sharing or not get_stuck_together([new, *others.values()]):
         return None
     names = ', '.join(dict.fromkeys(script.name for script in sharing))
-    return (
-        f'script {new.name} shares flags with {names}, and where jobs of both follow each other '
-        f'the line can get stuck, although with each alone it cannot; use other flags, or wait '
-        f'until no job of {names} is left'
-    )
+    return sentence('stuck_together', script=new.name, others=names)
 
 
 def _disagreement(new: Script, others: Mapping[str, Script]) -> str | None:
@@ -64,11 +61,8 @@ def _disagreement(new: Script, others: Mapping[str, Script]) -> str | None:
         for dependency in new.dependencies:
             other = there.get(dependency.flag)
             if other is not None and _traits(new, dependency) != _traits(script, other):
-                return (
-                    f'script {new.name} and script {script.name} share the flag '
-                    f'{dependency.flag} but disagree on its capacity, its initial count or the '
-                    'sections of its tasks; make them agree or use two names'
-                )
+                names = {'script': new.name, 'other': script.name}
+                return sentence('flag_differs', **names, flag=dependency.flag)
     return None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +10,7 @@ from bt_orchestrator.model.by import By, Known, Role
 from bt_orchestrator.model.limits import cut
 from bt_orchestrator.model.requests.request import About, Kind, Parameter, Request, Why
 from bt_orchestrator.model.requests.table import REQUESTS, TABLE, of_name
+from bt_orchestrator.model.words import joined, sentence
 
 
 class BadArguments(ValueError):
@@ -63,18 +64,19 @@ def ask(name: str, by: By, /, **arguments: object) -> Asked:
     if request is None:
         kind, _, _ = name.partition('.')
         near = [request.name for request in TABLE if request.about.value == kind] or REQUESTS
-        raise BadArguments(f'there is no request {cut(name, 60)!r}; one of {", ".join(near)}')
+        found = repr(cut(name, 60))
+        raise BadArguments(sentence('no_request', found=found, requests=', '.join(near)))
     known = {parameter.name: parameter for parameter in request.parameters}
     given = {key: value for key, value in arguments.items() if value is not None}
     for key in given:
         if key not in known:
             expected = ', '.join(known) or 'nothing'
-            raise BadArguments(f'{name} takes {expected}; found {key}')
+            raise BadArguments(sentence('takes', request=name, parameters=expected, found=key))
     for parameter in request.parameters:
         if parameter.name in given:
             _check(name, parameter, given[parameter.name])
         elif parameter.is_required:
-            raise BadArguments(f'{name} needs {parameter.name}: {parameter.meaning}')
+            raise BadArguments(sentence('lacks', request=name, **_named(parameter)))
     return Asked(request, by, given)
 
 
@@ -89,16 +91,22 @@ _TYPES: Mapping[Kind, tuple[type, ...]] = {
 
 
 def _check(name: str, parameter: Parameter, value: object) -> None:
-    if not _is_of(parameter.kind, value):
-        expected = f'{parameter.name} of {name} is {parameter.kind.value}'
-        raise BadArguments(f'{expected} ({parameter.meaning}); found {value!r}')
     least, most = parameter.span
-    if isinstance(value, int) and not least <= value <= most:
-        expected = f'{parameter.name} of {name} is a whole number from {least} to {most}'
-        raise BadArguments(f'{expected} ({parameter.meaning}); found {value}')
-    if parameter.choices and value not in parameter.choices:
-        choices = ', '.join(parameter.choices)
-        raise BadArguments(f'{parameter.name} of {name} is one of {choices}; found {value!r}')
+    if not _is_of(parameter.kind, value):
+        expected: dict[str, object] = {'kind': parameter.kind.value}
+        kind = 'not_of_kind'
+    elif isinstance(value, int) and not least <= value <= most:
+        kind, expected = 'not_in_span', {'low': least, 'high': most}
+    elif parameter.choices and value not in parameter.choices:
+        kind, expected = 'not_chosen', {'choices': ', '.join(parameter.choices)}
+    else:
+        return
+    about = {'request': name, **_named(parameter), 'found': repr(value)}
+    raise BadArguments(sentence(kind, **about, **expected))
+
+
+def _named(parameter: Parameter) -> dict[str, str]:
+    return {'parameter': parameter.name, 'meaning': parameter.meaning}
 
 
 def _is_of(kind: Kind, value: object) -> bool:
@@ -117,38 +125,36 @@ def refusal(request: Request, by: By, given: Collection[str] = ()) -> str | None
 
     :param given: the parameters that it comes with
     """
-    restricted = [
-        parameter
+    restricted = {
+        parameter.name: parameter.roles
         for parameter in request.parameters
         if parameter.roles is not None and parameter.name in given
-    ]
-    for name, roles in (
-        (request.name, request.roles),
-        *(
-            (f'{request.name} with {parameter.name}', parameter.roles or request.roles)
-            for parameter in restricted
-        ),
-    ):
+    }
+    for name, roles in {'': request.roles, **restricted}.items():
         if by.role not in roles:
-            return _not_allowed(name, roles, by)
+            return joined(*_not_allowed(request, name, roles, by))
     if request.why is Why.FIRST and not by.reason.strip():
-        return f'{request.name} needs a reason, for the record; nothing was done'
+        return sentence('needs_reason', request=request.name)
     return None
 
 
-def _not_allowed(name: str, roles: Collection[Role], by: By) -> str:
-    may = ' or '.join(role.value for role in Role if role in roles)
-    message = (
-        f'{name} is for the role {may}, and {by.named} has the role {by.role.value} '
-        f'({by.known.value}); nothing was done'
+def _not_allowed(
+    request: Request, parameter: str, roles: Collection[Role], by: By
+) -> Iterator[str]:
+    """Say that a role is another one.
+
+    :param parameter: that alone asks for another role; empty: the request does
+    """
+    yield sentence(
+        'not_for_role_with' if parameter else 'not_for_role',
+        request=request.name,
+        parameter=parameter,
+        roles=' or '.join(role.value for role in Role if role in roles),
+        who=by.named,
+        role=by.role.value,
+        known=by.known.value,
     )
     if by.claims:
-        message += (
-            f'; the role {by.claims} does not count, since the node does not trust that door'
-        )
+        yield sentence('role_not_trusted', claims=by.claims)
     if by.known is Known.ROS:
-        message += (
-            '; the parameter unauthenticated_role of the node is the role of everybody in the '
-            'ROS domain who does not sign, and view where signed_commands is required'
-        )
-    return message
+        yield sentence('role_of_ros')

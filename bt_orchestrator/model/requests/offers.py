@@ -38,6 +38,7 @@ from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, ComponentStatus
 from bt_orchestrator.model.stop_reason import NEVER, STOP_AFTER
+from bt_orchestrator.model.words import sentence
 
 
 class Addressed(NamedTuple):
@@ -151,8 +152,8 @@ def answers_of_others(answers: Sequence[str], role: Role | None) -> list[str]:
     for request in of_hold(answers):
         if not may_make(request, role):
             words.setdefault(who_may(request), []).append(request.word)
-    also = 'may also' if allowed(answers, role) else 'may'
-    return [f'{who} {also}: {", ".join(names)}' for who, names in words.items()]
+    kind = 'may_also_answer' if allowed(answers, role) else 'may_answer'
+    return [sentence(kind, people=who, replies=', '.join(names)) for who, names in words.items()]
 
 
 # The possible requests that would change something now: a surface offers no others.

@@ -9,6 +9,7 @@ from bt_orchestrator.model.codec import digest_of, to_plain
 from bt_orchestrator.model.limits import QUEUE_SHOWN, listed
 from bt_orchestrator.model.state.job_state import JobState
 from bt_orchestrator.model.state.live_jobs import LiveJobs
+from bt_orchestrator.model.words import sentence
 
 
 def queue_digest(jobs: LiveJobs) -> str:
@@ -33,19 +34,21 @@ def refused_order(jobs: LiveJobs, wanted: Sequence[str], digest: str) -> str | N
     queue = jobs.queue(most=QUEUE_SHOWN)
     names = [job.job.id for job in queue]
     if digest != queue_digest(jobs):
-        return f'the queue has changed since: {_change(names, wanted)}; propose an order again'
+        return _change(names, wanted)
     if sorted(wanted) != sorted(names):
-        return f'jobs are {listed(names, "none")}, each once, in the new order'
+        return sentence('queue_names', jobs=listed(names, 'none'))
     for place, (job, name) in enumerate(zip(queue, wanted, strict=True), start=1):
         if not job.ranked and job.job.id != name:
-            return f'{job.job.id} stays at place {place}, which a person chose; use move'
-    return 'the queue is in this order' if names == list(wanted) else None
+            return sentence('place_chosen', job=job.job.id, place=place)
+    return sentence('queue_same') if names == list(wanted) else None
 
 
 def _change(names: Sequence[str], wanted: Sequence[str]) -> str:
     gone = [name for name in wanted if name not in names]
     new = [name for name in names if name not in wanted]
-    changes = [f'{listed(gone, "")} left it'] * bool(gone) + [f'{listed(new, "")} came'] * bool(
-        new
-    )
-    return ' and '.join(changes) or 'an order, a hold or a place in it is another one'
+    if gone and new:
+        return sentence('queue_both', jobs=listed(gone, ''), others=listed(new, ''))
+    if gone or new:
+        kind = 'queue_left' if gone else 'queue_came'
+        return sentence(kind, jobs=listed(gone or new, ''))
+    return sentence('queue_other')

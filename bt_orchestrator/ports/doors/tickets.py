@@ -14,6 +14,7 @@ from bt_orchestrator.model.by import named, ticket_in
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event, OperatorDecided, OperatorRefused
 from bt_orchestrator.model.requests import Asked, Why
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import EventPage
 
 LOOK_BACK = 2_000
@@ -30,7 +31,7 @@ what has happened since it was sent, which the others are a part of."""
 MOST_KEPT = 1_000
 """Commands that are remembered here; of older ones only the journal knows."""
 
-_SILENT = 'the node of the cell is silent; nothing was sent to it'
+_SILENT = sentence('node_silent')
 
 Recorded = OperatorDecided | OperatorRefused
 

@@ -24,6 +24,7 @@ from bt_orchestrator.engine.asking.orders import free_ids
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.orders.desk import ChangedJob, Question, Reading, Wanted
 from bt_orchestrator.script.orders.desk_pickles import name_of, unpickled
 
@@ -38,14 +39,8 @@ MOST_WAITING = 200
 SCRIPTS_KEPT = 32
 """Scripts that need not be sent again, beside those of live jobs."""
 
-LATE = (
-    f'reading this took longer than {READ_WITHIN_S:g} s and was given up; try the script with '
-    'bt-orchestrator check, or give fewer orders at a time'
-)
-BUSY = (
-    f'{MOST_WAITING} requests with orders wait to be read; give this one again when some of them '
-    'are answered'
-)
+LATE = sentence('reading_late', seconds=f'{READ_WITHIN_S:g}')
+BUSY = sentence('reading_busy', count=MOST_WAITING)
 
 ToRead = Wanted | Callable[[], Wanted]
 """The text to read, or a function that gives it when its turn has come; it may raise NotRead."""
@@ -187,10 +182,7 @@ class OrderReader:
                 why = str(error) or repr(error)
         if not self._closed:
             log.error('orders cannot be read: %s', why)
-        return NotRead(
-            f'orders cannot be read now: {why}, twice; give this one again, and see whether the '
-            'machine of the node has memory and processes left'
-        )
+        return NotRead(sentence('reading_failed', words=why))
 
 
 def _changed(wanted: Wanted) -> Iterator[str]:

@@ -22,6 +22,7 @@ from bt_orchestrator.model.requests import of_name
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.texts import readable
 from bt_orchestrator.model.uptime import Uptime
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ros.clock import MachineUptime
 from bt_orchestrator.ros.node_parameters import AUTO, REQUIRED, NodeParameters
 from bt_orchestrator.ros.services.patient_service import serve
@@ -264,17 +265,10 @@ class Senders:
         except OrchestratorError as error:
             return str(error)
         if not panels:
-            return (
-                f'there is no panel in {users.path}; name one with: bt-orchestrator user panel '
-                'address 192.168.3.20'
-            )
+            return sentence('no_panel_named', file=users.path)
         if panels.keys or self.trusts_doors or any(key.door for key in keys.values()):
             return ''
-        return (
-            'this node believes no page and no OPC UA server who is at a panel; give them keys '
-            '(bt-orchestrator user key NAME --door page), or start the node with '
-            '--trust-local-doors, where the discovery range of ROS is this computer'
-        )
+        return sentence('no_door_believed')
 
     def of_cancel(self, goal_by: By) -> By:
         """Return the sender of a cancel request, which may be any client."""

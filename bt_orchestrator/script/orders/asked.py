@@ -10,6 +10,7 @@ from typing import Any
 from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
+from bt_orchestrator.model.words import joined, sentence
 from bt_orchestrator.script.field_types import Misfit
 from bt_orchestrator.script.orders.desk import AskedOrder
 from bt_orchestrator.script.orders.instants import instant
@@ -32,9 +33,7 @@ def asked_of(order: AskedOrder | WorkOrder | Mapping[str, Any]) -> AskedOrder:
         name, script = str(order.get('order') or ''), str(order.get('script') or '')
         return AskedOrder(script, name, text=json.dumps(order, indent=1, ensure_ascii=False))
     if not isinstance(order, WorkOrder):
-        raise CommandRefused(
-            f'each work order is a mapping, as an order file; found {order!r:.60}'
-        )
+        raise CommandRefused(sentence('no_order', found=f'{order!r:.60}'))
     terms = order.terms
     details = json_of(terms.details) if terms.details else ''
     piece = terms.first_piece or None
@@ -112,5 +111,6 @@ def _moment(given: Mapping[str, Any], key: str) -> float | None:
         return None if text is None else 0.0
     time = instant(text)
     if isinstance(time, Misfit):
-        raise CommandRefused(f'`{key}` must be {time.needed}, not {quoted(text)}; {time.hint}')
+        words = sentence('key', key=key, needed=time.needed, given=quoted(text))
+        raise CommandRefused(joined(words, time.hint))
     return time

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from datetime import datetime, timedelta, timezone
 
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.script.field_types import Misfit
 
 INSTANT_FORM = (
@@ -15,7 +16,7 @@ INSTANT_FORM = (
 END_S = 2.0**31
 """In January 2038: messages of ROS 2 carry seconds as 32 bit numbers."""
 
-_NEEDED = 'a date and time with its time zone'
+_NEEDED = sentence('a_moment')
 _WITHOUT_TIME = '[0-9]{4}-[0-9]{2}-[0-9]{2}'
 _ZONE = 'Z'
 
@@ -28,7 +29,7 @@ def instant(text: str) -> float | Misfit:
     try:
         seconds = _moment(match).timestamp()
     except (OverflowError, ValueError):
-        return Misfit('a day and a time that exist', 'look at its numbers')
+        return Misfit(sentence('a_real_moment'), sentence('its_numbers'))
     return out_of_range(seconds) or seconds
 
 
@@ -36,7 +37,7 @@ def out_of_range(seconds: float) -> Misfit | None:
     """Say why a time cannot be that of an order; None: it can."""
     if 0.0 < seconds < END_S:
         return None
-    return Misfit('between 1970 and 2038', 'messages of ROS 2 carry no other times')
+    return Misfit(sentence('a_year'), sentence('years_why'))
 
 
 def _moment(match: re.Match[str]) -> datetime:
@@ -58,7 +59,7 @@ def _zone(match: re.Match[str]) -> timezone:
 def _hint(text: str) -> str:
     """Say what is missing, with the text that was written where that is possible."""
     if re.fullmatch(INSTANT_FORM, text + _ZONE):
-        return f'write {text}Z for UTC, or the offset: {text}+01:00'
+        return sentence('add_zone', text=text)
     if re.fullmatch(_WITHOUT_TIME, text):
-        return f'write for instance {text}T06:00:00+01:00'
-    return 'write for instance 2026-05-18T06:00:00+02:00, or 2026-05-18T04:00:00Z'
+        return sentence('add_time', text=text)
+    return sentence('moment_form')

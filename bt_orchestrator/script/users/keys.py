@@ -20,6 +20,7 @@ from bt_orchestrator.model.by import By, Known, Role, Signed
 from bt_orchestrator.model.limits import NAME, REQUEST_BYTES, cut
 from bt_orchestrator.model.texts import readable
 from bt_orchestrator.model.uptime import Uptime
+from bt_orchestrator.model.words import sentence
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
@@ -265,7 +266,7 @@ def opened(text: str) -> Sealed:
     """
     expected = ', '.join(field.name for field in fields(Sealed))
     if len(text) > 3 * REQUEST_BYTES:  # of which JSON in JSON makes more
-        raise CommandRefused(f'a signed request of {len(text)} characters is too long')
+        raise CommandRefused(sentence('signed_long', count=len(text)))
     try:
         plain: Any = json.loads(text)
         json.dumps(plain, ensure_ascii=False).encode()  # half a character would end the process
@@ -277,7 +278,7 @@ def opened(text: str) -> Sealed:
         and not isinstance(plain[field.name], bool)
         for field in fields(Sealed)
     ):
-        raise CommandRefused(f'a signed request is JSON with {expected}; found {text!r:.60}')
+        raise CommandRefused(sentence('signed_form', fields=expected, found=f'{text!r:.60}'))
     return Sealed(**plain)
 
 
@@ -316,25 +317,19 @@ class Signatures:
         """
         name, key = self._key(public)
         if not _fits(public, text, signature):
-            raise CommandRefused(
-                f'the signature is not that of the key {name} for this request: it was changed on '
-                'the way'
-            )
+            raise CommandRefused(sentence('signed_otherwise', key=name))
         here = self._here()
         for what, said, is_so in (
             ('node', request.node, here.node),
             ('journal', request.history, here.history),
         ):
             if said != is_so:
-                raise CommandRefused(
-                    f'the request is signed for another {what}, {said!r:.80}; this is {is_so!r}'
-                )
+                names = {'found': f'{said!r:.80}', 'name': repr(is_so)}
+                raise CommandRefused(sentence(f'signed_for_{what}', **names))
         last = max(self._recorded.get(public, 0), self._used.get(public, 0))
         if not last < request.number <= LARGEST_NUMBER:
-            raise CommandRefused(
-                f'the key {name} has signed number {request.number}, and has used {last} already: '
-                'a copy, or a request that was overtaken; give it again'
-            )
+            numbers = {'number': request.number, 'last': last}
+            raise CommandRefused(sentence('signed_again', key=name, **numbers))
         self._used[public] = request.number
         _check_time(request, here.up)
         return self._by(request, name, key)
@@ -343,10 +338,7 @@ class Signatures:
         for name, key in self._keys().items():
             if key.public == public:
                 return name, key
-        raise CommandRefused(
-            f'the request is signed with a key that the users file of this node does not have, '
-            f'{public!r:.50}; add it: bt-orchestrator user key NAME --role ROLE --public KEY'
-        )
+        raise CommandRefused(sentence('unknown_key', key=f'{public!r:.50}'))
 
     def _by(self, request: Sealed, name: str, key: Key) -> By:
         said, signed = (request.origin, request.reason), Signed(name, key.public, request.number)
@@ -360,10 +352,8 @@ class Signatures:
                 role = _most(key.role, request.role)
                 dropped = '' if role.value == request.role else claims
                 return By(request.who, *said, role, known, dropped, signed)
-        raise CommandRefused(
-            f'the key {name} is of {kind.words}, and asks for its users alone, each known as '
-            f'{kind.known.value}; found {claims}'
-        )
+        wanted = {'door': kind.words, 'known': kind.known.value}
+        raise CommandRefused(sentence('key_of_door', key=name, **wanted, found=claims))
 
 
 def _most(allowed: Role, asserted: str) -> Role:
@@ -377,20 +367,13 @@ def _most(allowed: Role, asserted: str) -> Role:
 
 def _check_time(request: Sealed, up: Uptime) -> None:
     if request.boot != up.boot:
-        raise CommandRefused(
-            "the request is signed for another start of the node's computer; give it again"
-        )
+        raise CommandRefused(sentence('signed_before_start'))
     age_s = up.seconds - request.uptime
     if age_s < -ROUNDED_S:
-        raise CommandRefused(
-            f'the request is signed for a moment {-age_s:.1f} s ahead of the uptime of this node: '
-            'somebody else has told it; look who publishes the status of this node'
-        )
+        raise CommandRefused(sentence('signed_ahead', seconds=f'{-age_s:.1f}'))
     if not age_s <= FRESH_S:
-        raise CommandRefused(
-            f'the request was signed {age_s:.1f} s ago; expected at most {FRESH_S:.0f} s, since a '
-            'late command is an attack; give it again'
-        )
+        seconds = {'seconds': f'{age_s:.1f}', 'most': f'{FRESH_S:.0f}'}
+        raise CommandRefused(sentence('signed_late', **seconds))
 
 
 def _fits(public: str, text: str, signature: bytes) -> bool:

@@ -2,19 +2,68 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from bt_orchestrator.model.words import OR, SENTENCES, Words, facts_of, sentence
+from bt_orchestrator.model import words
+from bt_orchestrator.model.words import AND, OR, SENTENCES, Words, facts_of, sentence
+from bt_orchestrator.model.words.refusals import REFUSALS
+
+PLACES = {'answers': f'a{OR}b', 'held': 'hold 1 (mark: aborted)'}
+"""Places in which not anything can stand."""
 
 
 @pytest.mark.parametrize('kind', sorted(SENTENCES.keys() - {'said'}))
 def test_facts_are_read_out_of_their_sentence(kind: str) -> None:
     names = set(re.findall(r'\{(\w+)\}', SENTENCES[kind]))
-    values = {name: f'a{OR}b' if name == 'answers' else f'/x {name} 1' for name in names}
+    values = {name: PLACES.get(name, f'/x {name} 1') for name in names}
     words = Words(kind, values)
     assert facts_of(words.text()) == (words,)
+
+
+@given(st.sampled_from(sorted(SENTENCES.keys() - {'said'})), st.text(min_size=1))
+def test_whatever_stands_in_a_sentence_it_says_the_same_again(kind: str, thing: str) -> None:
+    names = set(re.findall(r'\{(\w+)\}', SENTENCES[kind]))
+    message = Words(kind, {name: PLACES.get(name, thing) for name in names}).text()
+    facts = facts_of(message)
+    assert AND.join(fact.text() for fact in facts) in ('', message)
+
+
+def test_no_kind_of_a_refusal_is_one_of_another_sentence() -> None:
+    source = inspect.getsource(words)
+    keys = re.findall(r"(?m)^    '?([A-Za-z_]+)'?: ", source)
+    assert not REFUSALS.keys() & {key.lower() for key in keys}
+
+
+@pytest.mark.parametrize(
+    ('name', 'kind'),
+    [
+        ('hold 1 (mark: aborted)', 'hold_of'),
+        ('hold 3 (paused, Ann: a; b (c))', 'hold_why'),
+        ('hold 3 (paused)', 'hold_bare'),
+    ],
+)
+def test_the_name_of_a_hold_stands_in_a_sentence(name: str, kind: str) -> None:
+    (fact,) = facts_of(f'{name} is open')
+    assert fact == Words('hold_open', {'held': name})
+    assert [inner.kind for inner in facts_of(name)] == [kind]
+    assert facts_of('the door is open') == ()
+
+
+def test_pauses_one_after_the_other_are_read_each_for_itself() -> None:
+    facts = facts_of('no pause is yours; hold 3 (paused, Ann: x); hold 4 (paused, Bob: y; z)')
+    assert [fact.kind for fact in facts] == ['no_pause_yours', 'hold_why', 'hold_why']
+    assert facts[-1].values['message'] == 'Bob: y; z'
+
+
+def test_a_sentence_that_names_one_thing_twice_names_the_same() -> None:
+    told = 'hold 1 (a: b) takes no answer; take {} off the belt and say so with remove-item {}'
+    assert facts_of(told.format('J/1', 'J/1'))[0].kind == 'takes_removal'
+    assert facts_of(told.format('J/1', 'J/2'))[0].kind == 'takes_none'
 
 
 def test_a_message_of_several_sentences_has_the_facts_of_each() -> None:
@@ -32,7 +81,16 @@ def test_a_message_of_several_sentences_has_the_facts_of_each() -> None:
 
 
 @pytest.mark.parametrize(
-    'message', ['', 'no vacuum', 'a; b; c', 'waits for', ' waits for ', '; '.join('x' * 200)]
+    'message',
+    [
+        '',
+        'no vacuum',
+        'a; b; c',
+        'waits for',
+        ' waits for ',
+        '; '.join('x' * 200),
+        f'there is no request {"x" * 10_000}; one of job.move',
+    ],
 )
 def test_words_of_others_are_no_sentences_of_the_node(message: str) -> None:
     assert facts_of(message) == ()

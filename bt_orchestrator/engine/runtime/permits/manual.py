@@ -38,6 +38,7 @@ from bt_orchestrator.model.requests import (
 from bt_orchestrator.model.script import manual_task
 from bt_orchestrator.model.state import CellState, Hold, Phase
 from bt_orchestrator.model.status import ManualGoal
+from bt_orchestrator.model.words import sentence
 
 SILENT_S = 2.0
 """Seconds after which a goal is cancelled whose panel was not heard any more."""
@@ -53,9 +54,10 @@ def _hand_over(state: CellState, asked: Asked, _: float) -> Decided:
     """Change from where the line may be moved; nothing stops, and nothing starts (7.8)."""
     control = Control(asked.request.word)
     if state.unit_mode is UnitMode.MANUAL and control is Control.REMOTE:
-        raise CommandRefused(f'{asked.request.name} is refused: {IN_MANUAL}')
+        name = asked.request.name
+        raise CommandRefused(sentence('refused_because', request=name, words=IN_MANUAL))
     if state.control is control:
-        raise CommandRefused(f'the line is in {control.value} already')
+        raise CommandRefused(sentence('control_already', control=control.value))
     return _HANDED_OVER[control], [e.ControlChanged(control=control.value, reason=str(asked.by))]
 
 
@@ -72,17 +74,12 @@ def _enter(state: CellState, asked: Asked, _: float) -> Decided:
     :raises CommandRefused: it works, or has items on the belt
     """
     if state.unit_mode is UnitMode.MANUAL:
-        raise CommandRefused('the cell is in manual mode already')
+        raise CommandRefused(sentence('manual_already'))
     if state.packml not in MANUAL_FROM or state.running:
         named = ' or '.join(allowed.value for allowed in MANUAL_FROM)
-        raise CommandRefused(
-            f'the cell is {state.packml.value}; manual is for {named}, where nothing runs; stop '
-            'it first'
-        )
+        raise CommandRefused(sentence('no_manual_here', state=state.packml.value, states=named))
     if any(item.section and item.present for item in state.items.values()):
-        raise CommandRefused(
-            f'there are items on the belt: {believed(state)}; take them off, each with remove-item'
-        )
+        raise CommandRefused(sentence('items_on_belt', belt=believed(state)))
     message = 'the cell is in manual mode: it stands until production, and runs single goals'
     mode = e.UnitModeChanged(mode=UnitMode.MANUAL.value, reason=str(asked.by))
     return message, [mode]
@@ -96,12 +93,10 @@ def _leave(state: CellState, asked: Asked, _: float) -> Decided:
     """
     _check_manual(state)
     if e.MANUAL_KEY in state.running:
-        raise CommandRefused('a goal of manual mode runs; wait for its end, or cancel it')
+        raise CommandRefused(sentence('manual_goal_runs'))
     held = _own_hold(state)
     if held is not None:
-        raise CommandRefused(
-            f'it is open how {_goal(state)} ended; answer {hold_name(held)} first'
-        )
+        raise CommandRefused(_of_goal('manual_goal_open', state, held=hold_name(held)))
     gone = list(corrections(state, asked['belt']))
     message = 'manual mode has ended; reset and start let the cell go on'
     return message, chain(
@@ -124,7 +119,7 @@ def _run(state: CellState, asked: Asked, _: float) -> Decided:
     component, hold = asked['component'], asked.arguments.get('hold', '')
     why_not = _why_not_now(state) or _why_not_there(state, component, hold)
     if why_not:
-        raise CommandRefused(f'{component} gets no goal: {why_not}')
+        raise CommandRefused(sentence('no_goal', component=component, words=why_not))
     goal = e.ManualAsked(
         component=component,
         name=asked['task'],
@@ -141,12 +136,11 @@ def _run(state: CellState, asked: Asked, _: float) -> Decided:
 def _cancel(state: CellState, asked: Asked, _: float) -> Decided:
     run, running = state.manual, state.running.get(e.MANUAL_KEY)
     if run is None or running is None or run.component != asked['component']:
-        raise CommandRefused(f'{asked["component"]} has no goal of manual mode')
+        raise CommandRefused(sentence('no_manual_goal', component=asked['component']))
     if running.cancel_cause is not None:
-        raise CommandRefused(f'{_goal(state)} is being cancelled already')
-    return f'{_goal(state)} is being cancelled', effects.cancelled(
-        state, [e.MANUAL_KEY], CANCELLED
-    )
+        raise CommandRefused(_of_goal('manual_goal_ends', state))
+    message = f'{run.name} at {run.component} is being cancelled'
+    return message, effects.cancelled(state, [e.MANUAL_KEY], CANCELLED)
 
 
 @decides(AT_PANEL)
@@ -158,13 +152,14 @@ def _at_panel(state: CellState, _: Asked, __: float) -> Decided:
 
 def _check_manual(state: CellState) -> None:
     if state.unit_mode is not UnitMode.MANUAL:
-        raise CommandRefused('the cell is not in manual mode')
+        raise CommandRefused(sentence('not_in_manual'))
 
 
-def _goal(state: CellState) -> str:
+def _of_goal(kind: str, state: CellState, **values: object) -> str:
+    """Return a sentence about the goal of manual mode."""
     run = state.manual
     assert run is not None
-    return f'{run.name} at {run.component}'
+    return sentence(kind, task=run.name, component=run.component, **values)
 
 
 # --- what speaks against a goal -----------------------------------------------------------------
@@ -173,11 +168,11 @@ def _goal(state: CellState) -> str:
 def _why_not_now(state: CellState) -> str:
     """Say what keeps every component from a goal of manual mode; empty: nothing does."""
     if state.packml not in MANUAL_FROM:
-        return f'the cell is {state.packml.value}'
+        return sentence('cell_is', state=state.packml.value)
     if e.MANUAL_KEY in state.running:
-        return f'{_goal(state)} runs, and manual mode has one goal at a time'
+        return _of_goal('one_manual_goal', state)
     held = _own_hold(state) or next(iter(state.stops), None)
-    return f'{hold_name(held)} is open' if held is not None else ''
+    return sentence('hold_open', held=hold_name(held)) if held is not None else ''
 
 
 def _why_not_there(state: CellState, component: str, named: str) -> str:
@@ -191,7 +186,7 @@ def _why_not_there(state: CellState, component: str, named: str) -> str:
     keepers = list(_keepers(state, component))
     kept = next(filter(None, (_why_kept(state, key, named) for key in keepers)), '')
     if not kept and named and named not in {state.tasks[key].hold for key in keepers}:
-        return f'hold {named} does not keep it'
+        return sentence('hold_keeps_not', hold=named)
     return kept or _why_zone_kept(state, component, named)
 
 
@@ -212,10 +207,10 @@ def _why_kept(state: CellState, key: e.TaskKey, named: str) -> str:
     task = state.tasks[key]
     hold = state.holds.get(task.hold or '')
     if hold is None:
-        return f'{key} keeps it'
+        return sentence('kept', task=key)
     if _is_in_doubt(hold, task.never_begun):
-        return f'it is in doubt; answer {hold_name(hold)} first'
-    return '' if hold.id == named else f'{hold_name(hold)} keeps it; name that hold: it stays'
+        return sentence('kept_in_doubt', held=hold_name(hold))
+    return '' if hold.id == named else sentence('kept_by_hold', held=hold_name(hold))
 
 
 def _is_in_doubt(hold: Hold, never_begun: bool) -> bool:
@@ -244,7 +239,8 @@ def _why_zone_kept(state: CellState, component: str, named: str) -> str:
         key = state.zones[zone]
         hold = state.tasks[key].hold
         if hold is None or hold != named:
-            return f'{key} keeps zone {zone}' + (f' (hold {hold})' if hold else '')
+            kind = 'kept_zone_held' if hold else 'kept_zone'
+            return sentence(kind, task=key, zone=zone, hold=hold)
     return ''
 
 

@@ -11,6 +11,7 @@ from bt_orchestrator.model.jobs.needs import needed_by, on_the_line_words, still
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.requests import IN_SERVICE, OUT_OF_SERVICE, Asked
 from bt_orchestrator.model.state import CellState, OutOfService
+from bt_orchestrator.model.words import joined, sentence
 
 
 def without_component(state: CellState) -> Iterator[e.ComponentInService]:
@@ -25,7 +26,7 @@ def _take_out(state: CellState, asked: Asked, _: float) -> Decided:
     name = asked['component']
     before = _present(name, state)
     if before is not None:
-        raise CommandRefused(f'{name} is out of service already ({before.reason})')
+        raise CommandRefused(sentence('out_already', component=name, words=before.reason))
     jobs = tuple(_queued_with(name, state))
     event = e.ComponentOutOfService(component=name, reason=str(asked.by), jobs=jobs)
     return '\n'.join(_of_taking_out(state, name, jobs)), [event]
@@ -36,14 +37,15 @@ def _bring_back(state: CellState, asked: Asked, _: float) -> Decided:
     name = asked['component']
     if _present(name, state) is None:
         others = listed(state.out_of_service, 'none')
-        raise CommandRefused(f'{name} is in service; out of service now: {others}')
+        raise CommandRefused(sentence('in_service', component=name, components=others))
     return f'{name} is in service', [e.ComponentInService(component=name)]
 
 
 def _present(name: str, state: CellState) -> OutOfService | None:
     if name not in state.cell.components:
         known = listed(state.cell.components, 'none')
-        raise CommandRefused(f'there is no component {name}; the cell has {known}')
+        there = sentence('cell_has', components=known)
+        raise CommandRefused(joined(sentence('no_component', component=name), there))
     return state.out_of_service.get(name)
 
 

@@ -131,4 +131,4 @@ def refuse_unsafe(state: CellState, command: Command) -> None:
     request = getattr(command, 'request', None)
     if state.unsafe and request is not None and request.needs_safety:
         why = sentence('unsafe', words=state.unsafe)
-        raise CommandRefused(f'{request.name} is refused: {why}')
+        raise CommandRefused(sentence('refused_because', request=request.name, words=why))

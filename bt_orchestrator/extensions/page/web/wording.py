@@ -6,7 +6,6 @@ import json
 import re
 import string
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Any
@@ -66,6 +65,35 @@ _BETWEEN, _AND = '; ', ', '
 
 _CONDITIONS = ('wanted', 'condition')
 """Places of a condition in sentences of the node."""
+
+_GROUPS: Mapping[str, str] = {
+    **{group: group for group in ('reason', 'state', 'role', 'job_state')},
+    **dict.fromkeys(('known', 'kind', 'control', 'door', 'left', 'person'), 'place'),
+    **dict.fromkeys(('jobs', 'others', 'holds', 'items', 'components', 'scripts'), 'place'),
+}
+"""Places of a word of the node, with the group that says it."""
+
+_BUTTONS: Mapping[str, str] = {'request': '', 'verb': 'cell.', 'answer': 'hold.', 'method': 'job.'}
+"""Places of a request, with what precedes its word there."""
+
+_SEVERAL: Mapping[str, tuple[str, str]] = {
+    'states': (' or ', 'state'),
+    'roles': (' or ', 'role'),
+    'job_states': (' or ', 'job_state'),
+    'people': (' or ', 'person'),
+    'verbs': (', ', 'verb'),
+    'replies': (', ', 'answer'),
+    'named_holds': (', ', 'hold_name'),
+}
+"""Places of several things: what stands between them, and the place that one would have."""
+
+_SLOTS = ('belt', 'content', 'stated')
+_EMPTY_SLOT = re.compile(r'(?<![^=])empty(?![^,])')
+_CLAIMED = re.compile('somebody who claims to be (.+)')
+_UNNAMED = ('somebody', 'this sender')
+_AND_MORE = re.compile('(.+) and ([0-9]+) more')
+_VERB_OF = re.compile(r'.*\((.+)\)')
+"""The verb in the title of a method."""
 
 
 @cache
@@ -163,15 +191,50 @@ class PageWording(Wording):
     def message(self, message: str) -> str:
         """Say a message of the node, which is in English."""
         known = self._strings['message']
-        facts = [replace(fact, values=self._in_words(fact.values)) for fact in facts_of(message)]
-        return text_of(facts, message, known, known['or'])
+        return text_of(facts_of(message), message, known, known['or'], self._in_words)
 
     def _in_words(self, values: Mapping[str, str]) -> Mapping[str, str]:
-        """Return what stands in the places of a sentence: conditions and reasons are words."""
-        worded = {name: self.condition(values[name]) for name in _CONDITIONS if name in values}
-        if 'reason' in values:
-            worded['reason'] = self._word('reason', values['reason'])
-        return {**values, **worded}
+        """Return what stands in the places of a sentence, where it is words of the node."""
+        worded = {name: self._at(name, value) for name, value in values.items()}
+        if 'meaning' in values:
+            by_subject = self._word('parameter', values['parameter'], values['meaning'])
+            name = f'{values["request"]}.{values["parameter"]}'
+            worded['meaning'] = self._word('parameter', name, by_subject)
+        return worded
+
+    def _at(self, place: str, value: str) -> str:
+        if place == 'hold_name' or (place == 'replies' and facts_of(value)):
+            return self.message(value)
+        if place in _SEVERAL:
+            between, one = _SEVERAL[place]
+            parts = [self._at(one, part) for part in value.split(between)]
+            return between.replace('or', self._word('message', 'or')).join(parts)
+        if place in _CONDITIONS:
+            return self.condition(value)
+        if place in _SLOTS:
+            return _EMPTY_SLOT.sub(self._word('place', 'empty'), value)
+        if place in _BUTTONS:
+            return self._button(_BUTTONS[place], value)
+        if place == 'who':
+            return self._who(value)
+        return self._listed(_GROUPS[place], value) if place in _GROUPS else value
+
+    def _button(self, before: str, value: str) -> str:
+        titled = _VERB_OF.fullmatch(value) if before == _BUTTONS['method'] else None
+        name = f'{before}{titled[1] if titled else value}'
+        word = self._word('word', name.lower() if before else name, '')
+        return self._word('unit', 'quoted').format(words=word) if word else value
+
+    def _who(self, value: str) -> str:
+        if claimed := _CLAIMED.fullmatch(value):
+            return self._word('login', 'claims').format(name=claimed[1])
+        return self._word('place', value) if value in _UNNAMED else value
+
+    def _listed(self, group: str, value: str) -> str:
+        """Return a word, or names, which stay."""
+        if group == 'place' and (listed := _AND_MORE.fullmatch(value)):
+            return self._word('place', 'more').format(names=listed[1], count=listed[2])
+        return self._word(group, value)
 
     def report(self, words: str) -> str:
         """Say words, or a figure, of a report, which are in English."""

@@ -27,6 +27,7 @@ from bt_orchestrator.base.replies import Reply
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.limits import GENERATING_S
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import MadeScript
 
 log = logging.getLogger(__name__)
@@ -37,11 +38,8 @@ NICE = 19
 MOST_WAITING = 50
 """Requests that wait for their scripts."""
 
-LATE = (
-    f'generating the scripts took longer than {GENERATING_S:g} s and was given up; try it with '
-    'bt-orchestrator generate, or give an order with its script'
-)
-BUSY = f'{MOST_WAITING} requests wait for scripts of recipes; give this one again later'
+LATE = sentence('making_late', seconds=f'{GENERATING_S:g}')
+BUSY = sentence('making_busy', count=MOST_WAITING)
 
 _Scripts = tuple['MadeScript | Refused', ...]
 
@@ -121,10 +119,7 @@ class GeneratingProcess:
             why = str(error) or repr(error)
         if not self._closed:
             log.error('no script can be generated: %s', why)
-        return NotRead(
-            f'no script can be generated now: {why}; give this one again, and see whether '
-            'the machine of the node has memory and processes left'
-        )
+        return NotRead(sentence('making_failed', words=why))
 
 
 class _Answers:

@@ -21,6 +21,7 @@ from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.requests import REQUESTS, About, Asked, Kind, Parameter, Request
 from bt_orchestrator.model.requests.request import NAMED
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports.doors.tickets import Outcome
 
 OIL = Request(
@@ -36,7 +37,7 @@ OIL = Request(
 def oil(_: CellState, asked: Asked, __: float) -> Decided:
     """Decide it."""
     if asked['component'] == 'lamp':
-        raise CommandRefused('a lamp needs no oil')
+        raise CommandRefused(sentence('component_gone', component='lamp'))
     component, drops = asked['component'], asked.arguments.get('drops', 1)
     return f'{component} was oiled with {drops}', ()
 
@@ -64,7 +65,7 @@ def test_it_is_carried_out_and_on_record(tmp_path: Path) -> None:
     (decided,) = bench.records('operator.decided')
     assert (decided.answer, decided.component, decided.who) == ('oil', 'arm', 'Ann')
     for arguments, told in (
-        ('{component: lamp}', 'a lamp needs no oil'),
+        ('{component: lamp}', 'lamp is not in the cell file any more'),
         ('{component: arm, drops: 10}', 'drops of component.oil is a whole number from 1 to 9'),
         ('{drops: 1}', 'component.oil needs component'),
     ):

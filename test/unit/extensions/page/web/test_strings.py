@@ -17,7 +17,7 @@ from bt_orchestrator.model.words import SENTENCES
 from bt_orchestrator.view.drawing import card, line, mark
 
 DRAWING = 'drawing.'
-OF_THE_NODE = ('wait.', 'message.', 'condition.', 'twig.', 'twig_message.', 'report.')
+OF_THE_NODE = ('wait.', 'message.', 'condition.', 'twig.', 'twig_message.', 'report.', 'place.')
 """Words that the page has from its node (`extensions/page/web/wording.py`)."""
 DRAWINGS = Path(card.__file__).parent
 

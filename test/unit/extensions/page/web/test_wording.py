@@ -160,6 +160,152 @@ def test_each_reason_of_the_safety_input_is_said_alone_and_in_a_sentence(
     assert GERMAN.report(f'safety ({whole})') == f'der Sicherheitseingang fiel aus ({said})'
 
 
+REFUSALS = [
+    (
+        'the cell is Stopped; start is for Idle; possible now: reset, pause, resume, abort',
+        (
+            'die Zelle ist: Gestoppt; „Start“ geht nur bei: Bereit; jetzt möglich: '
+            '„Zurücksetzen“, „Pause“, „Fortsetzen“, „Abbruch“'
+        ),
+    ),
+    (
+        'WO-1 is Running; Start (release) is for jobs that are NotAllowedToStart',
+        'WO-1 ist im Zustand „läuft“; „Freigeben“ geht nur im Zustand zurückgehalten',
+    ),
+    (
+        'WO-1 is aborting already and ends when its last item has left the line',
+        (
+            'WO-1 ist schon im Zustand „wird abgebrochen“ und endet, wenn das letzte Teil die '
+            'Linie verlassen hat'
+        ),
+    ),
+    (
+        (
+            'WO-1 is not released: its script was generated and is not released for this '
+            'cell; release-script aa11 (by an engineer) lets it start in its turn'
+        ),
+        (
+            'WO-1 ist nicht freigegeben: das Skript wurde erzeugt und ist für diese Zelle '
+            'nicht freigegeben; „Skript freigeben“ (aa11, durch Techniker) lässt ihn '
+            'beginnen, wenn er an der Reihe ist'
+        ),
+    ),
+    (
+        'cell.start is refused: the safety input is not ready: it has no publisher',
+        (
+            '„Start“ wird abgelehnt: der Sicherheitseingang ist nicht bereit: er hat keinen '
+            'Publisher'
+        ),
+    ),
+    (
+        'a2 gets no goal: it is in doubt; answer hold 1 (mark: in_doubt) first',
+        (
+            'a2 bekommt keine Aufgabe: es ist unklar, wie weit sie kam; zuerst Störung 1 '
+            '(mark: niemand weiß, wie weit es kam) beantworten'
+        ),
+    ),
+    (
+        (
+            'hold 1 (mark: aborted) can be answered with retry, skip; an engineer may also: '
+            "abort_job; found 'fly'"
+        ),
+        (
+            'Antworten auf Störung 1 (mark: der Controller hat abgebrochen): „Noch einmal“, '
+            "„Überspringen“; auch möglich für Techniker: „Auftrag abbrechen“; gefunden: 'fly'"
+        ),
+    ),
+    (
+        (
+            'hold 1 (mark: aborted) can be answered with an operator or an engineer may: '
+            "retry; found 'fly'"
+        ),
+        (
+            'Antworten auf Störung 1 (mark: der Controller hat abgebrochen): möglich für '
+            "Bediener oder Techniker: „Noch einmal“; gefunden: 'fly'"
+        ),
+    ),
+    (
+        (
+            'no pause is yours; hold 3 (paused, somebody: x; y); the person who paused '
+            'resumes, or name the hold to release it for that person'
+        ),
+        (
+            'keine der Pausen ist eine eigene; Störung 3 (pausiert, somebody: x; y); '
+            'fortsetzen kann, wer pausiert hat; oder die Pause nennen, um sie für andere '
+            'aufzuheben'
+        ),
+    ),
+    (
+        'the cell is not paused; it waits for answers to hold 1, hold 2',
+        'die Zelle ist nicht pausiert; sie wartet auf Antwort auf Störung 1, Störung 2',
+    ),
+    (
+        (
+            'slot 2: the cell believes empty, not WO-1/3; no such item is on the line; take '
+            'it off and say empty'
+        ),
+        (
+            'Platz 2: nach Stand der Zelle leer, nicht WO-1/3; ein solches Teil ist nicht auf '
+            'der Linie; es herunternehmen und leer angeben'
+        ),
+    ),
+    (
+        'there are items on the belt: 1=empty,2=WO-1/3; take them off, each with remove-item',
+        (
+            'auf dem Band sind Teile: 1=leer,2=WO-1/3; herunternehmen, jedes mit „Teil wurde '
+            'entnommen“'
+        ),
+    ),
+    (
+        'there is no hold 9; holds now: 1, 2 and 30 more',
+        'eine Störung 9 gibt es nicht; jetzt offen: 1, 2 und 30 weitere',
+    ),
+    (
+        'job.move needs position: place in the queue, from 1',
+        '„Verschieben“ braucht position: Platz in der Reihe, ab 1',
+    ),
+    (
+        'job of job.move is text (id of the job); found 7',
+        'job von „Verschieben“ muss ein Text sein (Nummer des Auftrags); gefunden: 7',
+    ),
+    (
+        (
+            'job.move moves the line, which is in local: only its panels may do that, and '
+            'somebody who claims to be Bob (ros unauthenticated) is at none; nothing was '
+            'done; give control back at a panel with remote; without one, start the node anew '
+            'with --control remote'
+        ),
+        (
+            '„Verschieben“ bewegt die Linie, und sie ist auf Lokal: das dürfen nur ihre '
+            'Bedientafeln, und Bob (Name ungeprüft) (über ROS, ungeprüft) ist an keiner; es '
+            'ist nichts geschehen; die Bedienung an einer Bedientafel mit „Fern“ zurückgeben; '
+            'ohne eine den Knoten neu starten, mit --control remote'
+        ),
+    ),
+    (
+        (
+            '`start` must be a date and time with its time zone, not `noon`; write for '
+            'instance 2026-05-18T06:00:00+02:00, or 2026-05-18T04:00:00Z'
+        ),
+        (
+            '`start` muss Datum und Uhrzeit mit Zeitzone sein, nicht `noon`; zum Beispiel '
+            '2026-05-18T06:00:00+02:00 oder 2026-05-18T04:00:00Z schreiben'
+        ),
+    ),
+]
+
+
+@pytest.mark.parametrize(('english', 'german'), REFUSALS)
+def test_refusals_are_german_with_the_words_of_the_buttons(english: str, german: str) -> None:
+    assert GERMAN.message(english) == german
+
+
+def test_refusals_name_the_buttons_of_an_english_page() -> None:
+    message, said = 'cell.reset needs a reason', '“Reset” needs a reason'
+    rest = ', for the record; nothing was done'
+    assert wordings()['en'].message(f'{message}{rest}') == f'{said}{rest}'
+
+
 def test_reasons_of_unknown_ends_are_german_each_in_its_sentence() -> None:
     line = Line()
     run = line.begin(THREE, 3)

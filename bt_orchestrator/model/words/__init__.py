@@ -8,9 +8,12 @@ A sentence is made of its facts, and `facts_of` reads them out of it again: reco
 from __future__ import annotations
 
 import string
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import NamedTuple
+
+from bt_orchestrator.model.words.refusals import REFUSALS
 
 OVERRUN, SLOT_OCCUPIED = 'overrun', 'slot_occupied'
 """Reasons of holds that say it all: also the kinds of their sentences."""
@@ -160,6 +163,7 @@ SENTENCES: Mapping[str, str] = {
     'given_number': 'the number {number}',
     'given_text': 'the text {text}',
     'given_nothing': 'nothing',
+    **REFUSALS,
 }
 """By kind. `said`: words of a device or a person, or others that are known in words only."""
 
@@ -169,8 +173,21 @@ OR, AND = ' | ', '; '
 _LONGEST, _MOST_PARTS = 4, 40
 """Parts of one sentence that has `; ` itself; of a message, beyond which nothing is looked for."""
 
-_FREE = ('words', 'what', 'needed', 'given')
+_MOST_CHARACTERS = 10_000
+"""Of a message that is read and remembered; longer ones have a text of somebody else."""
+
+_NAMES = ('held', 'message')
+"""Places of the name of a hold, and of its message: their brackets are closed."""
+
+_FREE = ('words', 'what', 'needed', 'given', *_NAMES)
 """Places of what may be several sentences itself."""
+
+Worded = Callable[[Mapping[str, str]], Mapping[str, str]]
+"""Returns the values of a sentence as a language says them."""
+
+
+def _as_they_are(values: Mapping[str, str]) -> Mapping[str, str]:
+    return values
 
 
 @dataclass(frozen=True)
@@ -182,42 +199,66 @@ class Words:
     values: Mapping[str, str] = field(default_factory=dict)
     """The things that it names."""
 
-    def text(self, sentences: Mapping[str, str] = SENTENCES, or_: str = 'or') -> str:
+    def text(
+        self,
+        sentences: Mapping[str, str] = SENTENCES,
+        or_: str = 'or',
+        worded: Worded = _as_they_are,
+    ) -> str:
         """Return the sentence in a language.
 
         :param sentences: its catalogue
         :param or_: its word between alternatives
+        :param worded: its words for what stands in the places of a sentence
         """
         answers = self.values.get('answers', '').replace(OR, f' {or_} ')
         inner = {
-            name: text_of(facts_of(value), value, sentences, or_)
+            name: text_of(facts_of(value), value, sentences, or_, worded)
             for name, value in self.values.items()
             if name in _FREE
         }
-        return sentences[self.kind].format(**{**self.values, 'answers': answers, **inner})
+        return sentences[self.kind].format(**{**worded(self.values), 'answers': answers, **inner})
 
 
-def text_of(facts: Sequence[Words], otherwise: str, sentences: Mapping[str, str], or_: str) -> str:
+def text_of(
+    facts: Sequence[Words],
+    otherwise: str,
+    sentences: Mapping[str, str],
+    or_: str,
+    worded: Worded = _as_they_are,
+) -> str:
     """Return a message in a language.
 
     :param otherwise: the same in English, where the language lacks a sentence
     """
     if not facts or not {fact.kind for fact in facts} <= sentences.keys():
         return otherwise
-    return AND.join(fact.text(sentences, or_) for fact in facts)
+    return AND.join(fact.text(sentences, or_, worded) for fact in facts)
 
 
-def sentence(kind: str, **values: object) -> str:
+def sentence(kind: str, /, **values: object) -> str:
     """Return a sentence of the catalogue in English."""
     return SENTENCES[kind].format(**values)
 
 
-@lru_cache(maxsize=256)
+def joined(*sentences: str) -> str:
+    """Return a message of several sentences; empty ones are left out."""
+    return AND.join(filter(None, sentences))
+
+
 def facts_of(message: str) -> tuple[Words, ...]:
     """Return the facts of a message that was made of sentences; empty: it has no such sentence."""
+    return _facts_of(message) if len(message) <= _MOST_CHARACTERS else ()
+
+
+@lru_cache(maxsize=256)
+def _facts_of(message: str) -> tuple[Words, ...]:
     parts, facts = message.split(AND)[:_MOST_PARTS], list[Words]()
     while parts:
-        runs = ((size, _read(AND.join(parts[:size]))) for size in range(_LONGEST, 0, -1))
+        runs = (
+            (size, _read(AND.join(parts[:size]), size))
+            for size in range(min(_LONGEST, len(parts)), 0, -1)
+        )
         quote = Words('said', {'words': parts[0]})
         size, known = next(((size, words) for size, words in runs if words), (1, quote))
         facts.append(known)
@@ -226,13 +267,18 @@ def facts_of(message: str) -> tuple[Words, ...]:
     return tuple(facts) if is_whole and any(fact.kind != 'said' for fact in facts) else ()
 
 
-def _read(text: str) -> Words | None:
-    """Return the sentence that a text is; of several, the one with the most words of its own."""
+def _read(text: str, size: int) -> Words | None:
+    """Return the sentence that a text is; of several, the one with the most words of its own.
+
+    :param size: number of its parts
+    """
+    by_begin = _PATTERNS[size]
+    near = by_begin.get(text[:_BEGIN], by_begin[''])
     return next(
         (
-            Words(kind, values)
-            for kind, pieces in _PIECES.items()
-            if (values := _values(pieces, text)) is not None
+            Words(pattern.kind, values)
+            for pattern in near
+            if pattern.telling in text and (values := _values(pattern.pieces, text)) is not None
         ),
         None,
     )
@@ -249,26 +295,82 @@ def _values(pieces: Sequence[tuple[str, str | None]], text: str) -> dict[str, st
             start = len(text) - len(literal) if is_last else text.find(literal, at + 1)
         if start < at or not text.startswith(literal, start):
             return None
-        if name is not None:
-            values[name] = text[at:start]
+        if name is not None and values.setdefault(name, text[at:start]) != text[at:start]:
+            return None
         at, name = start + len(literal), following
-    if any(not value or (AND in value and name not in _FREE) for name, value in values.items()):
+    if at != len(text) or not all(_may_stand(value, name) for name, value in values.items()):
         return None
     if 'answers' in values:
         values['answers'] = values['answers'].replace(' or ', OR)
-    return values if at == len(text) else None
+    return values
 
 
-def _pieces(template: str) -> list[tuple[str, str | None]]:
-    """Return each piece of a sentence with the place behind it, the last one without."""
+def _may_stand(value: str, place: str) -> bool:
+    if place in _NAMES:
+        is_named = place != 'held' or value.startswith('hold ')
+        return is_named and _is_closed(value)
+    return bool(value) and (AND not in value or place in _FREE)
+
+
+def _is_closed(text: str) -> bool:
+    """Tell whether each bracket that a text opens is closed in it, and no other one."""
+    depth = 0
+    for char in text:
+        depth += (char == '(') - (char == ')')
+        if depth < 0:
+            return False
+    return bool(text) and not depth
+
+
+# The sentences as patterns, by how many parts a text has and how it begins: a text of somebody
+# else is compared with few of them.
+
+_BEGIN = 3
+
+
+class _Pattern(NamedTuple):
+    kind: str
+    pieces: Sequence[tuple[str, str | None]]
+    """Each piece of the sentence with the place behind it, the last one without."""
+    telling: str
+    """The longest piece."""
+
+    @property
+    def begin(self) -> str:
+        """The characters that it is looked for by; empty: it begins with a place, or nearly."""
+        first, _ = self.pieces[0]
+        return first[:_BEGIN] if len(first) >= _BEGIN else ''
+
+    @property
+    def words(self) -> int:
+        """The number of characters of its own."""
+        return sum(len(literal) for literal, _ in self.pieces)
+
+    def may_have(self, size: int) -> bool:
+        """Tell whether a text of so many parts may be this sentence."""
+        own = 1 + sum(literal.count(AND) for literal, _ in self.pieces)
+        is_free = any(name in _FREE for _, name in self.pieces)
+        return own == size or (own < size and is_free)
+
+
+def _pattern(kind: str, template: str) -> _Pattern:
     pieces = [(literal, name) for literal, name, _, _ in string.Formatter().parse(template)]
-    return pieces if pieces[-1][1] is None else [*pieces, ('', None)]
+    if pieces[-1][1] is not None:
+        pieces.append(('', None))
+    return _Pattern(kind, pieces, max((literal for literal, _ in pieces), key=len))
 
 
-_PIECES = {
-    kind: _pieces(text)
-    for kind, text in sorted(
-        SENTENCES.items(), key=lambda entry: -len(''.join(part for part, _ in _pieces(entry[1])))
-    )
-    if kind != 'said'
+def _by_begin(patterns: Sequence[_Pattern]) -> Mapping[str, Sequence[_Pattern]]:
+    """Return the patterns by the first characters of a text; empty: it begins in another way."""
+    begins = {'', *(pattern.begin for pattern in patterns)}
+    return {begin: [p for p in patterns if p.begin in ('', begin)] for begin in begins}
+
+
+_ALL = sorted(
+    (_pattern(kind, text) for kind, text in SENTENCES.items() if kind != 'said'),
+    key=lambda pattern: -pattern.words,
+)
+_PATTERNS = {
+    size: _by_begin([pattern for pattern in _ALL if pattern.may_have(size)])
+    for size in range(1, _LONGEST + 1)
 }
