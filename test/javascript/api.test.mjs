@@ -38,6 +38,13 @@ test('a refusal keeps its findings', async () => {
   });
 });
 
+test('a refusal is said in the language of the viewer', async () => {
+  answers([409, { message: 'cell.reset', said: { en: '“Reset”', de: '„Zurücksetzen“' } }]);
+  assert.equal((await send(OFFER, {}, 't1')).message, '“Reset”');
+  answers([200, { message: 'a', said: { en: 'b' }, note: 'c' }]);
+  assert.equal((await send(OFFER, {}, 't1')).message, 'b — c');
+});
+
 test('a session that is locked asks for the login', async () => {
   answers([403, { message: 'locked', why: 'locked' }]);
   assert.equal((await send(OFFER, {}, 't1')).kind, 'login');

@@ -85,6 +85,27 @@ def test_an_order_without_its_quantity_is_refused_in_german(held: Stand, sit: Si
         assert not english_lines(form.inner_text())
 
 
+def test_what_the_cell_refuses_is_said_in_german(held: Stand, sit: Sit) -> None:
+    """Somebody else was quicker."""
+    tab = sit(held.port, locale='de-DE').open('component/component_2a')
+    tab.until_news()
+    tab.page.locator('[data-offer="component.in_service"]').click()
+    dialog = tab.page.locator('dialog[data-dialog="component.in_service"]')
+    dialog.locator('[name="reason"]').fill('neuer Greifer')
+    held.ask('component.in_service', component='component_2a')
+    dialog.locator('[data-do="send"]').click()
+    refused = dialog.locator('[data-answer="refused"]')
+    refused.wait_for()
+    assert refused.inner_text().strip() == (
+        'Abgelehnt; es ist nichts geschehen. Component_2a ist in Betrieb; jetzt außer Betrieb: '
+        'keine'
+    )
+    held.ask('component.out_of_service', FREE[1], component='component_2a')
+    tab.go('alarms')
+    told = tab.page.locator('main').get_by_text('component_2a ist in Betrieb; jetzt außer Betrieb')
+    told.first.wait_for()
+
+
 def test_the_tree_is_german(held: Stand, sit: Sit) -> None:
     tab = sit(held.port, locale='de-DE').open('tree')
     tab.until(lambda: tab.count('.twig') > 1, 'the tree')

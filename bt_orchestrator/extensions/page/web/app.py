@@ -280,8 +280,11 @@ def _body(endpoint: Endpoint) -> Schema:
 
 _PROBLEM: Schema = {
     'type': 'object',
-    'properties': {'message': {'type': 'string', 'description': 'what was expected, in words'}},
-    'required': ['message'],
+    'properties': {
+        'message': {'type': 'string', 'description': 'what was expected, in words'},
+        'said': {'type': 'object', 'description': 'the same by language, as far as it has it'},
+    },
+    'required': ['message', 'said'],
 }
 _PROBLEMS: Mapping[str, Any] = {
     'application/json': {'schema': {'$ref': '#/components/schemas/Problem'}}

@@ -17,10 +17,12 @@ from bt_orchestrator.base.errors import NodeUnreachable, Refused
 from bt_orchestrator.extensions.page.web.endpoint import Endpoint, Json, Problem, body_of
 from bt_orchestrator.extensions.page.web.people import Session
 from bt_orchestrator.extensions.page.web.request_paths import PLACES, body_at, request_at
+from bt_orchestrator.extensions.page.web.wording import said_in_each
 from bt_orchestrator.model.by import WANTED_TICKET, By, is_ticket, origin_with
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.limits import NAME, ORDERS, REASON
 from bt_orchestrator.model.requests import REQUESTS, Asked, BadArguments, Why, ask, refusal
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports.doors.tickets import NotSent, Outcome, Tickets, TicketTaken, Unknown
 from bt_orchestrator.script.orders.plain_order import order_from
 
@@ -32,7 +34,7 @@ PROGRAM = 'page'
 REFUSALS: Mapping[int, str] = {
     401: 'log in first',
     403: 'the role of the session does not allow it, or the session is locked',
-    409: 'the cell refuses it; `message` is its sentence',
+    409: 'the cell refuses it; `message` is its sentence, `said` the same by language',
     422: 'the body does not fit the request; `message` says what was expected',
     503: 'the node is silent, or did not answer; GET /api/tickets/{ticket} tells more',
 }
@@ -99,8 +101,8 @@ class Commands:
             answer = await self._tickets.doors.ask(asked)
         except NodeUnreachable as error:
             raise Problem(503, str(error)) from error
-        body = {'accepted': answer.accepted, 'message': answer.message}
-        return Json(body, 200 if answer.accepted else 409)
+        words = {'message': answer.message, 'said': said_in_each(answer.message)}
+        return Json({'accepted': answer.accepted, **words}, 200 if answer.accepted else 409)
 
     async def find(self, http: HttpRequest) -> Response:
         """Tell what became of a command."""
@@ -154,7 +156,8 @@ def _asked(path: str, given: dict[str, Any], session: Session, ticket: str) -> A
 def _check_texts(given: Mapping[str, Any]) -> None:
     for name, text in given.items():
         if isinstance(text, str) and len(text) > NAME:
-            raise Problem(422, f'{name} has {len(text)} characters; expected at most {NAME}')
+            words = sentence('too_many_characters', field=name, count=len(text), most=NAME)
+            raise Problem(422, words)
 
 
 def _orders(plain_orders: Any) -> list[WorkOrder]:
@@ -180,7 +183,7 @@ def _check(asked: Asked, session: Session) -> None:
     """Refuse early what the node would refuse: an emergency is for a locked session as well."""
     request = asked.request
     if session.is_locked and request.why is not Why.AFTERWARDS:
-        raise Problem(403, 'this session is locked; unlock it with the password', why='locked')
+        raise Problem(403, sentence('session_locked'), why='locked')
     not_allowed = refusal(request, replace(asked.sender, reason='any'), asked.arguments)
     if not_allowed is not None:
         log.warning('refused: %s', not_allowed)
@@ -209,6 +212,7 @@ def _told(ticket: str, outcome: Outcome) -> dict[str, object]:
     return {
         'accepted': outcome.accepted,
         'message': outcome.message,
+        'said': said_in_each(outcome.message),
         'findings': outcome.findings,
         'ticket': ticket,
         'seq': decision.get('seq'),

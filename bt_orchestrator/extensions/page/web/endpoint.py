@@ -14,6 +14,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
+from bt_orchestrator.extensions.page.web.wording import said_in_each
 from bt_orchestrator.model.codec import json_of
 
 Schema = Mapping[str, Any]
@@ -82,7 +83,8 @@ class Problem(Exception):
         """Return the answer."""
         wait_s = self.more.get('wait_s')
         headers = None if wait_s is None else {'retry-after': str(wait_s)}
-        return Json({'message': str(self), **self.more}, self.status, headers=headers)
+        words = {'message': str(self), 'said': said_in_each(str(self))}
+        return Json({**words, **self.more}, self.status, headers=headers)
 
 
 def attached(name: str) -> dict[str, str]:

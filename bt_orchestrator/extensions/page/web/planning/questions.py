@@ -69,6 +69,9 @@ class Questions:
                 'after': _ends(consequence.after, moment),
                 'jobs': [_changed(change, moment.now_s) for change in consequence.changes],
                 'refusals': list(consequence.refusals),
+                'refusals_said': [
+                    said_in_each(words.partition(': ')[2]) for words in consequence.refusals
+                ],
                 'unknown': _said(consequence.unknown),
                 'notes': list(consequence.notes),
                 'left_out': max(0, queued - QUEUE_SHOWN),
@@ -204,6 +207,7 @@ def _plain(checked_order: CheckedOrder) -> Body:
         'accepted': checked_order.accepted,
         'is_checked': checked_order.is_checked,
         'message': checked_order.message,
+        'said': said_in_each(checked_order.message),
         'findings': [
             {
                 **mistake._asdict(),

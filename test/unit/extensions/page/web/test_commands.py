@@ -19,7 +19,7 @@ from fakes.quick_users import PASSWORD
 from bt_orchestrator.extensions.page.web.access import IDLE_S
 from bt_orchestrator.model.by import Role
 from bt_orchestrator.model.limits import REASON
-from bt_orchestrator.model.requests import TABLE, About, Kind, Request, Why
+from bt_orchestrator.model.requests import REQUESTS, TABLE, About, Kind, Request, Why
 from bt_orchestrator.ports.doors.tickets import SETTLED_S
 from bt_orchestrator.store.memory import MemoryStore
 
@@ -97,6 +97,25 @@ def test_a_request_is_for_the_roles_of_the_table(
     assert recorded.reason == 'a test'
     assert answer.json['recorded']['seq'] == recorded.seq
     assert answer.json['who'] == name
+
+
+def test_a_refusal_is_said_in_each_language_and_after_it_was_lost_as_well(
+    bench: CellBench,
+) -> None:
+    viewer, ann = bench.logged_in('vic'), bench.logged_in('ann')
+    path, body = body_of(REQUESTS['job.next'], job='WO-9')
+    answer = ann.post(path, body)
+    said = {
+        'en': 'WO-9 is not there; in the queue: nothing',
+        'de': 'WO-9 ist nicht da; in der Warteschlange: nichts',
+    }
+    assert (answer.status, answer.message, answer.json['said']) == (409, said['en'], said)
+    assert ann.get(f'/api/tickets/{body["ticket"]}').json['said'] == said
+    refused = post(viewer, REQUESTS['cell.start'])
+    assert refused.json['said']['de'] == (
+        '„Start“ ist nur für Bediener oder Techniker, und vic hat die Rolle Zuschauer (Anmeldung '
+        'an der Seite); es ist nichts geschehen'
+    )
 
 
 @every_request

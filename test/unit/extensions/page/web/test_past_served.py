@@ -190,7 +190,8 @@ def test_a_page_without_news_does_not_claim_an_empty_past(
     server = PageServer(WebPage(served.cell.node.name, served.cell.open_door, access))
     with server.running():
         found = get(server, '/api/jobs')
-    assert found == (503, {'message': 'nothing was heard of /bt_orchestrator yet'})
+    words = 'nothing was heard of /bt_orchestrator yet'
+    assert found == (503, {'message': words, 'said': {'de': words, 'en': words}})
 
 
 def test_the_whole_status_of_now(served: Served) -> None:

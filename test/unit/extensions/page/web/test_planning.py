@@ -211,6 +211,7 @@ def test_ends_are_told_as_times(bench: Bench) -> None:
         {'job': 'B', 'change': 'gone', 'before': None, 'by_s': None, **timely},
     ]
     assert found['refusals'] == ['job.next: no']
+    assert found['refusals_said'] == [{'de': 'no', 'en': 'no'}]
     assert found['left_out'] == 0
     ((asked,),) = bench.planned.asked
     assert (asked.request.name, dict(asked.arguments)) == ('job.next', {'job': 'B'})
@@ -258,6 +259,7 @@ def test_an_order_is_checked(bench: Bench) -> None:
         'accepted': False,
         'is_checked': True,
         'message': '1 mistake',
+        'said': {'de': '1 mistake', 'en': '1 mistake'},
         'findings': [
             {
                 'field': 'quantity',

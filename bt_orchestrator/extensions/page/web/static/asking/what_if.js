@@ -78,9 +78,10 @@ export function whatIf(command) {
     children(
       element,
       heading(),
-      found.refusals.map((one) =>
-        h('p', { class: 'what-if-refusal' }, shape('triangle'), t('whatif.refused', { why: one })),
-      ),
+      found.refusals_said.map((one) => {
+        const words = t('whatif.refused', { why: withButtons(said(one)) });
+        return h('p', { class: 'what-if-refusal' }, shape('triangle'), words);
+      }),
       h('p', { class: 'what-if-words' }, summary(rows)),
       isKnown && (changed.length || same.length <= FEW)
         ? table(same.length <= FEW ? rows : changed)

@@ -1,15 +1,22 @@
 /** Requests to the page: JSON there and back. */
 
+import { said as inLanguage } from './text.js';
+
 /** An answer that is not 200: its status and the page's sentence. Status 0: no answer came. */
 export class Refused extends Error {
   constructor(status, body) {
-    super(body?.message ?? body?.detail ?? '');
+    super(wordsOf(body) ?? body?.detail ?? '');
     this.status = status;
     this.findings = body?.findings ?? [];
     /** Nothing was sent to the cell, so nothing has to be looked for. */
     this.isUnsent = body?.is_unknown === false;
     this.isLocked = body?.why === 'locked';
   }
+}
+
+/** The sentence of an answer, in the language of the viewer where it has that. */
+function wordsOf(body) {
+  return (body?.said && inLanguage(body.said)) ?? body?.message;
 }
 
 const READ_MS = 20000;
@@ -69,7 +76,7 @@ export async function send(offer, values, ticket, meanwhile = () => {}) {
   try {
     const answer = await post(offer.path, { ...offer.body, ...values, ticket });
     // A note says, for instance, that the node does not count the role of this page's user.
-    const message = [answer.message, answer.note].filter(Boolean).join(' — ');
+    const message = [wordsOf(answer), answer.note].filter(Boolean).join(' — ');
     return { kind: 'accepted', message, findings: answer.findings ?? [] };
   } catch (refused) {
     if (!(refused instanceof Refused)) throw refused;
@@ -94,7 +101,7 @@ async function outcomeOf(ticket, refused) {
     const found = await get(`/api/tickets/${ticket}`).catch(() => null);
     if (found?.found) {
       const kind = found.accepted ? 'accepted' : 'refused';
-      return { kind, message: found.message ?? '', findings: [], isFromJournal: true };
+      return { kind, message: wordsOf(found) ?? '', findings: [], isFromJournal: true };
     }
     const hasLooked = found !== null && !found.node_silent;
     if (hasLooked && performance.now() >= until)

@@ -4,7 +4,7 @@ import { Refused, post } from '../../core/api.js';
 import { askToLogIn } from '../../asking/login.js';
 import { onPerson, who } from '../../core/me.js';
 import { attribute, text } from '../../core/dom.js';
-import { t } from '../../core/text.js';
+import { said as inLanguage, t } from '../../core/text.js';
 
 const WAIT_MS = 600;
 const WITHIN_MS = 60000;
@@ -59,11 +59,12 @@ export function checking(form, said) {
   function judge(found, isAll) {
     const rest = form.warn(found.findings, isAll);
     if (found.accepted && found.is_checked) say('fine', t('order.fine'));
-    else if (found.accepted) say('unknown', t('order.not_checked', { why: found.message }));
+    else if (found.accepted)
+      say('unknown', t('order.not_checked', { why: inLanguage(found.said) }));
     else if (rest) say('wrong', rest);
     else if (found.findings.length)
       say('open', isAll ? t('order.mend') : t('order.open', { count: found.findings.length }));
-    else say('wrong', found.message);
+    else say('wrong', inLanguage(found.said));
   }
 
   return {
