@@ -83,9 +83,11 @@ def _campaigns(
     for number, part in enumerate(plan.parts(shots, KILLS_A_JOB), 1):
         here = folder / f'part_{number}'
         here.mkdir(parents=True)
-        total.add(make(here, drawn.randrange(1 << 32), items, part).run())
+        tally = make(here, drawn.randrange(1 << 32), items, part).run()
+        total.add(tally)
         kills, faults = total.orchestrator_kills, total.verdict.faults
         print(f'part {number}: {kills} kills, {len(faults)} faults', flush=True)
+        print(*tally.faults, sep='\n', end='\n' * bool(tally.faults), flush=True)
     return total
 
 
