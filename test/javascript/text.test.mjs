@@ -55,3 +55,14 @@ test('verbs of the command line become words of buttons', async () => {
   );
   assert.equal(withButtons('the arm says nothing'), 'the arm says nothing');
 });
+
+test('a sentence begins with a capital letter, unless it begins with a name', async () => {
+  await text.useLanguage('de');
+  const said = ['übergabe fehlt', 'picker_a: außer Betrieb', 'wo-1/3 ist auf dem Band', 'picker ist weg'];
+  assert.deepEqual(said.map(text.sentence), [
+    'Übergabe fehlt',
+    'picker_a: außer Betrieb',
+    'wo-1/3 ist auf dem Band',
+    'Picker ist weg',
+  ]);
+});

@@ -36,7 +36,7 @@ WRITING = (
     'SET tcp_keepalives_count = 3',
     'SET tcp_user_timeout = 5000',
 )
-"""Settings of the session that writes. The first makes an append quicker; by the others the server
+"""Settings of the session that writes. The first makes an append faster; by the others the server
 notices that a leader is gone, also one whose cable was cut."""
 
 ABIDING = f'SET idle_session_timeout = {IDLE_S * 1000}'

@@ -68,18 +68,19 @@ class LineModel(LineRows):
 
     # --- solving ----------------------------------------------------------------------------
 
-    def best(self, nodes: int) -> Solution | None:
+    def best(self, nodes: int, question_nodes: int = 0) -> Solution | None:
         """Return the best plan, by stages; None: there is none.
 
+        :param nodes: as in `Limits`, and so are those of questions
         :raises NotFound: none was found within this many nodes
         """
         size = self._model.size
         try:
-            return self._staged(nodes)
+            return self._staged(nodes, question_nodes)
         finally:
             self._model.forget(size)
 
-    def _staged(self, nodes: int) -> Solution | None:
+    def _staged(self, nodes: int, question_nodes: int) -> Solution | None:
         stages = {
             'moved': self._moved_terms(),
             'time': {self._time: 1},
@@ -90,8 +91,11 @@ class LineModel(LineRows):
         last: Answer | None = None
         for name, cost in stages.items():
             if cost:
-                limit = nodes if name in {'moved', 'time'} else nodes // _LESS
-                last = self._model.minimise(cost, limit, last)
+                if name == 'time' and question_nodes:
+                    last = self._model.least(self._time, nodes, question_nodes, last)
+                else:
+                    limit = nodes if name in {'moved', 'time'} else nodes // _LESS
+                    last = self._model.minimise(cost, limit, last)
                 if last is None:
                     return None
                 answers[name] = last

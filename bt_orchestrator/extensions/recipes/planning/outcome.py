@@ -26,6 +26,8 @@ class Limits:
 
     nodes: int = 1_000
     """Of the tree that the solver may search for the pace; the other stages get less."""
+    question_nodes: int = 5_000
+    """The same for each question that goes on where this has proven no pace; 0: nothing does."""
     finalists: int = 16
     """Plans that are run by the engine where sections share something."""
 

@@ -151,7 +151,7 @@ class Planner:
 
     def _solutions(self, model: LineModel) -> Iterator[Solution]:
         """Yield the best plan, and the next ones, each without those before."""
-        first = solution = model.best(self._limits.nodes)
+        first = solution = model.best(self._limits.nodes, self._limits.question_nodes)
         for _ in range(self._limits.finalists):
             if first is None or solution is None or solution.moved > first.moved:
                 return
@@ -188,7 +188,9 @@ def prices(
     An operation that an override binds has none.
     """
     able = candidates(problem.cell, problem.recipe, problem.overrides, problem.without)
-    prices = _Prices(problem, made, Planner(problem, judge, limits))
+    # A price may be a bound, and there are many of them.
+    planner = Planner(problem, judge, replace(limits, question_nodes=0))
+    prices = _Prices(problem, made, planner)
     return {
         name: tuple(
             prices.of(name, other)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -30,6 +30,8 @@ _OPTIONS = {
     'mip_abs_gap': 0.0,
 }
 _ROUNDING = 1e-5
+_SHORT = 5
+"""A short search has so much fewer nodes."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,43 @@ class Model:
         bound = solver.getInfo().mip_dual_bound
         least = math.ceil(bound - _ROUNDING) if math.isfinite(bound) else -(10**15)
         return Answer(values, total, min(least, total))
+
+    def least(
+        self, variable: int, nodes: int, question_nodes: int, begin: Answer | None = None
+    ) -> Answer | None:
+        """Return values with which a variable is least; None: the rows contradict each other.
+
+        Where the variable is what no sum of some rows may exceed, a search for its least value
+        bounds it badly. Whether it can be at most a fixed number is answered far sooner: the rows
+        are knapsacks then. So such questions halve what a short search leaves open.
+
+        :param nodes: of the tree of the search, which is short where it finds values
+        :param question_nodes: of the tree of each question, which take less time
+        :param begin: values that meet all rows
+        :raises NotFound: no solution was found within this many nodes, or HiGHS is not installed
+        """
+        try:
+            best = self.minimise({variable: 1}, nodes // _SHORT, begin)
+        except NotFound:
+            best = self.minimise({variable: 1}, nodes, begin)
+        if best is None:
+            return None
+        bound = low = best.bound
+        while low < best.cost:
+            size, middle = self.size, (low + best.cost) // 2
+            self.at_most({variable: 1}, middle)
+            try:
+                found = self.minimise({}, question_nodes)
+            except NotFound:
+                low = middle + 1  # that stays open
+            else:
+                if found is None:
+                    bound = low = middle + 1
+                else:
+                    best = replace(found, cost=found.values[variable])
+            finally:
+                self.forget(size)
+        return replace(best, bound=bound)
 
     def _is_met(self, values: Sequence[int]) -> bool:
         """Judge values in whole numbers: the solver works with rounding errors."""

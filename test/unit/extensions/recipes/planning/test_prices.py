@@ -93,8 +93,8 @@ def test_8_5_a_pace_that_the_model_does_not_reach_is_not_proven(
     """The script is computed anew by rule 8.4, whatever the model says."""
     best = LineModel.best
 
-    def boastful(model: LineModel, nodes: int) -> Solution | None:
-        solution = best(model, nodes)
+    def boastful(model: LineModel, *limits: int) -> Solution | None:
+        solution = best(model, *limits)
         return solution and replace(solution, bound_us=99_000_000)
 
     monkeypatch.setattr(LineModel, 'best', boastful)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from itertools import product
 from pathlib import Path
 from random import Random
 
@@ -51,6 +52,33 @@ def test_8_5_an_answer_that_is_not_proven_has_a_lower_bound() -> None:
     answer = model.minimise({apart: 1}, 0, begin)
     assert answer is not None
     assert answer.bound < answer.cost <= one_heap
+
+
+@pytest.mark.parametrize(('question_nodes', 'is_proven'), [(0, False), (1000, True)])
+def test_8_5_questions_prove_what_a_short_search_leaves_open(
+    question_nodes: int, is_proven: bool
+) -> None:
+    """The longest of three rows of work is to be as short as possible."""
+    random, model = Random(8), Model()
+    works = [random.randint(100, 999) for _ in range(9)]
+    chosen = [[model.variable() for _ in range(3)] for _ in works]
+    longest = model.variable(sum(works))
+    for row in range(3):
+        work = {one[row]: work for one, work in zip(chosen, works, strict=True)}
+        model.at_most({**work, longest: -1}, 0)
+    for one in chosen:
+        model.equal(dict.fromkeys(one, 1), 1)
+    size = model.size
+    begin = Answer([*([1, 0, 0] * 9), sum(works)], sum(works), 0)
+    answer = model.least(longest, 0, question_nodes, begin)
+    assert answer is not None
+    least = min(
+        max(sum(w for w, at in zip(works, rows, strict=True) if at == row) for row in range(3))
+        for rows in product(range(3), repeat=9)
+    )
+    assert answer.bound <= least <= answer.cost == answer.values[longest]
+    assert (answer.bound == answer.cost) is is_proven
+    assert model.size == size
 
 
 def test_8_5_rows_can_be_forgotten() -> None:

@@ -78,7 +78,8 @@ export function quoted(words) {
 
 /** Words as a sentence begins. */
 export function sentence(words) {
-  return words.charAt(0).toLocaleUpperCase(LOCALES[language]) + words.slice(1);
+  const isName = /^[^\s;,:]*[\d_/]/.test(words); // of a component, a job or an item
+  return isName ? words : words.charAt(0).toLocaleUpperCase(LOCALES[language]) + words.slice(1);
 }
 
 /** Say several words as one list: Pause, Stop and Abort. */
