@@ -16,8 +16,8 @@ from pathlib import Path
 
 import pytest
 
-ALWAYS = (os.cpu_count() or 1) + 1
-"""Processes that never wait."""
+AT_ONCE = 'TEST_PROCESSES_AT_ONCE'
+"""Environment variable: how many processes never wait; without it none does."""
 
 LOOK_S = 1.0
 """For so long the machine is looked at: a program that starts is seen within it."""
@@ -38,15 +38,17 @@ _LOCK = Path(tempfile.gettempdir(), 'bt_orchestrator_on_idle.lock')
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool, bool]:
     """Wait before a test, as long as its time limit does not run."""
-    if needs_idle(os.environ.get('PYTEST_XDIST_WORKER', '')):
+    # Not by the environment: a test may start a pytest of its own.
+    worker = getattr(item.config, 'workerinput', {}).get('workerid', '')
+    if needs_idle(worker, os.environ.get(AT_ONCE, '')):
         wait_for_idle()
     return (yield)
 
 
-def needs_idle(worker: str) -> bool:
+def needs_idle(worker: str, at_once: str) -> bool:
     """Tell whether a process of this name is one of the further ones."""
     number = re.fullmatch(r'gw(\d+)', worker)
-    return number is not None and int(number[1]) >= ALWAYS
+    return bool(number and at_once) and int(number[1]) >= int(at_once)
 
 
 def wait_for_idle() -> None:

@@ -27,9 +27,12 @@ def test_the_share_of_idle_time(after: str, share: float) -> None:
     assert on_idle.idle_share(BEFORE, after) == pytest.approx(share, abs=0.01)
 
 
-@pytest.mark.parametrize(('worker', 'waits'), [('', False), ('gw0', False), ('gw99', True)])
-def test_the_first_processes_never_wait(worker: str, waits: bool) -> None:
-    assert on_idle.needs_idle(worker) is waits
+@pytest.mark.parametrize(
+    ('worker', 'at_once', 'waits'),
+    [('', '3', False), ('gw2', '3', False), ('gw3', '3', True), ('gw9', '', False)],
+)
+def test_the_first_processes_never_wait(worker: str, at_once: str, waits: bool) -> None:
+    assert on_idle.needs_idle(worker, at_once) is waits
 
 
 @pytest.mark.parametrize(
