@@ -97,7 +97,7 @@ def test_what_the_cell_refuses_is_said_in_german(held: Stand, sit: Sit) -> None:
     refused = dialog.locator('[data-answer="refused"]')
     refused.wait_for()
     assert refused.inner_text().strip() == (
-        'Abgelehnt; es ist nichts geschehen. Component_2a ist in Betrieb; jetzt außer Betrieb: '
+        'Abgelehnt; es ist nichts geschehen. component_2a ist in Betrieb; jetzt außer Betrieb: '
         'keine'
     )
     held.ask('component.out_of_service', FREE[1], component='component_2a')
