@@ -48,7 +48,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool, bool]:
 def needs_idle(worker: str, at_once: str) -> bool:
     """Tell whether a process of this name is one of the further ones."""
     number = re.fullmatch(r'gw(\d+)', worker)
-    return bool(number and at_once) and int(number[1]) >= int(at_once)
+    return number is not None and at_once != '' and int(number[1]) >= int(at_once)
 
 
 def wait_for_idle() -> None:
