@@ -5,7 +5,9 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
+
+import psycopg
 
 from bt_orchestrator.extensions.postgres.connecting import Connection
 
@@ -17,6 +19,7 @@ def without_replica(person: Connection) -> Iterator[None]:
     """Let commits wait for a replica that is not there."""
     _set(person, "'nobody'")
     person.execute('SET synchronous_commit = local')
+    wait_for(lambda: _a_commit_waits(person))
     try:
         yield
     finally:
@@ -29,6 +32,21 @@ def _set(person: Connection, names: str) -> None:
     wait_for(
         lambda: person.execute('SHOW synchronous_standby_names').fetchone() == (names.strip("'"),)
     )
+
+
+def _a_commit_waits(person: Connection) -> bool:
+    """Try it: the server lets commits wait some time after sessions show its new setting."""
+    with closing(psycopg.connect(person.info.dsn, autocommit=True)) as other:
+        other.pgconn.send_query(b"SELECT pg_logical_emit_message(true, 'a test', '')")
+        wait_for(lambda: _is_answered(other) or waiting(person))
+        waits = not _is_answered(other)
+        person.execute('SELECT pg_terminate_backend(%s, 30000)', (other.info.backend_pid,))
+    return waits
+
+
+def _is_answered(other: Connection) -> bool:
+    other.pgconn.consume_input()
+    return not other.pgconn.is_busy()
 
 
 def waiting(person: Connection) -> bool:

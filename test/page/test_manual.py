@@ -81,7 +81,8 @@ def test_7_11_an_engineer_at_a_panel_runs_single_tasks(tmp_path: Path, sit: Sit)
         shown(eve, 'running')
         eve.page.locator('.manual [data-offer="component.cancel_task"]').click()
         eve.until(lambda: goal_state(line) == 'canceled', 'its end')
-        eve.page.keyboard.press('Escape')  # the reason is asked for afterwards
+        eve.page.locator('dialog[data-dialog="reason-afterwards"]').wait_for()
+        eve.page.keyboard.press('Escape')
 
         ann.page.goto(f'http://127.0.0.1:{line.port}/#/manual')
         ann.page.locator('.manual [data-do="run"]').wait_for()
