@@ -11,6 +11,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.judging.results import lots_of, serial_in
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, JobState, Phase
+from bt_orchestrator.model.words import sentence
 
 
 def of_success(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
@@ -77,6 +78,11 @@ def cancelled(
         goal = state.running[key].goal
         assert goal is not None
         yield e.TaskCancelRequested(**key._asdict(), goal=goal, cause=cause)
+
+
+def cancelled_words(count: int) -> str:
+    """Say how many goals are being cancelled."""
+    return sentence('goal_cancelled' if count == 1 else 'goals_cancelled', count=count)
 
 
 def why_skipped(state: CellState, key: e.TaskKey, task: Task) -> str | None:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Container
 from typing import Any
 
+from fakes.answers import check_answer
 from fakes.board import check_board, tidy_after
 from fakes.commands import (
     AnswerHold,
@@ -20,7 +21,6 @@ from fakes.commands import (
 from fakes.full_tree import check_view
 from fakes.invariants import Invariants
 from fakes.operator import ann, engineer
-from fakes.refusals import check_refusal
 from fakes.told_waits import ToldWaits, told_of
 from fakes.tree_waits import waits_of
 
@@ -122,8 +122,8 @@ class VirtualRun:
     def ask(self, command: Command) -> Answer:
         """Give a command now; everything due at this moment has happened."""
         answer = self.sim.orchestrator.ask(command)
-        if not answer.accepted and not isinstance(command, RefusedRequest):
-            check_refusal(answer.message)
+        if not isinstance(command, RefusedRequest):
+            check_answer(answer.message)
         self._after_settle()
         self._check()
         return answer

@@ -258,7 +258,7 @@ class RequestHandler:
             (read,), queued, anew = reading.read, state.jobs.get(job), None
             if isinstance(read, Job) and queued is not None:
                 if digest(read.script) == queued.digest:
-                    return Answer(accepted=True, message=f'{job} is made as before')
+                    return Answer(accepted=True, message=sentence('made_as_before', job=job))
                 anew = made_anew(queued, read.script, state)
                 reason = f'{asked.sender.reason}; made anew: {anew.pace_words}'
                 asked = replace(asked, by=replace(asked.sender, reason=reason))

@@ -180,7 +180,7 @@ def with_each(answer: Answer, jobs: Sequence[Job], state: CellState) -> Answer:
 
 
 def _queued(job: Job, state: CellState) -> Iterator[str]:
-    yield 'queued'
+    yield sentence('queued')
     live = state.jobs.get(job.id)
     if live is not None and live.held and state.control is Control.LOCAL:
         yield AT_PANEL

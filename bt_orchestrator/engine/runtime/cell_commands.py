@@ -43,7 +43,7 @@ def _command(state: CellState, asked: Asked, _: float) -> Decided:
         raise CommandRefused(sentence('refused_because', request=name, words=IN_MANUAL))
     why = refusal(state.packml, cause)
     if why is not None and _is_told_late(state, asked):
-        return f'the reason of the {asked.request.word} is on record', ()
+        return sentence('told_late', verb=asked.request.word), ()
     if why is not None:
         raise CommandRefused(why)
     if cause in _MOVES:
@@ -67,9 +67,9 @@ _TELLS_LATE: Mapping[Cause | None, Collection[PackmlState]] = {
 # --- words and events of each command -----------------------------------------------------------
 
 _MOVES: Mapping[Cause, str] = {
-    Cause.RESET: 'the cell gets ready',
-    Cause.START: 'the cell starts',
-    Cause.STOP: 'the cell finishes the cycles in hand and stops',
+    Cause.RESET: sentence('gets_ready'),
+    Cause.START: sentence('starts'),
+    Cause.STOP: sentence('finishes'),
 }
 """Commands that only change the state of the cell, with their answers."""
 
@@ -91,7 +91,7 @@ def _pause(state: CellState, asked: Asked) -> _Act:
         answers=(RESUME,),
         owner=asked.sender.who or 'unknown',
     )
-    return f'the cell starts nothing more until hold {hold.hold} is over', iter([hold])
+    return sentence('paused_until', hold=hold.hold), iter([hold])
 
 
 def _resume(state: CellState, asked: Asked) -> _Act:
@@ -106,9 +106,7 @@ def _resume(state: CellState, asked: Asked) -> _Act:
 
 
 def _abort(state: CellState, asked: Asked) -> _Act:
-    number = len(state.running)
-    message = f'{number} goal{"s are" if number != 1 else " is"} being cancelled'
-    return message, events_of_abort(state, str(asked.by))
+    return effects.cancelled_words(len(state.running)), events_of_abort(state, str(asked.by))
 
 
 def events_of_abort(state: CellState, words: str) -> Iterator[e.Event]:
@@ -119,8 +117,7 @@ def events_of_abort(state: CellState, words: str) -> Iterator[e.Event]:
 
 
 def _clear(state: CellState, asked: Asked) -> _Act:
-    message = 'the belt is confirmed; the cell stops, reset and start let it go on'
-    return message, _events_of_clear(state, asked)
+    return sentence('belt_confirmed'), _events_of_clear(state, asked)
 
 
 def _events_of_clear(state: CellState, asked: Asked) -> Iterator[e.Event]:
@@ -177,11 +174,11 @@ def _is_meant(hold: Hold, asked: Asked) -> bool:
 def _after_resume(state: CellState, released: Collection[str]) -> str:
     still = [hold for hold in state.pauses if hold.id not in released]
     if still:
-        return 'still paused: ' + '; '.join(map(_pause_in_words, still))
+        return sentence('still_paused', words=joined(*map(_pause_in_words, still)))
     holds = [hold for hold in state.holds if hold not in released]
     if not holds:
-        return 'the cell goes on'
-    return f'no longer paused; it waits for answers to {_named(holds)}'
+        return sentence('cell_goes_on')
+    return sentence('paused_no_more', named_holds=_named(holds))
 
 
 def _named(holds: Iterable[str]) -> str:

@@ -42,13 +42,13 @@ def _release(state: CellState, asked: Asked, _: float) -> Decided:
         raise CommandRefused(sentence('released_already', script=script))
     reason = '' if asked.by is None else str(asked.by)
     released = e.ScriptReleased(digest=script, cell_digest=here, reason=reason)
-    return '\n'.join(_said(script, state)), [released]
+    return _said(script, state), [released]
 
 
-def _said(script: str, state: CellState) -> list[str]:
+def _said(script: str, state: CellState) -> str:
     waited = [job.job.id for job in state.queue if job.unreleased == script]
-    free = f'; it was waited for by {listed(waited, "none")}' if waited else ''
-    return [f'{script} is released for this cell{free}']
+    kind = 'script_released_for' if waited else 'script_released'
+    return sentence(kind, script=script, jobs=listed(waited, 'none'))
 
 
 DECIDING = (cell_commands, job_queue, manual, operators, service)
@@ -93,7 +93,7 @@ def _stand_for_a_twin(command: FoundTwin, ledger: Ledger) -> str:
         answers = (cell_commands.RESUME,)
         twin = e.HoldRaised(hold=hold, reason=TWIN, message=command.where, answers=answers)
         ledger.record([twin])
-    return f'the cell starts nothing more: {command.where}'
+    return sentence('twin_stops', words=command.where)
 
 
 def _shut_down(ledger: Ledger) -> str:
@@ -105,4 +105,4 @@ def _shut_down(ledger: Ledger) -> str:
     # Goals cancelled by `abort` stay in doubt.
     running = [key for key, task in state.running.items() if task.cancel_cause != ABORT]
     ledger.record(effects.cancelled(state, running, SHUTDOWN))
-    return f'{len(running)} goals are being cancelled'
+    return effects.cancelled_words(len(running))

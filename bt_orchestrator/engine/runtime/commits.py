@@ -9,11 +9,13 @@ from functools import partial
 
 from bt_orchestrator.base.errors import JournalFailed
 from bt_orchestrator.base.replies import Reply
+from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import Answer, Command, cancels_all
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import NOT_HEARD
 from bt_orchestrator.model.requests import Asked
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import ActionGateway, Clock, EventStore, Goal, Timer, Writer, Writing
 
 log = logging.getLogger(__name__)
@@ -212,10 +214,10 @@ class Breakdown:
     @property
     def message(self) -> str:
         """The error, what happens to the goals, and what to do."""
-        return (
-            f'{self._failure}; nothing is sent any more, {self._of_goals()}. Make room or mend '
-            'the file, and start the orchestrator again: it takes over from the journal'
-        )
+        if not self._asked:
+            return sentence('broken', what=self._failure)
+        left = len(self._asked & self._open().keys())
+        return sentence('broken_asked', what=self._failure, count=len(self._asked), left=left)
 
     @property
     def in_flight(self) -> list[str]:
@@ -229,11 +231,7 @@ class Breakdown:
         done = self._cancel_all()
         what = f'Abort by {command.by}' if isinstance(command, Asked) else 'Shutdown'
         log.error('%s, off the record: %s', what, done)
-        return Answer(
-            accepted=True,
-            message=f'{done}; this is not on record: {self._failure}. Make room or mend the file, '
-            'start the orchestrator again and say abort once more: it does not know of this one',
-        )
+        return Answer(True, sentence('cancelled_unrecorded', words=done, what=self._failure))
 
     def look(self) -> None:
         """Note which goals have ended; nothing else drains the gateway any more."""
@@ -248,14 +246,7 @@ class Breakdown:
         for _, goal in goals.values():
             goal.cancel()
         self._asked.update(goals)
-        number = len(goals)
-        return f'{number} goal{"s are" if number != 1 else " is"} being cancelled'
+        return effects.cancelled_words(len(goals))
 
     def _open(self) -> dict[str, tuple[e.TaskKey, Goal]]:
         return {uuid: flight for uuid, flight in self._goals.items() if flight[1].end is None}
-
-    def _of_goals(self) -> str:
-        if not self._asked:
-            return 'what runs goes on to its end unless abort cancels it'
-        left = len(self._asked & self._open().keys())
-        return f'{len(self._asked)} asked to cancel without a record, {left} of them not ended'

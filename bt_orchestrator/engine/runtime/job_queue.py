@@ -8,12 +8,13 @@ from functools import partial
 from itertools import chain
 from operator import add
 
-from bt_orchestrator.base.errors import CommandRefused, counted
+from bt_orchestrator.base.errors import CommandRefused
 from bt_orchestrator.engine.runtime import listed_jobs, orders
 from bt_orchestrator.engine.runtime.deciding import Decided, decided, decides, is_elsewhere
 from bt_orchestrator.engine.runtime.lifecycle import transition
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.by import named
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import job_word
@@ -39,12 +40,9 @@ from bt_orchestrator.model.requests import (
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.state.proposed import refused_order
 from bt_orchestrator.model.stop_reason import AFTER, NEVER, STOP_AFTER, way_to_work
-from bt_orchestrator.model.words import sentence
+from bt_orchestrator.model.words import joined, sentence
 
 Events = Iterator[e.Event]
-
-_AWAITS = 'it waits for its start,'
-_ENDS = 'ends when its items on the line are finished'
 
 
 # --- orders ---------------------------------------------------------------------------------
@@ -70,15 +68,19 @@ def _add(state: CellState, command: AddJobs, now: float) -> Decided:
     return '\n'.join([*lines, *local, *standing(state)]), events
 
 
-AT_PANEL = 'the line is in local: a panel has to release what was queued'
+AT_PANEL = sentence('panel_releases')
 
 
 def _how(queued: e.JobQueued) -> str:
-    how = ' and held' if queued.held else ''
-    unreleased = queued.digest if queued.awaits_release else ''
-    lacks = ''.join(f'; {word}' for word in lacks_words(unreleased, queued.unavailable))
-    early = f'; {_AWAITS} {terms_of(queued).start_words}' if queued.awaits_start else ''
-    return f'{queued.job} is queued{how}{early}{lacks}'
+    kind = 'job_queued_held' if queued.held else 'job_queued'
+    start = terms_of(queued).start_words
+    early = sentence('awaits_start', moment=start) if queued.awaits_start else ''
+    return joined(sentence(kind, job=queued.job), early, *_lacked(queued))
+
+
+def _lacked(order: e.JobQueued | e.JobUpdated) -> Iterator[str]:
+    """Say what an order lacks."""
+    return lacks_words(order.digest if order.awaits_release else '', order.unavailable)
 
 
 @decides(UPDATE)
@@ -93,9 +95,7 @@ def _update(state: CellState, command: UpdateJob, now: float) -> Decided:
         state, new, now, command.sharing, command.anew, keeps_script=command.keeps_script
     )
     (updated,) = (event for event in changed if isinstance(event, e.JobUpdated))
-    unreleased = updated.digest if updated.awaits_release else ''
-    lacks = lacks_words(unreleased, updated.unavailable)
-    return '\n'.join([f'{new.id} is updated', *lacks]), changed
+    return '\n'.join([sentence('job_updated', job=new.id), *_lacked(updated)]), changed
 
 
 @decides(REQUEUE)
@@ -105,7 +105,7 @@ def _requeue(state: CellState, command: RequeueJob, _: float) -> Decided:
     rest = replace(command.rest, quantity=job.cycles_left)
     events = orders.queue_rest(state, rest, command.job, command.anew, command.sharing)
     (queued,) = (event for event in events if isinstance(event, e.JobQueued))
-    lines = [f'{command.job} {_ENDS}', _how_rest(queued)]
+    lines = [sentence('job_runs_out', job=command.job), _how_rest(queued)]
     waits_for = awaited_when_stopped(state, job)
     if waits_for:
         lines.append(items_wait_words(command.job, waits_for))
@@ -114,19 +114,24 @@ def _requeue(state: CellState, command: RequeueJob, _: float) -> Decided:
 
 
 def _how_rest(queued: e.JobQueued) -> str:
-    what = f'{queued.job} is queued first, with {counted(queued.quantity, "item")}'
-    anew = f', {queued.anew.words}' if queued.anew else ''
-    unreleased = queued.digest if queued.awaits_release else ''
-    lacks = ''.join(f'; {word}' for word in lacks_words(unreleased, queued.unavailable))
-    return f'{what}{anew}{lacks}'
+    one, anew = '_1' if queued.quantity == 1 else '', '_anew' if queued.anew else ''
+    values = {'job': queued.job, 'count': queued.quantity}
+    words = queued.anew.words if queued.anew else ''
+    return joined(sentence(f'rest_queued{one}{anew}', **values, anew=words), *_lacked(queued))
 
 
 def standing(state: CellState) -> Iterator[str]:
     """Say so if the queued jobs wait for an operator (semantics 7.2)."""
-    if state.wish is not None:
-        way = way_to_work(state.packml)
-        soon = 'when it has stopped, ' if state.stopped_by is None else ''
-        yield f'{soon}the cell waits for {way}, for {state.wish}'
+    wish = state.wish
+    if wish is not None:
+        soon = '_soon' if state.stopped_by is None else ''
+        yield sentence(
+            f'awaits_way{soon}{"_why" if wish.reason else ""}',
+            way=way_to_work(state.packml),
+            who=named(wish.who, wish.known),
+            verb=wish.command.replace('_', ' '),
+            words=wish.reason,
+        )
 
 
 # --- places ---------------------------------------------------------------------------------
@@ -137,7 +142,8 @@ def _move(state: CellState, asked: Asked, _: float) -> Decided:
     name, position = asked['job'], asked['position']
     _check_queued(state, name)
     _check_position(position, state.jobs.waiting)
-    return f'{name} is at position {position}', [e.JobMoved(job=name, position=position)]
+    moved = e.JobMoved(job=name, position=position)
+    return sentence('job_placed', job=name, position=position), [moved]
 
 
 @decides(NEXT)
@@ -149,7 +155,7 @@ def _run_next(state: CellState, asked: Asked, _: float) -> Decided:
         events.append(e.JobReleased(job=name))
     if job.awaits_start:
         events.append(e.JobMayStart(job=name))
-    lines = [f'{name} is next', *_lacks(job), *standing(state)]
+    lines = [sentence('job_next', job=name), *_lacks(job), *standing(state)]
     return '\n'.join(lines), events
 
 
@@ -159,8 +165,8 @@ def _arrange(state: CellState, asked: Asked, _: float) -> Decided:
     refused = refused_order(state.jobs, wanted, asked['queue_digest'])
     if refused is not None:
         raise CommandRefused(refused)
-    order = listed(wanted, 'nothing')
-    return f'the order of the queue is {order}', [e.QueueArranged(jobs=wanted)]
+    message = sentence('arranged', jobs=listed(wanted, 'nothing'))
+    return message, [e.QueueArranged(jobs=wanted)]
 
 
 def _lacks(job: JobState) -> Iterator[str]:
@@ -179,7 +185,7 @@ def _release(_: CellState, job: JobState, __: str) -> Events:
 def _after_release(state: CellState, job: JobState) -> Iterator[str]:
     """Say what a job that was held until now still waits for."""
     if job.held and job.awaits_start:
-        yield f'{_AWAITS} {job.job.terms.start_words}; release it again to let it start at once'
+        yield sentence('awaits_start_released', moment=job.job.terms.start_words)
     yield from _lacks(job)
     yield from standing(state)
 
@@ -208,18 +214,18 @@ _Control = tuple[job_control.Method, str, Callable[[CellState, JobState, str], E
 CONTROLS: Mapping[str, _Control] = {
     control[0].verb: control
     for control in (
-        (job_control.REVOKE_START, 'is held', _only(e.JobHeld)),
-        (job_control.START, 'is released', _release),
-        (job_control.PAUSE, 'begins no more items', _only(e.JobPaused)),
-        (job_control.RESUME, 'goes on', _resume),
-        (job_control.ANOTHER, 'makes another first piece', partial(_resume, another=True)),
-        (job_control.STOP, _ENDS, _stop),
-        (job_control.ABORT, 'is being aborted', _abort),
-        (job_control.CANCEL, 'is out of the queue', _only(e.JobRemoved)),
-        (job_control.CLEAR, 'is no longer listed', _only(e.JobCleared)),
+        (job_control.REVOKE_START, 'job_is_held', _only(e.JobHeld)),
+        (job_control.START, 'job_released', _release),
+        (job_control.PAUSE, 'job_begins_none', _only(e.JobPaused)),
+        (job_control.RESUME, 'job_goes_on', _resume),
+        (job_control.ANOTHER, 'job_another_piece', partial(_resume, another=True)),
+        (job_control.STOP, 'job_runs_out', _stop),
+        (job_control.ABORT, 'job_aborting', _abort),
+        (job_control.CANCEL, 'job_out', _only(e.JobRemoved)),
+        (job_control.CLEAR, 'job_unlisted', _only(e.JobCleared)),
     )
 }
-"""By the command's word: the method, the answer, and the function that does it."""
+"""By the command's word: the method, the kind of the answer, and the function that does it."""
 
 
 @decides(*(request for request in requests_about(About.JOB) if request.word in CONTROLS))
@@ -233,7 +239,7 @@ def _control(state: CellState, asked: Asked, _: float) -> Decided:
         raise CommandRefused(why_not)
     events = list(act(state, job, asked.sender.deciding(word)))
     more = _after_release(state, job) if method is job_control.START else ()
-    return '\n'.join([f'{name} {answer}', *more]), events
+    return '\n'.join([sentence(answer, job=name), *more]), events
 
 
 # --- the line runs empty --------------------------------------------------------------------
@@ -243,7 +249,7 @@ def _control(state: CellState, asked: Asked, _: float) -> Decided:
 def _go_on(state: CellState, _: Asked, __: float) -> Decided:
     if state.stop_after is None:
         raise CommandRefused(sentence('no_stop_wished'))
-    return 'the line goes on', [e.QueueStopCancelled()]
+    return sentence('line_goes_on'), [e.QueueStopCancelled()]
 
 
 @decides(*(STOP_AFTERS[after] for after in AFTER))
@@ -251,8 +257,7 @@ def _stop_after(state: CellState, asked: Asked, _: float) -> Decided:
     if not state.on_the_line:
         raise CommandRefused(sentence('none_started'))
     after = asked.request.word.removeprefix(STOP_AFTER)
-    message = f'the cell stops after the current {after}'
-    return message, [e.QueueStopRequested(after=after)]
+    return sentence(f'stop_after_{after}'), [e.QueueStopRequested(after=after)]
 
 
 _STANDS = (*(PackmlState.STOPPED, PackmlState.ABORTED), *(PackmlState.IDLE, PackmlState.COMPLETE))

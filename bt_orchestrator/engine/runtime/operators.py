@@ -63,11 +63,11 @@ def _remark(state: CellState, asked: Asked, _: float) -> Decided:
 @decides(CLASSIFY)
 def _classify(_: CellState, asked: Asked, __: float) -> Decided:
     """Record the reason of a stop, which changes nothing (semantics 7.10)."""
-    return f'the stop has the reason {asked["code"]}', ()
+    return sentence('classified', code=asked['code']), ()
 
 
 def _words(asked: Asked) -> str:
-    return f'hold {asked["hold"]}: {asked.request.word}'
+    return sentence('answered', hold=asked['hold'], answer=asked.request.word)
 
 
 def _follows(state: CellState, asked: Asked, hold: Hold, now: float) -> Iterator[e.Event]:
@@ -94,7 +94,7 @@ def _remove(state: CellState, asked: Asked, _: float) -> Decided:
         present = listed([name for name in standing if state.items[name].present], 'nothing')
         raise CommandRefused(sentence('not_on_belt', item=name, items=present))
     removed = e.ItemRemoved(job=item.job, item=item.id, section=item.section, how='by_hand')
-    return f'{name} is off the belt', chain([removed], released_with(state, item.id))
+    return sentence('item_off', item=name), chain([removed], released_with(state, item.id))
 
 
 def released_with(state: CellState, item: str) -> Iterator[e.HoldReleased]:

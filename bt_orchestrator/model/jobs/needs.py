@@ -11,6 +11,7 @@ from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.line import is_done_with
 from bt_orchestrator.model.script import MadeFrom, Script
 from bt_orchestrator.model.state import CellState, JobState, Phase
+from bt_orchestrator.model.words import joined, sentence
 
 
 def needed_by(script: Script, cell: Cell) -> frozenset[str]:
@@ -55,25 +56,17 @@ def on_the_line_words(
 
     :param to_begin: how many items it will still begin
     """
-    needs = f'{job} on the line needs {" and ".join(unavailable)} and waits; '
-    if not to_begin:
-        return f'{needs}{_for_items(job)}'
-    if is_by_recipe:
-        return f'{needs}to make the rest without it now: job requeue {job}'
-    return f'{needs}to make the rest otherwise, stop it (job stop {job}) and queue the rest anew'
+    what = 'items_go_on'
+    if to_begin:
+        what = 'requeue_rest' if is_by_recipe else 'stop_and_queue'
+    needs = sentence('line_needs', job=job, components=' and '.join(unavailable))
+    return joined(needs, sentence(what, job=job))
 
 
 def items_wait_words(job: str, unavailable: Sequence[str]) -> str:
     """Say that a job that begins no more items still waits for what is out of service."""
-    names = ' and '.join(unavailable)
-    return f'its items on the line still need {names} and wait; {_for_items(job)}'
-
-
-def _for_items(job: str) -> str:
-    return (
-        'in-service lets it go on, or an engineer takes its items off (remove-item) or aborts it '
-        f'(job abort {job})'
-    )
+    needs = sentence('items_need', components=' and '.join(unavailable))
+    return joined(needs, sentence('items_go_on', job=job))
 
 
 def _still_needed(state: CellState, job: JobState) -> Iterator[str]:

@@ -164,9 +164,10 @@ class MadeAnew:
     @property
     def words(self) -> str:
         """All in one sentence, as in `made anew without component_4b: 4.0 s per item (+33 %)`."""
-        why = ' without ' if self.without else ' with ' if self.back else ''
-        what = f'made anew{why}{" and ".join(self.without or self.back)}'
-        return f'{what}: {self.pace_words}' if self.pace_words else what
+        why = '_without' if self.without else '_with' if self.back else ''
+        kind = f'made_anew{why}{"_at" if self.pace_words else ""}'
+        components = ' and '.join(self.without or self.back)
+        return sentence(kind, components=components, pace=self.pace_words)
 
 
 def compared_words(per_item_s: float, slower: float) -> str:
@@ -174,5 +175,6 @@ def compared_words(per_item_s: float, slower: float) -> str:
 
     :param slower: than before, as a part of the time before
     """
-    difference = f' ({slower:+.0%})'.replace('%', ' %') if round(slower, 2) else ''
-    return f'{per_item_s:.1f} s per item{difference}'
+    kind = 'per_item_changed' if round(slower, 2) else 'per_item'
+    share = f'{slower:+.0%}'.replace('%', ' %')
+    return sentence(kind, seconds=f'{per_item_s:.1f}', share=share)

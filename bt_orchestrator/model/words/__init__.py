@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
+from bt_orchestrator.model.words.answers import ANSWERS
 from bt_orchestrator.model.words.refusals import REFUSALS
 
 OVERRUN, SLOT_OCCUPIED = 'overrun', 'slot_occupied'
@@ -164,6 +165,7 @@ SENTENCES: Mapping[str, str] = {
     'given_text': 'the text {text}',
     'given_nothing': 'nothing',
     **REFUSALS,
+    **ANSWERS,
 }
 """By kind. `said`: words of a device or a person, or others that are known in words only."""
 
@@ -179,7 +181,7 @@ _MOST_CHARACTERS = 10_000
 _NAMES = ('held', 'message')
 """Places of the name of a hold, and of its message: their brackets are closed."""
 
-_FREE = ('words', 'what', 'needed', 'given', *_NAMES)
+_FREE = ('words', 'what', 'needed', 'given', 'anew', 'pace', *_NAMES)
 """Places of what may be several sentences itself."""
 
 Worded = Callable[[Mapping[str, str]], Mapping[str, str]]

@@ -29,6 +29,13 @@ REFUSALS: Mapping[str, str] = {
     '--trust-local-doors, where the discovery range of ROS is this computer',
     'session_locked': 'this session is locked; unlock it with the password',
     'node_silent': 'the node of the cell is silent; nothing was sent to it',
+    # the journal cannot be written
+    'broken': '{what}; nothing is sent any more, what runs goes on to its end unless abort '
+    'cancels it. Make room or mend the file, and start the orchestrator again: it takes over from '
+    'the journal',
+    'broken_asked': '{what}; nothing is sent any more, {count} asked to cancel without a record, '
+    '{left} of them not ended. Make room or mend the file, and start the orchestrator again: it '
+    'takes over from the journal',
     # who has signed it
     'signed_long': 'a signed request of {count} characters is too long',
     'signed_form': 'a signed request is JSON with {fields}; found {found}',

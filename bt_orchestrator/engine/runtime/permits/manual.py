@@ -46,6 +46,8 @@ SILENT_S = 2.0
 PANEL_LOST, CANCELLED = 'panel_lost', 'cancel_task'
 """Causes of a cancel."""
 
+_HEARD = sentence('heard')
+
 _LEAVE = UNIT_MODES[UnitMode.PRODUCTION]
 
 
@@ -62,8 +64,8 @@ def _hand_over(state: CellState, asked: Asked, _: float) -> Decided:
 
 
 _HANDED_OVER = {
-    Control.LOCAL: 'the line is in local: only its panels move it, and what runs goes on',
-    Control.REMOTE: 'the line is in remote: everybody moves it who may',
+    Control.LOCAL: sentence('now_local'),
+    Control.REMOTE: sentence('now_remote'),
 }
 
 
@@ -80,9 +82,8 @@ def _enter(state: CellState, asked: Asked, _: float) -> Decided:
         raise CommandRefused(sentence('no_manual_here', state=state.packml.value, states=named))
     if any(item.section and item.present for item in state.items.values()):
         raise CommandRefused(sentence('items_on_belt', belt=believed(state)))
-    message = 'the cell is in manual mode: it stands until production, and runs single goals'
     mode = e.UnitModeChanged(mode=UnitMode.MANUAL.value, reason=str(asked.by))
-    return message, [mode]
+    return sentence('now_manual'), [mode]
 
 
 @decides(_LEAVE)
@@ -98,8 +99,7 @@ def _leave(state: CellState, asked: Asked, _: float) -> Decided:
     if held is not None:
         raise CommandRefused(_of_goal('manual_goal_open', state, held=hold_name(held)))
     gone = list(corrections(state, asked['belt']))
-    message = 'manual mode has ended; reset and start let the cell go on'
-    return message, chain(
+    return sentence('manual_over'), chain(
         (
             event
             for correction in gone
@@ -129,7 +129,7 @@ def _run(state: CellState, asked: Asked, _: float) -> Decided:
         reason=asked.sender.reason,
         hold=hold,
     )
-    return f'{asked["task"]} is sent to {component}', [goal]
+    return sentence('task_sent', task=asked['task'], component=component), [goal]
 
 
 @decides(CANCEL_TASK)
@@ -139,7 +139,7 @@ def _cancel(state: CellState, asked: Asked, _: float) -> Decided:
         raise CommandRefused(sentence('no_manual_goal', component=asked['component']))
     if running.cancel_cause is not None:
         raise CommandRefused(_of_goal('manual_goal_ends', state))
-    message = f'{run.name} at {run.component} is being cancelled'
+    message = _of_goal('task_cancelled', state)
     return message, effects.cancelled(state, [e.MANUAL_KEY], CANCELLED)
 
 
@@ -147,7 +147,7 @@ def _cancel(state: CellState, asked: Asked, _: float) -> Decided:
 def _at_panel(state: CellState, _: Asked, __: float) -> Decided:
     """Refuse what `Panel.hear` did not take."""
     _check_manual(state)
-    return 'heard', ()
+    return _HEARD, ()
 
 
 def _check_manual(state: CellState) -> None:
@@ -280,7 +280,7 @@ class Panel:
             return None
         if run is not None and (run.who, run.known) == _sender(command):
             self._heard = self._ledger.steady
-        return Answer(accepted=True, message='heard')
+        return Answer(accepted=True, message=_HEARD)
 
     @property
     def is_silent(self) -> bool:

@@ -38,7 +38,7 @@ def _bring_back(state: CellState, asked: Asked, _: float) -> Decided:
     if _present(name, state) is None:
         others = listed(state.out_of_service, 'none')
         raise CommandRefused(sentence('in_service', component=name, components=others))
-    return f'{name} is in service', [e.ComponentInService(component=name)]
+    return sentence('now_in_service', component=name), [e.ComponentInService(component=name)]
 
 
 def _present(name: str, state: CellState) -> OutOfService | None:
@@ -60,16 +60,15 @@ def _queued_with(component: str, state: CellState) -> Iterator[str]:
 
 
 def _of_taking_out(state: CellState, component: str, passed: tuple[str, ...]) -> Iterator[str]:
-    yield f'{component} is out of service: no goal is sent to it (this is no lockout)'
+    yield sentence('now_out', component=component)
     task = state.reserved.get(component)
     if task in state.running:
-        yield f'{task} runs there and goes on to its end'
+        yield sentence('runs_on', task=task)
     if passed:
         by_recipe = [job for job in passed if state.jobs[job].job.recipe is not None]
-        yield f'passed in the queue, because they need it: {listed(passed, "none")}'
+        yield sentence('passed', jobs=listed(passed, 'none'))
         if by_recipe:
-            names = listed(by_recipe, 'none')
-            yield f'by recipe, and made anew without it where that can be: {names}'
+            yield sentence('passed_by_recipe', jobs=listed(by_recipe, 'none'))
     for job in state.on_the_line:
         if component in still_needed(state, job):
             is_by_recipe, to_begin = job.job.recipe is not None, job.cycles_left

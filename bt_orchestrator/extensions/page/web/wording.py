@@ -68,7 +68,7 @@ _CONDITIONS = ('wanted', 'condition')
 
 _GROUPS: Mapping[str, str] = {
     **{group: group for group in ('reason', 'state', 'role', 'job_state')},
-    **dict.fromkeys(('known', 'kind', 'control', 'door', 'left', 'person'), 'place'),
+    **dict.fromkeys(('known', 'kind', 'control', 'door', 'left', 'person', 'way'), 'place'),
     **dict.fromkeys(('jobs', 'others', 'holds', 'items', 'components', 'scripts'), 'place'),
 }
 """Places of a word of the node, with the group that says it."""
@@ -90,6 +90,7 @@ _SEVERAL: Mapping[str, tuple[str, str]] = {
 _SLOTS = ('belt', 'content', 'stated')
 _EMPTY_SLOT = re.compile(r'(?<![^=])empty(?![^,])')
 _CLAIMED = re.compile('somebody who claims to be (.+)')
+_KNOWN_AS = re.compile(r'(.+) \(([a-z ]+)\)')
 _UNNAMED = ('somebody', 'this sender')
 _AND_MORE = re.compile('(.+) and ([0-9]+) more')
 _VERB_OF = re.compile(r'.*\((.+)\)')
@@ -190,6 +191,8 @@ class PageWording(Wording):
 
     def message(self, message: str) -> str:
         """Say a message of the node, which is in English."""
+        if len(lines := message.split('\n')) > 1:
+            return '\n'.join(map(self.message, lines))
         known = self._strings['message']
         return text_of(facts_of(message), message, known, known['or'], self._in_words)
 
@@ -217,17 +220,21 @@ class PageWording(Wording):
             return self._button(_BUTTONS[place], value)
         if place == 'who':
             return self._who(value)
+        if place == 'seconds':
+            return value.replace('.', self._point)
         return self._listed(_GROUPS[place], value) if place in _GROUPS else value
 
     def _button(self, before: str, value: str) -> str:
         titled = _VERB_OF.fullmatch(value) if before == _BUTTONS['method'] else None
         name = f'{before}{titled[1] if titled else value}'
-        word = self._word('word', name.lower() if before else name, '')
+        word = self._word('word', name.lower().replace(' ', '_') if before else name, '')
         return self._word('unit', 'quoted').format(words=word) if word else value
 
     def _who(self, value: str) -> str:
         if claimed := _CLAIMED.fullmatch(value):
             return self._word('login', 'claims').format(name=claimed[1])
+        if known := _KNOWN_AS.fullmatch(value):
+            return f'{known[1]} ({self._word("place", known[2])})'
         return self._word('place', value) if value in _UNNAMED else value
 
     def _listed(self, group: str, value: str) -> str:

@@ -128,7 +128,7 @@ def test_messages_of_the_engine_are_german_on_a_german_page() -> None:
 
 UNSAFE = [
     ('nothing was heard of it yet', 'von ihm wurde noch nichts gehört'),
-    ('no message for 0.5 s', 'seit 0.5 s keine Nachricht'),
+    ('no message for 0.5 s', 'seit 0,5 s keine Nachricht'),
     ('its value is False', 'sein Wert ist False'),
     (
         "its value cannot be read: AttributeError('x; y')",
@@ -295,8 +295,30 @@ REFUSALS = [
 ]
 
 
-@pytest.mark.parametrize(('english', 'german'), REFUSALS)
-def test_refusals_are_german_with_the_words_of_the_buttons(english: str, german: str) -> None:
+ANSWERS = [
+    ('hold 3: mark_done', 'Störung 3: „Wurde erledigt“'),
+    (
+        'still paused: hold 2 (paused, Bob: lunch)',
+        'weiterhin pausiert: Störung 2 (pausiert, Bob: lunch)',
+    ),
+    (
+        (
+            'WO-1 ends when its items on the line are finished\nWO-1-rest is queued first, with 2 '
+            'items, made anew without press: 4.0 s per item (+33 %)\nwhen it has stopped, the '
+            'cell waits for reset and start, for Ann (page login) said stop after item: the press'
+        ),
+        (
+            'WO-1 endet, wenn seine Teile auf der Linie fertig sind\nWO-1-rest ist als Erstes '
+            'eingereiht, mit 2 Teilen, neu erzeugt ohne press: 4,0 s je Teil (+33 %)\nwenn sie '
+            'gestoppt hat, wartet die Zelle auf „Zurücksetzen“ und „Start“, denn Ann (Anmeldung '
+            'an der Seite) hat „Nach dem aktuellen Teil“ verlangt: the press'
+        ),
+    ),
+]
+
+
+@pytest.mark.parametrize(('english', 'german'), [*REFUSALS, *ANSWERS])
+def test_answers_are_german_with_the_words_of_the_buttons(english: str, german: str) -> None:
     assert GERMAN.message(english) == german
 
 

@@ -1,4 +1,4 @@
-"""Each refusal is made of sentences that every language of the page has."""
+"""Each answer is made of sentences that every language of the page has."""
 
 from __future__ import annotations
 
@@ -16,16 +16,19 @@ OWN_WORDS = (
     'no_such_task',
     'no_rest_id',
     'not_recorded',
+    'still_paused',
+    'made_anew_at',
 )
 """Kinds whose words are sentences themselves; those of others may be of a person or a device."""
 
 
-def check_refusal(message: str) -> None:
-    """Check that all of a refusal can be read."""
-    facts = facts_of(message)
-    assert facts, f'no sentence of the catalogue: {message}'
-    assert AND.join(fact.text() for fact in facts) == message
-    assert list(unread(facts)) == [], f'partly no sentence of the catalogue: {message}'
+def check_answer(message: str) -> None:
+    """Check that all of an answer can be read, line by line."""
+    for line in message.splitlines():
+        facts = facts_of(line)
+        assert facts, f'no sentence of the catalogue: {line}'
+        assert AND.join(fact.text() for fact in facts) == line
+        assert list(unread(facts)) == [], f'partly no sentence of the catalogue: {line}'
 
 
 def unread(facts: tuple[Words, ...]) -> Iterator[str]:

@@ -1,6 +1,6 @@
-"""A refusal is a fact: its sentences stand in the catalogue, so that each language has them.
+"""An answer is a fact: its sentences stand in the catalogue, so that each language has them.
 
-The fakes check each refusal of all tests (`fakes/refusals.py`); here are those that are on record.
+The fakes check each answer of all tests (`fakes/answers.py`); here are those that are on record.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from fakes.refusals import check_refusal
+from fakes.answers import check_answer
 
 ROOT = Path(__file__).parents[4]
 RECORDS = sorted((ROOT / 'test' / 'data' / 'requests').glob('*.txt'))
@@ -21,7 +21,7 @@ ROOMS = (
     'script/given_values.py',
     'script/users/keys.py',
 )
-"""Where requests are refused."""
+"""Where requests are answered."""
 
 ERRORS = ('CommandRefused', 'BadArguments', 'NotRead')
 
@@ -30,28 +30,43 @@ WITHOUT_HISTORY = ('a stop has a name as in :', 'another history than this journ
 
 
 def bare_texts(module: str) -> Iterator[int]:
-    """Yield the lines in which an error of a request is raised with a text that is no fact."""
+    """Yield the lines in which a request is answered with a text that is no fact."""
     for node in ast.walk(ast.parse(module)):
         match node:
             case ast.Call(ast.Name(name), [first, *_]) if name in ERRORS:
-                if any(_texts(first)):
-                    yield node.lineno
+                said = [first]
+            case ast.Call(ast.Name('Answer'), _, keywords):
+                said = [keyword.value for keyword in keywords if keyword.arg == 'message']
+            case ast.FunctionDef(returns=ast.Name('Decided' | '_Act')):
+                said = [
+                    step.value.elts[0]
+                    for step in ast.walk(node)
+                    if isinstance(step, ast.Return) and isinstance(step.value, ast.Tuple)
+                ]
+            case _:
+                continue
+        if any(text for words in said for text in _texts(words)):
+            yield node.lineno
 
 
 def _texts(node: ast.expr) -> Iterator[ast.expr]:
     """Yield texts in an expression, without those that a function is called with."""
     match node:
+        case ast.Constant(str(text)) if not text.strip():
+            return
         case ast.JoinedStr() | ast.Constant(str()):
             yield node
+        case ast.List(parts):
+            yield from (text for part in parts for text in _texts(part))
         case ast.BinOp(left, _, right):
             yield from (*_texts(left), *_texts(right))
         case ast.IfExp(_, body, other):
             yield from (*_texts(body), *_texts(other))
         case ast.Call(ast.Attribute(value, 'join' | 'format')):
-            yield from _texts(value)
+            yield from (text for said in (value, *node.args) for text in _texts(said))
 
 
-def test_no_request_is_refused_with_a_bare_text() -> None:
+def test_no_request_is_answered_with_a_bare_text() -> None:
     files = [file for room in ROOMS for file in sorted(PACKAGE.glob(room))]
     assert len(files) > 100
     found = [
@@ -73,19 +88,26 @@ def test_no_request_is_refused_with_a_bare_text() -> None:
         ("sentence('no', x=f'{y}')", False),
         ("joined(sentence('no'), x)", False),
         ('str(why)', False),
+        ("'\\n'.join([words, more])", False),
+        ("'\\n'.join(['no', *more])", True),
         ('why_not, each', False),
     ],
 )
 def test_a_bare_text_is_found(argument: str, is_bare: bool) -> None:
-    assert list(bare_texts(f'raise CommandRefused({argument})')) == [1] * is_bare
+    for module in (
+        f'raise CommandRefused({argument})',
+        f'answer = Answer(accepted=True, message=({argument}))',
+        f'def decide() -> Decided: return ({argument}), ()',
+    ):
+        assert list(bare_texts(module)) == [1] * is_bare, module
 
 
 @pytest.mark.parametrize('file', RECORDS, ids=lambda file: file.stem)
-def test_each_refusal_on_record_can_be_read(file: Path) -> None:
-    refused = re.findall(r'^> .*?: refused: (.*)$', file.read_text(encoding='utf-8'), re.MULTILINE)
-    for message in refused:
+def test_each_answer_on_record_can_be_read(file: Path) -> None:
+    answer = re.compile(r'^> .*?: (?:refused|accepted): (.*)$', re.MULTILINE)
+    for message in answer.findall(file.read_text(encoding='utf-8')):
         if not any(words in message for words in WITHOUT_HISTORY):
-            check_refusal(message)
+            check_answer(message)
 
 
 @pytest.mark.parametrize(
@@ -96,6 +118,6 @@ def test_each_refusal_on_record_can_be_read(file: Path) -> None:
         'a1 gets no goal: the robot is tired',
     ],
 )
-def test_a_refusal_in_other_words_is_seen(message: str) -> None:
+def test_an_answer_in_other_words_is_seen(message: str) -> None:
     with pytest.raises(AssertionError):
-        check_refusal(message)
+        check_answer(message)
