@@ -58,10 +58,8 @@ class Counts:
     in_doubt: int = 0
     without_a_person: int = 0
     """Take-overs after which no operator was asked before the next one."""
-    led_s: list[float] = field(default_factory=list)
-    """From the death of a leader until the next one was ready."""
-    goal_s: list[float] = field(default_factory=list)
-    """From the death of a leader until a controller began the next goal."""
+    after_s: dict[str, list[float]] = field(default_factory=dict)
+    """Times from the death of a leader, by what they end with."""
     verdict: Verdict = field(default_factory=Verdict)
 
     def lines(self) -> Iterator[str]:
@@ -72,10 +70,9 @@ class Counts:
             f'{self.without_a_person} of {both} take-overs without a person; {self.resent} goals '
             f'sent again with their UUID, {self.in_doubt} in doubt'
         )
-        for what, times in (('next leader', self.led_s), ('next goal', self.goal_s)):
-            if times:
-                median, most = statistics.median(times), max(times)
-                yield f'{what} after a kill: median {median:.2f} s, at most {most:.2f} s'
+        for what, times in sorted(self.after_s.items()):
+            median, most = statistics.median(times), max(times)
+            yield f'{what}: median {median:.2f} s, at most {most:.2f} s ({len(times)})'
         found = ', '.join(
             f'{name.replace("_", " ")} {len(faults)}'
             for name, faults in vars(self.verdict).items()
@@ -149,6 +146,10 @@ class Succession:
         standby = self._cell.start_beside(name, program=self._program(number + 1))
         self._old.append(standby)
         standby.wait_ready('standby ready: ')
+        can_take_over = number % 2 == 0
+        """The others have just been started, and do not see the servers yet."""
+        if can_take_over:
+            self._live(STUCK_S, lambda: self._can_take_over(standby))
         (folder / armed(0)).touch()
         crash = folder / CRASHES
         if not self._live(STUCK_S, crash.exists):
@@ -162,10 +163,11 @@ class Succession:
         self._operator.forget()
         self._live(STUCK_S, lambda: self._goal_after(died) is not None)
         goal = self._goal_after(died)
+        self._note(
+            f'{how}, standby {"can take over" if can_take_over else "is new"}: ', died, led, goal
+        )
         if how == KILL:
             self._counts.kills += 1
-            self._counts.led_s.append(led - died)
-            self._counts.goal_s += [] if goal is None else [goal - died]
             old.kill()
         else:
             self._counts.stops += 1
@@ -175,6 +177,16 @@ class Succession:
                 self._counts.verdict.stuck.append(f'a leader that went on ended with {status}')
         self._old.remove(standby)
         self._leader = self._cell.node = standby
+
+    def _can_take_over(self, standby: ProgramProcess) -> bool:
+        """Tell whether the leader has heard from a standby that it could."""
+        known = self._cell.watch.status.leadership.standbys
+        return any(one.process == standby.pid and not one.trouble for one in known)
+
+    def _note(self, when: str, died: float, led: float, goal: float | None) -> None:
+        for what, moment in (('next leader', led), ('next goal', goal)):
+            if moment is not None:
+                self._counts.after_s.setdefault(when + what, []).append(moment - died)
 
     def _goal_after(self, died: float) -> float | None:
         """Return when a controller accepted the first goal after the death of a leader."""
