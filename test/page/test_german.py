@@ -106,6 +106,16 @@ def test_what_the_cell_refuses_is_said_in_german(held: Stand, sit: Sit) -> None:
     told.first.wait_for()
 
 
+def test_what_the_cell_has_done_is_said_in_german(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port, locale='de-DE').open('component/component_2a')
+    tab.until_news()
+    tab.page.locator('[data-offer="component.in_service"]').click()
+    tab.confirm('component.in_service', 'neuer Greifer')
+    told = tab.page.locator('.note-words', has_text='Ausgeführt. component_2a ist in Betrieb')
+    told.wait_for()
+    held.ask('component.out_of_service', FREE[1], component='component_2a')
+
+
 def test_the_tree_is_german(held: Stand, sit: Sit) -> None:
     tab = sit(held.port, locale='de-DE').open('tree')
     tab.until(lambda: tab.count('.twig') > 1, 'the tree')
