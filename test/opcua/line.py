@@ -15,6 +15,10 @@ from opcua.driver import Driver, Refused
 from opcua_process import OpcUaProcess
 from served_process import PASSWORD
 
+from bt_orchestrator.model.by import Role
+from bt_orchestrator.script.users.file import UsersFile
+from bt_orchestrator.script.users.keys import Key, SigningKey
+
 NAMESPACE = 'urn:bt_orchestrator:cell:small_cell'
 RECEIVER, RESULTS = 'JobOrderControl', 'JobOrderResults'
 ORDERS, RESPONSES = f'{RECEIVER}/JobOrderList', f'{RESULTS}/JobOrderResponseList'
@@ -109,17 +113,29 @@ class Client(Driver):
 class Line:
     """Everything of one line, on one ROS domain. Ends in `close`."""
 
-    def __init__(self, folder: Path, start_cell: StartCell, **cell: Any) -> None:
-        """Start it; options are those of `CellProcesses`."""
+    def __init__(
+        self, folder: Path, start_cell: StartCell, *, signs: bool = False, **cell: Any
+    ) -> None:
+        """Start it; options are those of `CellProcesses`.
+
+        :param signs: the node requires signatures, and the server has a key
+        """
         self._folder = folder
         self._stack = ExitStack()
         self.journal = folder / 'journal.sqlite3'
         reasons = ['--reasons', str(REASONS)]
-        options = ['--journal', str(self.journal), '--trust-local-doors', *reasons]
+        users, key = folder / 'users.yaml', folder / 'opcua_1.pem'
+        required = ['--users', str(users), '--signed-commands', 'required']
+        trust = required if signs else ['--trust-local-doors']
+        options = ['--journal', str(self.journal), *trust, *reasons]
         self.cell: CellProcesses = start_cell(run_options=options, **cell)
         self.cell.connect()
         trees = ['--trees', str(self.cell.folder)]
-        self.server = OpcUaProcess(folder, '/bt_orchestrator', [*trees, *reasons])
+        signing = ['--sign-with', str(key)] if signs else []
+        public = SigningKey.made(key).public if signs else ''
+        self.server = OpcUaProcess(folder, '/bt_orchestrator', [*trees, *reasons, *signing])
+        if signs:
+            UsersFile(users).add_key('opcua_1', Key(Role.MES, public, 'opcua'))
         self._stack.callback(self.server.close)
 
     def client(self, role: str = 'mes', name: str = '', endpoint: str = '') -> Client:
