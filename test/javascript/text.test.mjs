@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
 
+import { outcomeWords } from '../../bt_orchestrator/extensions/page/web/static/asking/outcome.js';
 import { withButtons } from '../../bt_orchestrator/extensions/page/web/static/core/requests.js';
 import * as text from '../../bt_orchestrator/extensions/page/web/static/core/text.js';
 
@@ -65,4 +66,11 @@ test('a sentence begins with a capital letter, unless it begins with a name', as
     'wo-1/3 ist auf dem Band',
     'Picker ist weg',
   ]);
+});
+
+test('each line of an answer is a sentence', async () => {
+  await text.useLanguage('en');
+  const message = 'component_2a is out of service\npassed in the queue: WO-2';
+  const said = outcomeWords({ kind: 'accepted', message });
+  assert.equal(said, 'Done. component_2a is out of service\nPassed in the queue: WO-2');
 });

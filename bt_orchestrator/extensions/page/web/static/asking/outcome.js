@@ -11,5 +11,6 @@ export function outcomeWords({ kind, message, isFromJournal }) {
   const words = t(`outcome.${kind}`);
   if (kind === 'absent') return words;
   const source = isFromJournal ? t('outcome.journal') : '';
-  return [source, words, sentence(withButtons(message))].filter(Boolean).join(' ');
+  const lines = withButtons(message).split('\n');
+  return [source, words, lines.map(sentence).join('\n')].filter(Boolean).join(' ');
 }
