@@ -37,7 +37,8 @@ def stopped_because(state: CellState) -> Wait | None:
         holds = (first, *others) if others else ()
         return Wait(hold_wait_words(state.holds.values()), kind, first, holds=holds)
     if not state.packml.begins:
-        return Wait(f'the cell is {state.packml.value}', WaitKind.CELL_STATE, state.packml.value)
+        mode = state.packml.value
+        return Wait(sentence('cell_is', state=mode), WaitKind.CELL_STATE, mode)
     if state.barred:
         return Wait(barred_because(state), WaitKind.CELL_STATE, state.packml.value)
     return None
@@ -55,7 +56,7 @@ def waits_for_service(state: CellState, component: str) -> Wait | None:
     outage = state.out_of_service.get(component)
     if outage is None:
         return None
-    what = f'waiting for {component}, which is out of service ({outage.reason})'
+    what = sentence('waits_for_service', component=component, words=outage.reason)
     return Wait(what, WaitKind.OUT_OF_SERVICE, component)
 
 

@@ -20,6 +20,7 @@ from bt_orchestrator.model.state import CellState, JobState, PassedTask, Phase, 
 from bt_orchestrator.model.status import JobStatus, TaskStatus
 from bt_orchestrator.model.task_spans import passed_task
 from bt_orchestrator.model.wait import StandCause, Stands
+from bt_orchestrator.model.words import sentence
 
 
 def job_status(
@@ -134,7 +135,7 @@ class Unknown:
             if job.paused and job.cycles_left:
                 waits = f'waits for the approval of {job.piece}' if job.piece else 'is paused'
                 return f'{name} {waits}'
-            return f'{name} needs {lacks}, which is out of service' if lacks else ''
+            return sentence('job_needs', job=name, names=lacks) if lacks else ''
         return '; '.join(
             f'{name} {words}' for cause, words in obstacles(job) if cause not in _KNOWN
         )

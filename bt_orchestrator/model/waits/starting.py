@@ -32,6 +32,7 @@ from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.script import Dependency, Task
 from bt_orchestrator.model.state import CellState, Cycle, JobState, Phase, same_args, same_task
 from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.model.words import sentence
 
 
 class Seen(Protocol):
@@ -229,7 +230,7 @@ def stopped_task(state: CellState, key: TaskKey) -> Wait | None:
     """Say why the task must not start or be skipped: a skip counts as if it had run."""
     if not state.works:
         mode = state.packml.value
-        what = barred_because(state) if state.barred else f'the cell is {mode}'
+        what = barred_because(state) if state.barred else sentence('cell_is', state=mode)
         return Wait(what, WaitKind.CELL_STATE, mode)
     if not state.holds:
         return None
