@@ -20,7 +20,24 @@ from bt_orchestrator.view.report.account.standing import Cause, Standing
 from bt_orchestrator.view.report.account.stops import Held, OpenHolds
 from bt_orchestrator.view.report.line_stops import CodesGiven
 
+_SIGNS = frozenset(
+    (
+        e.ComponentContested.event,
+        e.ComponentSetupLost.event,
+        e.ComponentSetupRead.event,
+        e.OperatorRefused.event,
+        e.RequestRefused.event,
+        e.SafetyChanged.event,
+        e.TaskAdopted.event,
+        e.TaskCancelRequested.event,
+        e.TaskResent.event,
+    )
+)
+"""Events that change nothing here, and may be the last sign of a node that is killed then. All
+others come at the same moment as one that is followed."""
+
 FOLLOWED = (
+    *sorted(_SIGNS),
     *OF_STANDING,
     *OF_ITEMS,
     e.OperatorDecided.event,
@@ -135,7 +152,8 @@ class Course:
             self.now = now if self._begin is None else min(self._begin, now)
             self._pass(now, _NOT_RECORDED, 0, ledger)
         self.pass_until(event, ledger)
-        self._take(event, ledger)
+        if event.event not in _SIGNS:
+            self._take(event, ledger)
 
     def pass_until(self, event: e.Event, ledger: Bookings, most: int = EVER_US) -> None:
         """Let the time pass up to an event, or to a moment before it; the event comes then.

@@ -70,6 +70,8 @@ def accounts(
     planned = Planned.of([(first, off), (on, last)])
     records = [one for one in records if round(one['time'] * 1_000_000) <= last]
     events = [from_record(one) for one in records if one['event'] in FOLLOWED]
+    quiet = {one['time'] for one in records} - {one.time for one in events}
+    assert not quiet, 'the node was alive then, and no account would know it'
     fold, asked = AccountFold(planned, is_whole=True), AccountFold(planned, is_whole=True)
     for event in events:
         fold.follow(event)
