@@ -106,7 +106,7 @@ class _Going:
         self.period = period
         """By the clock."""
         self._reading = reading
-        self._history = extent.history
+        self._history, self._known = extent.history, extent.last_seq
         self._steady = steady_time(reading)
         self._steps = len(self._steady.steps)
         self._has_new_reason = False
@@ -147,6 +147,8 @@ class _Going:
             for event in map(self._steady.of, self._reading.known(page)):
                 self._take(event)
             self._wanted, is_last = page.rest, page.is_last
+        # What comes from now on may say something new of the period, also when that is over.
+        self._wanted = replace(self._wanted, until=None).past(self._known)
 
     def _take(self, event: Event) -> None:
         if isinstance(event, OperatorDecided) and gives_later(event):

@@ -202,3 +202,25 @@ def test_a_period_without_shifts_grows_with_the_time() -> None:
         found = looked(grows, clock)
         assert account_plain(found.account) == report_of(found, clock)
         assert found.account.period.end_us == us_of(at(clock))
+
+
+@pytest.mark.parametrize(
+    'later',
+    [
+        pytest.param(e.ClockStepped(seconds=5400.0), id='by the clock it is over sooner'),
+        pytest.param(
+            e.OperatorDecided(answer='classify', who='Ann', reason='', code='JAM', hold='1'),
+            id='somebody says the reason of a stop',
+        ),
+    ],
+)
+def test_what_comes_after_the_shift_and_changes_its_account_is_seen(later: e.Event) -> None:
+    before = [one for one in DAY.events if one.time <= at('13:00')]
+    records = [journal(before, at('13:00'))]
+    records += [journal([*before, later.stamped(len(before) + 1, at('14:30'))], at('14:30'))]
+    grows = live()
+    for known, clock in zip(records, ('13:00', '14:31'), strict=True):
+        found = grows.look(known, at(clock))
+        assert found == live().look(known, at(clock)), clock
+    assert found is not None
+    assert found.account != looked(live(), '14:31').account
