@@ -231,7 +231,8 @@ class Breakdown:
         done = self._cancel_all()
         what = f'Abort by {command.by}' if isinstance(command, Asked) else 'Shutdown'
         log.error('%s, off the record: %s', what, done)
-        return Answer(True, sentence('cancelled_unrecorded', words=done, what=self._failure))
+        message = sentence('cancelled_unrecorded', words=done, what=self._failure)
+        return Answer(accepted=True, message=message)
 
     def look(self) -> None:
         """Note which goals have ended; nothing else drains the gateway any more."""

@@ -35,8 +35,9 @@ def bare_texts(module: str) -> Iterator[int]:
         match node:
             case ast.Call(ast.Name(name), [first, *_]) if name in ERRORS:
                 said = [first]
-            case ast.Call(ast.Name('Answer'), _, keywords):
-                said = [keyword.value for keyword in keywords if keyword.arg == 'message']
+            case ast.Call(ast.Name('Answer'), values, keywords):
+                named = (keyword.value for keyword in keywords if keyword.arg == 'message')
+                said = [*values[1:2], *named]
             case ast.FunctionDef(returns=ast.Name('Decided' | '_Act')):
                 said = [
                     step.value.elts[0]
@@ -97,6 +98,7 @@ def test_a_bare_text_is_found(argument: str, is_bare: bool) -> None:
     for module in (
         f'raise CommandRefused({argument})',
         f'answer = Answer(accepted=True, message=({argument}))',
+        f'answer = Answer(True, ({argument}))',
         f'def decide() -> Decided: return ({argument}), ()',
     ):
         assert list(bare_texts(module)) == [1] * is_bare, module
