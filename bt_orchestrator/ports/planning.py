@@ -230,5 +230,9 @@ class Foresight(Protocol):
     def ends_s(self) -> Mapping[str, float]:
         """When each live job will end, by the last forecast; unknown ones are left out."""
 
+    @property
+    def took_s(self) -> float:
+        """How many seconds the last forecast took; 0: there was none."""
+
     def close(self) -> None:
         """Stop working."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import logging
 import threading
+import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -39,6 +40,7 @@ class ForesightProcess:
         self._question: str | None = None
         self._closed = False
         self._ends_s: Mapping[str, float] = {}
+        self._took_s = 0.0
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
 
@@ -46,6 +48,11 @@ class ForesightProcess:
     def ends_s(self) -> Mapping[str, float]:
         """When each live job will end, by the last answer."""
         return self._ends_s
+
+    @property
+    def took_s(self) -> float:
+        """How many seconds the last answer took; 0: there was none."""
+        return self._took_s
 
     def ask(self, state: str, observed_s: Mapping[str, Mapping[str, float]], now_s: float) -> None:
         """Put a question; it replaces one that was not taken up yet."""
@@ -66,7 +73,9 @@ class ForesightProcess:
         try:
             self._process.ready()
             while (question := self._next()) is not None:
+                began_s = time.monotonic()
                 self._ends_s = json.loads(self._process.ask(question.encode()))
+                self._took_s = time.monotonic() - began_s
         except ChildFailed as error:
             if not self._closed:
                 log.warning('no more forecasts: %s', error)

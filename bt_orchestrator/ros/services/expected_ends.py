@@ -20,6 +20,10 @@ from bt_orchestrator.view.report.pace import Paces, expected_ends_s
 RENEW_S = 5.0
 """Shortest time between two questions about one queue that goes on as expected."""
 
+RESTS = 20
+"""So many times as long as a forecast has taken is the shortest time to the next: it is the engine
+in virtual time, and a long queue would keep a processor busy."""
+
 
 class ExpectedEnds:
     """Asks for a forecast when the queue or the holds changed, and every few seconds of work."""
@@ -80,7 +84,8 @@ class ExpectedEnds:
         steady_s = time.monotonic()
         jobs = (job.job.id for job in state.jobs.first(QUEUE_SHOWN))
         about = (*jobs, self._durations.kinds)  # a task seen first changes what is known
-        renews = steady_s - self._asked_s >= RENEW_S and state.seq != self._asked_seq
+        rest_s = max(RENEW_S, RESTS * self._foresight.took_s)
+        renews = steady_s - self._asked_s >= rest_s and state.seq != self._asked_seq
         if about != self._asked_about or renews:
             self._asked_s, self._asked_seq, self._asked_about = steady_s, state.seq, about
             now_s = self._node.get_clock().now().nanoseconds / 1e9
