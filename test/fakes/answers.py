@@ -12,6 +12,7 @@ OWN_WORDS = (
     'not_released',
     'unavailable',
     'answers_are_also',
+    'answers_of_others',
     'no_such_reason',
     'no_such_task',
     'no_rest_id',

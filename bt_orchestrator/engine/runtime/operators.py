@@ -36,10 +36,10 @@ from bt_orchestrator.model.requests import (
     REMOVE_ITEM,
     Asked,
 )
-from bt_orchestrator.model.requests.offers import offer_words
+from bt_orchestrator.model.requests.offers import allowed, answers_of_others
 from bt_orchestrator.model.state import CellState, Hold, Phase
 from bt_orchestrator.model.stop_reason import release_command
-from bt_orchestrator.model.words import AND, sentence
+from bt_orchestrator.model.words import joined, sentence
 
 
 @decides(*ANSWERS.values())
@@ -123,9 +123,11 @@ def offering(state: CellState, name: str, word: str, role: Role) -> Hold:
     if hold.task is None:
         raise CommandRefused(sentence('takes_removal', held=held, item=hold.item))
     if word not in hold.answers:
-        replies, _, others = offer_words(hold.answers, role).partition(AND)
+        mine = ', '.join(allowed(hold.answers, role))
+        others = joined(*answers_of_others(hold.answers, role))
         kind = 'answers_are_also' if others else 'answers_are'
-        values = {'held': held, 'replies': replies, 'words': others, 'found': repr(word)}
+        kind = kind if mine else 'answers_of_others'
+        values = {'held': held, 'replies': mine, 'words': others, 'found': repr(word)}
         raise CommandRefused(sentence(kind, **values))
     return hold
 

@@ -158,6 +158,7 @@ REFUSALS: Mapping[str, str] = {
     'remove-item {item}',
     'answers_are': '{held} can be answered with {replies}; found {found}',
     'answers_are_also': '{held} can be answered with {replies}; {words}; found {found}',
+    'answers_of_others': '{held} has no answer for this role; {words}; found {found}',
     'may_answer': '{people} may: {replies}',
     'may_also_answer': '{people} may also: {replies}',
     'results_of_item': 'results are given with mark_done, of the task of an item; found {answer} '

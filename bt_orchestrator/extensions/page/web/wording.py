@@ -206,7 +206,7 @@ class PageWording(Wording):
         return worded
 
     def _at(self, place: str, value: str) -> str:
-        if place == 'hold_name' or (place == 'replies' and facts_of(value)):
+        if place == 'hold_name':
             return self.message(value)
         if place in _SEVERAL:
             between, one = _SEVERAL[place]

@@ -216,12 +216,13 @@ REFUSALS = [
     ),
     (
         (
-            'hold 1 (mark: aborted) can be answered with an operator or an engineer may: '
-            "retry; found 'fly'"
+            'hold 1 (mark: aborted) has no answer for this role; an operator or an engineer '
+            "may: retry; found 'fly'"
         ),
         (
-            'Antworten auf Störung 1 (mark: der Controller hat abgebrochen): möglich für '
-            "Bediener oder Techniker: „Noch einmal“; gefunden: 'fly'"
+            'Störung 1 (mark: der Controller hat abgebrochen) kann mit dieser Rolle nicht '
+            'beantwortet werden; möglich für Bediener oder Techniker: „Noch einmal“; '
+            "gefunden: 'fly'"
         ),
     ),
     (
