@@ -38,9 +38,9 @@ def hold_wait_words(holds: Iterable[Hold]) -> str:
     """Say that something waits until holds are answered; several by their numbers alone."""
     named = tuple(holds)
     if len(named) == 1:
-        return f'waiting for an answer to {hold_name(named[0])}'
+        return sentence('awaits_answer', held=hold_name(named[0]))
     *others, last = (hold.id for hold in named)
-    return f'waiting for answers to holds {", ".join(others)} and {last}'
+    return sentence('awaits_answers', others=', '.join(others), last=last)
 
 
 def held_words(hold: Hold | HoldRaised) -> str:

@@ -25,6 +25,7 @@ from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.judging.used_ids import text_of
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import RESTARTED
+from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import ActionTypes, EventSink, Snapshot
 from bt_orchestrator.sim.gateway import VirtualClock, VirtualGateway
 from bt_orchestrator.sim.virtual_client import VirtualGoal
@@ -59,7 +60,7 @@ class RunOn:
         self.steps = 0
         """So often something has happened: what the run has cost, on any machine."""
         self._left_out: Mapping[str, int] = {}
-        self._stuck = 'the virtual run takes too long; it was given up'
+        self._stuck = sentence('run_given_up')
         self._clock = VirtualClock(now_s)
         cell = as_observed(_without_faults(cell), observed_s)
         state = _of_cell(plain_state['state'], digest(cell))
@@ -93,7 +94,7 @@ class RunOn:
         self.orchestrator.settle()
         while self.state.jobs and time.monotonic() < until:
             if not self._step():
-                self._stuck = 'nothing on the line can go on by itself'
+                self._stuck = sentence('nothing_goes_on')
                 return math.inf
         return self._clock.now() if self.state.jobs else math.inf
 

@@ -133,8 +133,8 @@ class Unknown:
         if job.started:
             lacks = ' and '.join(awaited_by(self._state, job))
             if job.paused and job.cycles_left:
-                waits = f'waits for the approval of {job.piece}' if job.piece else 'is paused'
-                return f'{name} {waits}'
+                kind = 'job_awaits_piece' if job.piece else 'job_paused'
+                return sentence(kind, job=name, item=job.piece)
             return sentence('job_needs', job=name, names=lacks) if lacks else ''
         return '; '.join(
             f'{name} {words}' for cause, words in obstacles(job) if cause not in _KNOWN

@@ -72,6 +72,11 @@ SENTENCES: Mapping[str, str] = {
     'job_held': '{job} is held in the queue',
     'job_unreleased': '{job} waits for the release of its script',
     'job_needs': '{job} needs {names}, which is out of service',
+    'job_awaits_piece': '{job} waits for the approval of {item}',
+    'awaits_answer': 'waiting for an answer to {held}',
+    'awaits_answers': 'waiting for answers to holds {others} and {last}',
+    'nothing_goes_on': 'nothing on the line can go on by itself',
+    'run_given_up': 'the virtual run takes too long; it was given up',
     # ends of attempts
     'no_end': 'no end came within {seconds} s of the cancel request ({cause})',
     'after_restart': 'after a restart of the orchestrator: {words}',

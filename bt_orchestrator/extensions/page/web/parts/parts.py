@@ -222,6 +222,7 @@ def job_part(
     listed = tasks.of_initialization(job, script, status.initialization) if script else []
     return {
         **plain_but(job, *_LEFT_OUT),
+        'end_unknown_said': said_in_each(job.end_unknown),
         'anew': _anew(job.anew),
         'state': job.state.state,
         'substate': job.state.substate,

@@ -339,6 +339,18 @@ def test_reasons_of_unknown_ends_are_german_each_in_its_sentence() -> None:
     why = run.sim.status().jobs[1].end_unknown
     held = 'K ist in der Warteschlange zurückgehalten'
     assert GERMAN.message(why) == f'{held}; K braucht a2, außer Betrieb'
+    for english, german in (
+        ('J waits for the approval of J/1', 'J wartet auf die Freigabe von J/1'),
+        (
+            'waiting for an answer to hold 1 (work: aborted)',
+            'wartet auf Antwort auf Störung 1 (work: der Controller hat abgebrochen)',
+        ),
+        (
+            'waiting for answers to holds 1, 2 and 3',
+            'wartet auf Antwort auf die Störungen 1, 2 und 3',
+        ),
+    ):
+        assert GERMAN.message(english) == german
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ export function jobRow() {
       text(script, scriptWords(job));
       text(state, jobStateWords(job));
       text(ends, endWords(job));
-      attribute(ends, 'title', job.end_unknown || null);
+      attribute(ends, 'title', job.end_unknown ? said(job.end_unknown_said) : null);
       const waits = job.position > 0;
       text(count, waits ? t('overview.items', { count: job.quantity }) : '');
       show(bar.element, !waits);
