@@ -96,8 +96,12 @@ class Reasons:
         candidates = chosen(solution.plan, plans)
         others = {name: self._others(candidate) for name, candidate in candidates.items()}
         whys = {name: Why.OVERRIDE if name in bind else Why.ONLY for name in candidates}
-        asked = {name for name in candidates if others[name] and name not in bind}
-        whys.update(self._whys({name: candidates[name] for name in asked}, solution, us))
+        asked = {
+            name: candidate
+            for name, candidate in candidates.items()
+            if others[name] and name not in bind
+        }
+        whys.update(self._whys(asked, solution, us))
         facts = {
             task.id: Made(task.id, '', task.component, 0, Why.ONLY)
             for task in script.initialization

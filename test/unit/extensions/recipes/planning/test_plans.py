@@ -436,7 +436,7 @@ for seed in range(12):
         print(digest(made.script), made.claim, *made.made.values())
     except NotMade as why:
         print(why)
-for line in [mix(4)] * 4:
+for line in [mix(13)] + [mix(4)] * 4:
     made = generate(line.cell, line.recipe, judge=Judge())
     print(digest(made.script), made.claim, *made.made.values())
 """
