@@ -67,7 +67,8 @@ class LineRows:
         """Choose once for each piece, and let items move down the belt only."""
         ways = self._plans.choices
         for piece in range(len(ways)):
-            self._model.equal({self._chosen[key]: 1 for key in self._in(piece, bool)}, 1)
+            along = sorted(self._in(piece, bool), key=lambda key: self._choice(key).section)
+            self._model.one_of([self._chosen[key] for key in along])
         for first, second in dict.fromkeys(
             (link.first, link.second) for link in self._plans.reach.links
         ):

@@ -27,7 +27,10 @@ class Limits:
     nodes: int = 1_000
     """Of the tree that the solver may search for the pace; the other stages get less."""
     question_nodes: int = 5_000
-    """The same for each question that goes on where this has proven no pace; 0: nothing does."""
+    """The same for each question that goes on where this has proven no pace; 0: nothing does.
+
+    In steps it is twice as many.
+    """
     finalists: int = 16
     """Plans that are run by the engine where sections share something."""
 

@@ -6,6 +6,7 @@ One thread, one seed, no gap, and a limit of nodes, never of time: equal models 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import ModuleType
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 Terms = Mapping[int, int]
 """Coefficients, by the number of the variable."""
+
+Row = tuple[Terms, float, float]
+"""The sum of the terms is at least this, and at most that."""
 
 VERSION = '1.16.0'
 """Another release of HiGHS may choose another one of equally good plans."""
@@ -32,6 +36,8 @@ _OPTIONS = {
 _ROUNDING = 1e-5
 _SHORT = 5
 """A short search has so much fewer nodes."""
+_MORE = 2
+"""A question in steps has so many times the nodes."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +55,9 @@ class Model:
     """Variables that are whole numbers, and linear rows over them."""
 
     _most: list[int] = field(default_factory=list)
-    _rows: list[tuple[Terms, float, float]] = field(default_factory=list)
+    _rows: list[Row] = field(default_factory=list)
+    _earlier: dict[int, int] = field(default_factory=dict)
+    """By variable of a choice: the variable before it."""
 
     def variable(self, most: int = 1) -> int:
         """Add a variable from 0 to `most`, and return its number."""
@@ -67,6 +75,11 @@ class Model:
     def equal(self, terms: Terms, value: int) -> None:
         """Add a row: the sum of the terms is this."""
         self._rows.append((terms, value, value))
+
+    def one_of(self, variables: Sequence[int]) -> None:
+        """Add a row: one of these is 1. They are in an order in which they can be halved."""
+        self.equal(dict.fromkeys(sorted(variables), 1), 1)
+        self._earlier.update(zip(variables[1:], variables, strict=False))
 
     @property
     def size(self) -> int:
@@ -113,7 +126,8 @@ class Model:
 
         Where the variable is what no sum of some rows may exceed, a search for its least value
         bounds it badly. Whether it can be at most a fixed number is answered far sooner: the rows
-        are knapsacks then. So such questions halve what a short search leaves open.
+        are knapsacks then. So such questions halve what a short search leaves open. From the
+        first one without an answer on, they are asked in steps.
 
         :param nodes: of the tree of the search, which is short where it finds values
         :param question_nodes: of the tree of each question, which take less time
@@ -127,21 +141,54 @@ class Model:
         if best is None:
             return None
         bound = low = best.bound
+        in_steps = False
         while low < best.cost:
-            size, middle = self.size, (low + best.cost) // 2
-            self.at_most({variable: 1}, middle)
+            middle = (low + best.cost) // 2
             try:
-                found = self.minimise({}, question_nodes)
+                found = self._asked(variable, middle, question_nodes, in_steps=in_steps)
             except NotFound:
-                low = middle + 1  # that stays open
+                if in_steps:
+                    low = middle + 1  # that stays open
+                in_steps = True
             else:
                 if found is None:
                     bound = low = middle + 1
                 else:
                     best = replace(found, cost=found.values[variable])
-            finally:
-                self.forget(size)
         return replace(best, bound=bound)
+
+    def _asked(self, variable: int, most: int, nodes: int, *, in_steps: bool) -> Answer | None:
+        """Return values with which a variable is at most this; None: there are none."""
+        size = self.size
+        self.at_most({variable: 1}, most)
+        try:
+            if not in_steps:
+                return self.minimise({}, nodes)
+            found = self._in_steps().minimise({}, nodes * _MORE)
+        finally:
+            self.forget(size)
+        return found and replace(found, values=self._out_of_steps(found.values))
+
+    def _in_steps(self) -> Model:
+        """Return it in steps: each tells whether its variable or an earlier one is 1.
+
+        A tree of steps is smaller: a branch leaves about half of what can be chosen.
+        """
+        rows: list[Row] = []
+        for terms, least, most in self._rows:
+            steps = Counter(terms)
+            for number, factor in terms.items():
+                if number in self._earlier:
+                    steps[self._earlier[number]] -= factor
+            rows.append(({n: factor for n, factor in steps.items() if factor}, least, most))
+        rows += [({early: 1, late: -1}, -math.inf, 0) for late, early in self._earlier.items()]
+        return Model(self._most, rows)
+
+    def _out_of_steps(self, steps: Sequence[int]) -> Sequence[int]:
+        return [
+            step - steps[self._earlier[number]] if number in self._earlier else step
+            for number, step in enumerate(steps)
+        ]
 
     def _is_met(self, values: Sequence[int]) -> bool:
         """Judge values in whole numbers: the solver works with rounding errors."""

@@ -24,6 +24,28 @@ def knapsack(seed: int) -> tuple[Model, dict[int, int]]:
     return model, {number: random.randint(1, 99) for number in numbers}
 
 
+def three_rows(seed: int) -> tuple[Model, list[int], int]:
+    """Return works, each of which is done in one of three rows, and how long the longest is."""
+    random, model = Random(seed), Model()
+    works = [random.randint(100, 999) for _ in range(9)]
+    chosen = [[model.variable() for _ in range(3)] for _ in works]
+    longest = model.variable(sum(works))
+    for row in range(3):
+        work = {one[row]: work for one, work in zip(chosen, works, strict=True)}
+        model.at_most({**work, longest: -1}, 0)
+    for one in chosen:
+        model.one_of(one)
+    return model, works, longest
+
+
+def least_of(works: list[int]) -> int:
+    """Try everything."""
+    return min(
+        max(sum(w for w, at in zip(works, rows, strict=True) if at == row) for row in range(3))
+        for rows in product(range(3), repeat=len(works))
+    )
+
+
 def test_8_5_rows_that_contradict_each_other_have_no_answer() -> None:
     model = Model()
     one, other = model.variable(), model.variable()
@@ -59,26 +81,51 @@ def test_8_5_questions_prove_what_a_short_search_leaves_open(
     question_nodes: int, is_proven: bool
 ) -> None:
     """The longest of three rows of work is to be as short as possible."""
-    random, model = Random(8), Model()
-    works = [random.randint(100, 999) for _ in range(9)]
-    chosen = [[model.variable() for _ in range(3)] for _ in works]
-    longest = model.variable(sum(works))
-    for row in range(3):
-        work = {one[row]: work for one, work in zip(chosen, works, strict=True)}
-        model.at_most({**work, longest: -1}, 0)
-    for one in chosen:
-        model.equal(dict.fromkeys(one, 1), 1)
+    model, works, longest = three_rows(8)
     size = model.size
     begin = Answer([*([1, 0, 0] * 9), sum(works)], sum(works), 0)
     answer = model.least(longest, 0, question_nodes, begin)
     assert answer is not None
-    least = min(
-        max(sum(w for w, at in zip(works, rows, strict=True) if at == row) for row in range(3))
-        for rows in product(range(3), repeat=9)
-    )
+    least = least_of(works)
     assert answer.bound <= least <= answer.cost == answer.values[longest]
     assert (answer.bound == answer.cost) is is_proven
     assert model.size == size
+
+
+@pytest.mark.parametrize('seed', [8, 9, 12])
+def test_8_5_a_question_in_steps_has_the_same_answer(seed: int) -> None:
+    model, works, longest = three_rows(seed)
+    least, size = least_of(works), model.size
+    assert model._asked(longest, least - 1, 5000, in_steps=True) is None
+    answer = model._asked(longest, least, 5000, in_steps=True)
+    assert answer is not None
+    assert answer.values[longest] == least
+    assert model._is_met(answer.values)
+    assert {*answer.values[:-1]} == {0, 1}
+    assert model.size == size
+
+
+def test_8_5_what_a_question_leaves_open_is_asked_in_steps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[tuple[int, bool]] = []
+    ask = Model._asked
+
+    def noted(
+        model: Model, variable: int, most: int, nodes: int, *, in_steps: bool
+    ) -> Answer | None:
+        asked.append((most, in_steps))
+        return ask(model, variable, most, nodes, in_steps=in_steps)
+
+    monkeypatch.setattr(Model, '_asked', noted)
+    model, works, longest = three_rows(12)
+    begin = Answer([*([1, 0, 0] * 9), sum(works)], sum(works), 0)
+    answer = model.least(longest, 0, 10, begin)
+    assert answer is not None
+    assert answer.bound <= least_of(works) <= answer.cost
+    first = next(number for number, (_, in_steps) in enumerate(asked) if in_steps)
+    assert asked[first - 1] == (asked[first][0], False), 'the same one again'
+    assert all(in_steps for _, in_steps in asked[first:])
 
 
 def test_8_5_rows_can_be_forgotten() -> None:
