@@ -27,6 +27,9 @@ NODE, CONTROLLERS = ROUTED_ADDRESSES
 SERVER = 'ROS_DISCOVERY_SERVER'
 PORT = 11811
 
+OF_A_SERVER = '42'
+"""What its program does in Fast DDS 3, by number: `command_to_int` of its tool."""
+
 PLACES = 4
 """Fast DDS asks a static peer at so many places, one a process."""
 
@@ -109,10 +112,12 @@ class Deck:
         program = Path(sys.prefix, 'bin', 'fast-discovery-server')
         libraries = [Path(sys.prefix, 'lib')]
         libraries += Path(sys.prefix).glob('lib/python*/site-packages/ros_fast*.libs')
+        is_newer = libraries[-1].name == 'ros_fastdds.libs'
         words = [
             *self._within(0),
             f'LD_LIBRARY_PATH={os.pathsep.join(map(str, libraries))}',
             str(program),
+            *([OF_A_SERVER] if is_newer else []),
         ]
         output = self._folder / 'discovery_server'
         with output.open('wb') as file:
@@ -121,7 +126,8 @@ class Deck:
             )
         self._running.callback(server.wait)
         self._running.callback(server.kill)
-        until(lambda: b'Server is running' in output.read_bytes(), 'the discovery server')
+        ready = b'Server started' if is_newer else b'Server is running'
+        until(lambda: ready in output.read_bytes(), 'the discovery server')
 
 
 def until(condition: Callable[[], bool], what: str) -> None:

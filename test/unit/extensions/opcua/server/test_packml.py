@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -11,6 +12,7 @@ from asyncua import ua
 from opcua_events import Heard
 from opcua_reader import Reader, reading
 from opcua_stand import opcua_stand
+from patience import PATIENCE_S
 from web.stand_cell import StandCell
 
 from bt_orchestrator.extensions.opcua.server.packml_values import meanings
@@ -223,11 +225,10 @@ def test_7_11_the_unit_mode_is_asked_for_at_a_panel_and_left_with_the_belt(scene
         assert (
             await request(reader, 'component.run_task', **goal) == 'TASK_A is sent to component_3a'
         )
-        for _ in range(100):
+        deadline = time.monotonic() + PATIENCE_S
+        while await reader.value('Simple/Manual/State') != 'done':
             await request(reader, 'cell.at_panel')
-            if await reader.value('Simple/Manual/State') == 'done':
-                break
-        assert await reader.value('Simple/Manual/State') == 'done'
+            assert time.monotonic() < deadline
         assert await reader.value('Simple/Manual/Task') == 'TASK_A'
         assert json.loads(await reader.value('Simple/Manual/Results'))['item_present'] is True
         assert await refused(reader, 'PackML/SetUnitMode', _mode(1)) == 'BadInvalidState'
