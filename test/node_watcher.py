@@ -12,10 +12,14 @@ from bt_orchestrator_interfaces.msg import Event, Status
 from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem, SubmitOrder
 from diagnostic_msgs.msg import KeyValue
 from patience import PATIENCE_S
+from rclpy.qos import QoSProfile
 
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, create_client
 
 WHO = 'tester'
+
+ALL_EVENTS = QoSProfile(depth=10_000, reliability=EVENTS.reliability)
+"""A test may be busy elsewhere for a minute: a line has more events then than its QoS keeps."""
 
 
 class NodeWatcher:
@@ -179,7 +183,7 @@ class NodeWatcher:
 
     def _listen(self) -> None:
         node = self.ros.node
-        node.create_subscription(Event, f'{self.name}/events', self._on_event, EVENTS)
+        node.create_subscription(Event, f'{self.name}/events', self._on_event, ALL_EVENTS)
         node.create_subscription(Status, f'{self.name}/status', self.statuses.append, LATCHED)
 
     def _be_known(self) -> None:

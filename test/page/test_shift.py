@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 from cell_processes import CellProcesses
@@ -15,9 +17,16 @@ from fakes.shipped import REFERENCE_CELL, TREES
 from page.browsing import Person, Tab
 from page.conftest import Sit, StartPage
 
+from bt_orchestrator.model.keeping.records import Wanted
+from bt_orchestrator.store.sqlite.records import SqliteRecords
+from bt_orchestrator.view.report.reading import Reading
+
 SCRIPT = 'inspect_and_assemble'
 JOBS = {'WO-1': 6, 'WO-2': 3, 'WO-3': 2}
 """Orders, and how many pieces of each."""
+
+
+JOURNAL = 'journal.sqlite3'
 
 
 class Shift:
@@ -57,6 +66,12 @@ class Shift:
         """Wait until the bar on top says a state of the cell."""
         self.until(f'[data-part="cell"][data-state="{state}"]')
 
+    def recorded(self, *names: str) -> list[Any]:
+        """Return the events of these names in the journal."""
+        journal = self.cell.folder.parent / JOURNAL
+        with closing(SqliteRecords(journal)) as records:
+            return list(Reading(records).events(Wanted(events=names)))
+
     def press(self, request: str, reason: str, within: str = 'header') -> None:
         """Ask for something by its button and dialog."""
         self.tab.page.locator(f'{within} [data-offer="{request}"]').first.click()
@@ -80,14 +95,14 @@ def shift(tmp_path: Path, start_page: StartPage, sit: Sit) -> Iterator[Shift]:
         run_options=[
             '--trust-local-doors',
             '--journal',
-            str(tmp_path / 'journal.sqlite3'),
+            str(tmp_path / JOURNAL),
             '--trees',
             str(TREES),
         ],
     )
     try:
         cell.connect()
-        options = ('--journal', str(tmp_path / 'journal.sqlite3'), '--trees', str(TREES))
+        options = ('--journal', str(tmp_path / JOURNAL), '--trees', str(TREES))
         person = sit(start_page(*options).port, viewport={'width': 1280, 'height': 800})
         pictures = os.environ.get('SHIFT_PICTURES')
         tab = person.open()
@@ -122,7 +137,7 @@ def three_orders(shift: Shift) -> None:
         shift.picture(f'order_{order}')
         form.locator('[data-do="order"]').click()
         tab.confirm('queue.add', 'planned for today')
-    shift.cell.watch.until('job.queued', count=3)
+    tab.until(lambda: len(shift.recorded('job.queued')) == len(JOBS), 'the orders on record')
 
 
 def the_last_one_first(shift: Shift) -> None:
@@ -188,8 +203,7 @@ def a_node_that_was_killed(shift: Shift) -> None:
     shift.picture('restarted')
     shift.press('cell.resume', 'looked at everything', 'main [data-hold]')
     shift.until_state('Execute')
-    for job in JOBS:
-        shift.cell.watch.until('job.completed', job=job)
+    tab.until(lambda: len(shift.recorded('job.completed')) == len(JOBS), 'the ends of the jobs')
     assert shift.person.loaded == 1
 
 
@@ -207,8 +221,12 @@ def what_has_been(shift: Shift) -> None:
     ):
         shift.tab.go(screen)
         shift.picture(screen.replace('/', '_'))
-    said = (one for one in shift.cell.watch.events if one.get('who') == 'engineer')
-    assert list(dict.fromkeys(one['reason'] for one in said if one['reason'])) == [
+    said = (
+        one
+        for one in shift.recorded('operator.decided', 'operator.refused')
+        if one.who == 'engineer'
+    )
+    assert list(dict.fromkeys(one.reason for one in said if one.reason)) == [
         'planned for today',
         'the truck waits for it',
         'the part was turned',

@@ -13,8 +13,11 @@ import { h } from '../core/dom.js';
 import { who } from '../core/me.js';
 import { note } from './notes.js';
 import { keepReason, reasonField } from './reason.js';
-import { part, partsOf } from '../core/store.js';
+import { part, partsOf, subscribe } from '../core/store.js';
 import { at, t } from '../core/text.js';
+
+/** So long what was done may take until the page has heard of it. */
+const NEWS_MS = 3000;
 
 /** Ask why something was done. */
 export function askAfterwards(offer, title, doneAt) {
@@ -43,14 +46,26 @@ export function askAfterwards(offer, title, doneAt) {
     const given = { reason: reason.value(), ...(code ? { code: chosen() } : {}) };
     dialog.close();
     keepReason(offer.name, reason.typed());
-    const isOffered = part('cell')?.offers.some((one) => one.name === offer.name);
-    const pause = isOffered ? myPause() : null;
-    if (isOffered && !pause) return note('refused', t('ask.too_late'));
+    const isOffered = () => part('cell')?.offers.some((one) => one.name === offer.name);
+    await heard(() => !isOffered() || myPause());
+    const pause = isOffered() ? myPause() : null;
+    if (isOffered() && !pause) return note('refused', t('ask.too_late'));
     const outcome = await send(offer, given, newTicket());
     // An offer that was gone is refused, with its reason on record.
     if (pause && outcome.kind === 'accepted') await send(pause.offers[0], given, newTicket());
     return outcome;
   }
+}
+
+/** Wait until the news say something: whoever types fast is ahead of them. */
+async function heard(isSo) {
+  if (isSo()) return;
+  let end = () => {};
+  await new Promise((resolve) => {
+    end = subscribe('', () => isSo() && resolve());
+    setTimeout(resolve, NEWS_MS);
+  });
+  end();
 }
 
 /** The newest pause of the person here; undefined: there is none. */
