@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
-from bt_orchestrator.model.words.answers import ANSWERS
-from bt_orchestrator.model.words.refusals import REFUSALS
+from bt_orchestrator.model.words.answers import ANSWERS, REFUSALS
 
 OVERRUN, SLOT_OCCUPIED = 'overrun', 'slot_occupied'
 """Reasons of holds that say it all: also the kinds of their sentences."""

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from bt_orchestrator.model import words
 from bt_orchestrator.model.words import AND, OR, SENTENCES, Words, facts_of, sentence
-from bt_orchestrator.model.words.refusals import REFUSALS
+from bt_orchestrator.model.words.answers import REFUSALS
 
 PLACES = {'answers': f'a{OR}b', 'held': 'hold 1 (mark: aborted)'}
 """Places in which not anything can stand."""
