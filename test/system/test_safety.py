@@ -24,7 +24,7 @@ from bt_orchestrator.script.users.file import UsersFile
 from bt_orchestrator.script.users.keys import Key, SigningKey
 
 CELL = f"""{SMALL_CELL}
-safety: {{topic: /safety/ok, type: std_msgs/msg/Bool, field: data, ready: [true], within: 2.0}}
+safety: {{topic: /safety/ok, type: std_msgs/msg/Bool, field: data, ready: [true], within: 4.0}}
 """
 LATE = ['worker.TASK_C#1=late:1200']
 """The goal runs for a minute, unless it is cancelled."""
@@ -97,9 +97,9 @@ def flap(safety: Safety, cell: CellProcesses) -> None:
 
 
 LOSSES: dict[str, tuple[Callable[[Safety, CellProcesses], object], str]] = {
-    'lost': (lambda safety, _: safety.processes[0].kill(), 'no message for 2 s'),
-    'frozen': (lambda safety, _: safety.freeze(), 'no message for 2 s'),
-    'silent': (lambda safety, _: safety.says(''), 'no message for 2 s'),
+    'lost': (lambda safety, _: safety.processes[0].kill(), 'no message for 4 s'),
+    'frozen': (lambda safety, _: safety.freeze(), 'no message for 4 s'),
+    'silent': (lambda safety, _: safety.says(''), 'no message for 4 s'),
     'false': (lambda safety, _: safety.says('false'), 'its value is False'),
     'flapping': (flap, 'its value is False'),
     'doubled': (lambda safety, _: safety.start(), 'it has 2 publishers: /safety_controller'),
