@@ -146,8 +146,8 @@ class Succession:
         standby = self._cell.start_beside(name, program=self._program(number + 1))
         self._old.append(standby)
         standby.wait_ready('standby ready: ')
+        # The others have just been started, and do not see the servers yet.
         can_take_over = number % 2 == 0
-        """The others have just been started, and do not see the servers yet."""
         if can_take_over:
             self._live(STUCK_S, lambda: self._can_take_over(standby))
         (folder / armed(0)).touch()

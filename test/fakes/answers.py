@@ -18,7 +18,6 @@ OWN_WORDS = (
     'no_rest_id',
     'not_recorded',
     'still_paused',
-    'made_anew_at',
 )
 """Kinds whose words are sentences themselves; those of others may be of a person or a device."""
 
