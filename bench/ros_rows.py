@@ -86,6 +86,7 @@ def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
         f'{n}, ms CPU a task': p50([r[n].cpu_per_task for r in found]) * 1e3 for n in found[0]
     }
     others = {
+        'without waiting for the disk (NORMAL)': p50(ratios.cpu(NORMAL, CHAIN_LEAN)),
         "ours / chain on rclpy's executor": p50(ratios.cpu(OURS, CHAIN)),
         'events executor, ours / chain': p50(ratios.cpu(OURS_EVENTS, CHAIN_EVENTS)),
     }

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import program_process
 import pytest
 from cell_processes import SMALL_CELL, CellProcesses, StartCell
 from failed_cells import CELLS
+from loaded_program import LoadedProgram
 from ros_domain import discovering_fast
 
 
@@ -16,6 +19,14 @@ from ros_domain import discovering_fast
 def fast_discovery() -> Iterator[None]:
     """Let processes find each other in tenths of a second instead of up to three seconds."""
     with discovering_fast():
+        yield
+
+
+@pytest.fixture(scope='session', autouse=True)
+def loaded() -> Iterator[None]:
+    """Let the program begin loaded."""
+    with closing(LoadedProgram()) as program, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(program_process, 'loaded', program)
         yield
 
 

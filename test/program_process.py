@@ -10,6 +10,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from loaded_program import LoadedProcess, LoadedProgram
 from patience import PATIENCE_S
 
 from bt_orchestrator.cli.verbs import PROGRAM as NAME
@@ -23,6 +24,9 @@ DEMO_PACKED = (
 
 PROGRAM = ('-m', 'bt_orchestrator')
 """What Python runs."""
+
+loaded: LoadedProgram | None = None
+"""Starts the program where it is set, as in a run of tests; None: Python does."""
 
 
 class ProgramProcess:
@@ -49,18 +53,23 @@ class ProgramProcess:
         """
         self._output = folder / f'{name}.out'
         self._errors = folder / f'{name}.err'
-        with self._output.open('w') as output, self._errors.open('w') as errors:
+        cwd = cwd or folder
+        env = os.environ | {
+            'ROS_LOG_DIR': str(folder / 'ros_log'),
+            'XDG_STATE_HOME': str(folder),
+        }
+        self._process: subprocess.Popen[bytes] | LoadedProcess
+        with self._output.open('wb') as output, self._errors.open('wb') as errors:
+            if loaded is not None and program is PROGRAM and not within:
+                self._process = loaded.start(words, output, errors, cwd, env)
+                return
             self._process = subprocess.Popen(
                 [*within, sys.executable, '-u', *program, *words],
-                cwd=cwd or folder,
+                cwd=cwd,
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=errors,
-                env={
-                    **os.environ,
-                    'ROS_LOG_DIR': str(folder / 'ros_log'),
-                    'XDG_STATE_HOME': str(folder),
-                },
+                env=env,
                 start_new_session=True,
             )
 

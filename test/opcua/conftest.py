@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cell_fixtures import fast_discovery, start_cell
+from cell_fixtures import fast_discovery, loaded, start_cell
 from cell_processes import StartCell
 from opcua.driver import Driver
 from opcua.line import Line
 
-__all__ = ['fast_discovery', 'start_cell']
+__all__ = ['fast_discovery', 'loaded', 'start_cell']
 
 StartDriver = Callable[..., Driver]
 """Starts node-opcua; takes endpoint, namespace and a name."""

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cell_fixtures import fast_discovery, start_cell
+from cell_fixtures import fast_discovery, loaded, start_cell
 from page.browsing import Person, chromium
 from page.proxy import Proxy
 from page_process import PageProcess
 
-__all__ = ['fast_discovery', 'start_cell']
+__all__ = ['fast_discovery', 'loaded', 'start_cell']
 
 StartPage = Callable[..., PageProcess]
 """Starts the page of a node and waits until it serves; takes options of the verb."""

@@ -5,10 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from cell_fixtures import fast_discovery, small_cell, small_cell_file, start_cell
+from cell_fixtures import fast_discovery, loaded, small_cell, small_cell_file, start_cell
 from postgres_server import PostgresServer, postgres_server
 
-__all__ = ['address', 'fast_discovery', 'server', 'small_cell', 'small_cell_file', 'start_cell']
+__all__ = [
+    'address',
+    'fast_discovery',
+    'loaded',
+    'server',
+    'small_cell',
+    'small_cell_file',
+    'start_cell',
+]
 
 
 @pytest.fixture(scope='module')

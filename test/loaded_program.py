@@ -1,0 +1,175 @@
+"""The program, started from a process that has loaded it: that is half the work of a short test.
+
+This file is two things. Tests import it, and ask for processes. Run by Python it is the process
+that has everything loaded, and is forked for each of them. From its fork on, a process is like any
+other: it has a command line, an environment, a folder and a session of its own.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import re
+import runpy
+import select
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any, BinaryIO
+
+PRELOADED = (
+    *('bt_orchestrator.cli.main', 'bt_orchestrator.cli.run', 'bt_orchestrator.cli.sim_cell'),
+    *('bt_orchestrator.cli.status', 'bt_orchestrator.ros.node', 'rclpy.action', 'rclpy.executors'),
+)
+"""What most processes of a cell import. No extension: a cell without it loads nothing of it."""
+
+
+class LoadedProgram:
+    """Starts processes of the program. Ends in `close`, or with this process."""
+
+    def __init__(self) -> None:
+        """Start loading."""
+        ours, theirs = socket.socketpair()
+        words = [sys.executable, '-u', __file__, str(theirs.fileno())]
+        with theirs:
+            self._process = subprocess.Popen(
+                words, pass_fds=[theirs.fileno()], start_new_session=True
+            )
+        self._socket = ours
+        self._answers = ours.makefile('r')
+        self._lock = threading.Lock()
+
+    def start(
+        self,
+        words: Sequence[str],
+        output: BinaryIO,
+        errors: BinaryIO,
+        cwd: Path,
+        environment: Mapping[str, str],
+    ) -> LoadedProcess:
+        """Start a process.
+
+        :param words: a command line from the verb on
+        """
+        asked = {'words': [*words], 'cwd': str(cwd), 'environment': {**environment}}
+        files = [output.fileno(), errors.fileno()]
+        return LoadedProcess(self, self._ask(asked, files))
+
+    def exit_status(self, pid: int) -> int:
+        """Return the exit status of a process that has ended, once."""
+        return self._ask({'ended': pid})
+
+    def close(self) -> None:
+        """End; the processes that were started go on."""
+        self._socket.close()
+        self._answers.close()
+        self._process.wait()
+
+    def _ask(self, asked: Mapping[str, Any], files: Sequence[int] = ()) -> int:
+        with self._lock:
+            socket.send_fds(self._socket, [json.dumps(asked).encode() + b'\n'], files)
+            return int(self._answers.readline())
+
+
+class LoadedProcess:
+    """One process of the program: what tests need of `subprocess.Popen`."""
+
+    def __init__(self, program: LoadedProgram, pid: int) -> None:
+        self.pid = pid
+        self._program = program
+        self._handle = os.pidfd_open(pid)
+        self._status: int | None = None
+
+    def __del__(self) -> None:
+        os.close(self._handle)
+
+    def poll(self) -> int | None:
+        """Return its exit status; None: it has not ended."""
+        return self._ended_within(0.0)
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Return its exit status, once it has ended.
+
+        :raises subprocess.TimeoutExpired: it has not ended in so many seconds
+        """
+        status = self._ended_within(timeout)
+        if status is None:
+            raise subprocess.TimeoutExpired(f'process {self.pid}', timeout or 0.0)
+        return status
+
+    def send_signal(self, number: int) -> None:
+        """Send it a signal, unless it has ended."""
+        if self.poll() is None:
+            signal.pidfd_send_signal(self._handle, number)
+
+    def kill(self) -> None:
+        """End it without a word."""
+        self.send_signal(signal.SIGKILL)
+
+    def _ended_within(self, seconds: float | None) -> int | None:
+        if self._status is None and select.select([self._handle], [], [], seconds)[0]:
+            self._status = self._program.exit_status(self.pid)
+        return self._status
+
+
+def _serve(requests: socket.socket) -> None:
+    """Fork at each request. Returns in the fork; here, it ends with who asks."""
+    while True:
+        line, files, _, _ = socket.recv_fds(requests, 1 << 20, 2)
+        while line and not line.endswith(b'\n'):
+            line += requests.recv(1 << 20)
+        if not line:
+            os._exit(0)
+        asked = json.loads(line)
+        if 'ended' in asked:
+            answer = os.waitstatus_to_exitcode(os.waitpid(asked['ended'], 0)[1])
+        elif (answer := _fork()) == 0:
+            requests.close()
+            _become(asked, files)
+            return
+        for file in files:
+            os.close(file)
+        requests.sendall(b'%d\n' % answer)
+
+
+def _fork() -> int:
+    """Fork, and start the threads of LTTng in the fork, which ends them; rclpy has loaded it."""
+    maps = Path('/proc/self/maps').read_text(encoding='utf-8')
+    paths = set(re.findall(r'/\S+/liblttng-ust[-.](?!tracepoint|common)\S+', maps))
+    libraries = [ctypes.CDLL(path) for path in paths]
+    before = (ctypes.c_byte * 128)()  # a sigset_t
+    for library in libraries:
+        library.ust_before_fork(before)
+    pid = os.fork()
+    for library in reversed(libraries):
+        after = library.ust_after_fork_parent if pid else library.ust_after_fork_child
+        after(before)
+    return pid
+
+
+def _become(asked: Mapping[str, Any], files: Sequence[int]) -> None:
+    """Become a process with its own arguments, environment, folder, files and session."""
+    os.setsid()
+    os.chdir(asked['cwd'])
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    for number, file in enumerate((nothing, *files)):
+        os.dup2(file, number)
+        os.close(file)
+    os.environ.clear()
+    os.environ.update(asked['environment'])
+    sys.path[:0] = set(os.environ.get('PYTHONPATH', '').split(os.pathsep)) - {'', *sys.path}
+    sys.argv[1:] = asked['words']
+
+
+if __name__ == '__main__':
+    sys.path.pop(0)  # the folder of the tests
+    for _name in PRELOADED:
+        import_module(_name)
+    _serve(socket.socket(fileno=int(sys.argv[1])))
+    runpy.run_module('bt_orchestrator', run_name='__main__', alter_sys=True)
