@@ -18,6 +18,7 @@ from bt_orchestrator.model.requests import ask
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.model.state.proposed import queue_digest
 from bt_orchestrator.model.wait import StandCause
+from bt_orchestrator.model.words import joined
 from bt_orchestrator.ports import Proposal, ProposedJob
 from bt_orchestrator.sim.run_on import RunOn
 
@@ -196,7 +197,7 @@ def _stays(job: JobState) -> str:
         return 'it is being aborted'
     lacks = [words for cause, words in obstacles(job) if cause is not StandCause.JOB_START]
     if lacks:
-        return f'it {" and ".join(lacks)}'
+        return joined(*lacks)
     return '' if job.ranked else 'its place was chosen'
 
 

@@ -14,13 +14,13 @@ from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.jobs.counting import APPROVED
 from bt_orchestrator.model.jobs.isa95 import job_word
-from bt_orchestrator.model.jobs.needs import awaited_by
+from bt_orchestrator.model.jobs.needs import awaited_by, needs_words
 from bt_orchestrator.model.limits import FEEDBACK_BYTES
 from bt_orchestrator.model.state import CellState, JobState, PassedTask, Phase, TaskState
 from bt_orchestrator.model.status import JobStatus, TaskStatus
 from bt_orchestrator.model.task_spans import passed_task
 from bt_orchestrator.model.wait import StandCause, Stands
-from bt_orchestrator.model.words import sentence
+from bt_orchestrator.model.words import joined, sentence
 
 
 def job_status(
@@ -131,14 +131,12 @@ class Unknown:
     def _of_job(self, job: JobState) -> str:
         name = job.job.id
         if job.started:
-            lacks = ' and '.join(awaited_by(self._state, job))
+            lacks = awaited_by(self._state, job)
             if job.paused and job.cycles_left:
                 kind = 'job_awaits_piece' if job.piece else 'job_paused'
                 return sentence(kind, job=name, item=job.piece)
-            return sentence('job_needs', job=name, names=lacks) if lacks else ''
-        return '; '.join(
-            f'{name} {words}' for cause, words in obstacles(job) if cause not in _KNOWN
-        )
+            return needs_words(name, lacks) if lacks else ''
+        return joined(*(words for cause, words in obstacles(job) if cause not in _KNOWN))
 
     def _of_those_before(self, job: JobState) -> str:
         """Say what keeps a job on the line before this one."""

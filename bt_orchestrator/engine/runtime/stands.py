@@ -11,12 +11,14 @@ from typing import Protocol
 from bt_orchestrator.engine.tree.compile import CellTree
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.hold_words import hold_wait_words
+from bt_orchestrator.model.jobs.needs import needs_words
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.line import barred_because
 from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.state import CellState, Hold, JobState
 from bt_orchestrator.model.stop_reason import StopReason, way_to_work
 from bt_orchestrator.model.wait import GRAVE, PartWait, StandCause, Stands, WaitKind
+from bt_orchestrator.model.words import joined, sentence
 from bt_orchestrator.ports import Goal, Servers
 
 
@@ -211,19 +213,23 @@ def _idle(state: CellState) -> Stands:
     causes = list(obstacles(job)) if job is not None else []
     if job is None or not causes:
         return _stands(StandCause.ORDER, 'there is no job; the cell waits for an order')
-    name, words = job.job.id, ' and '.join(text for _, text in causes)
-    more = f'; {state.jobs.waiting - 1} more jobs wait' if state.jobs.waiting > 1 else ''
-    return _stands(causes[0][0], f'{name} {words}{more}', name, components=job.unavailable)
+    words = joined(*(text for _, text in causes), _more_words(state.jobs.waiting - 1))
+    return _stands(causes[0][0], words, job.job.id, components=job.unavailable)
+
+
+def _more_words(jobs: int) -> str:
+    kind = 'one_more_waits' if jobs == 1 else 'more_wait'
+    return sentence(kind, count=jobs) if jobs else ''
 
 
 def obstacles(job: JobState) -> Iterator[tuple[StandCause, str]]:
-    """Yield what keeps a queued job from starting, in words that follow its name."""
+    """Yield what keeps a queued job from starting, and the sentence that says so."""
+    name = job.job.id
     if job.held:
-        yield StandCause.JOB_HELD, 'is held in the queue'
+        yield StandCause.JOB_HELD, sentence('job_held', job=name)
     if job.awaits_release:
-        yield StandCause.RELEASE, 'waits for the release of its script'
+        yield StandCause.RELEASE, sentence('job_unreleased', job=name)
     if job.unavailable:
-        names = ' and '.join(job.unavailable)
-        yield StandCause.OUT_OF_SERVICE, f'needs {names}, which is out of service'
+        yield StandCause.OUT_OF_SERVICE, needs_words(name, job.unavailable)
     if job.awaits_start:
-        yield StandCause.JOB_START, 'waits for the start of its order'
+        yield StandCause.JOB_START, sentence('job_awaits_start', job=name)

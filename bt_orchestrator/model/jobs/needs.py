@@ -49,6 +49,12 @@ def awaited_when_stopped(state: CellState, job: JobState) -> tuple[str, ...]:
     return awaited_by(state, changed(job, stopping=True)) if items else ()
 
 
+def needs_words(job: str, unavailable: Sequence[str]) -> str:
+    """Say that a job needs what is out of service."""
+    kind = 'job_needs' if len(unavailable) == 1 else 'job_needs_several'
+    return sentence(kind, job=job, names=' and '.join(unavailable))
+
+
 def on_the_line_words(
     job: str, unavailable: Sequence[str], *, is_by_recipe: bool, to_begin: int
 ) -> str:

@@ -157,7 +157,7 @@ Change = Callable[[Simulation], object]
         (
             lambda one: one.orchestrator.ask(ControlJob('hold', 'A', BY)),
             'A',
-            'it is held in the queue',
+            'A is held in the queue',
         ),
     ],
 )

@@ -87,6 +87,9 @@ _SEVERAL: Mapping[str, tuple[str, str]] = {
 }
 """Places of several things: what stands between them, and the place that one would have."""
 
+_JOINED = ('components', 'names')
+"""Places of names of components, which have no space."""
+
 _SLOTS = ('belt', 'content', 'stated')
 _EMPTY_SLOT = re.compile(r'(?<![^=])empty(?![^,])')
 _CLAIMED = re.compile('somebody who claims to be (.+)')
@@ -222,6 +225,8 @@ class PageWording(Wording):
             return self._who(value)
         if place == 'seconds':
             return value.replace('.', self._point)
+        if place in _JOINED and not _AND_MORE.fullmatch(value):
+            value = value.replace(' and ', f' {self._word("stands", "and")} ')
         return self._listed(_GROUPS[place], value) if place in _GROUPS else value
 
     def _button(self, before: str, value: str) -> str:

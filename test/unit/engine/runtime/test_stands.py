@@ -150,7 +150,7 @@ STANDING: dict[str, tuple[Callable[[], VirtualRun], StandCause, str, str]] = {
         unreleased_and_held,
         StandCause.JOB_HELD,
         'K',
-        'K is held in the queue and waits for the release of its script',
+        'K is held in the queue; K waits for the release of its script',
     ),
     'start': (later, StandCause.JOB_START, 'K', 'K waits for the start of its order'),
     'belt out of service': (belt_out, StandCause.OUT_OF_SERVICE, 'conveyor', 'belt: waiting'),

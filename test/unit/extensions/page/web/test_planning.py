@@ -51,7 +51,7 @@ SCRIPT = expanded(f'script: other\nparams: {{lot: {{type: str}}}}\n{THREE}')
 PROPOSAL = Proposal(
     (
         ProposedJob('B', 2, 1, 0, 1030.0, 40.0, 20.0),
-        ProposedJob('A', 1, 2, 0, None, 20.0, None, 'it is held in the queue'),
+        ProposedJob('A', 1, 2, 0, None, 20.0, None, 'A is held in the queue'),
     ),
     'd1ge57',
     10.0,

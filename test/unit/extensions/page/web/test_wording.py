@@ -258,6 +258,24 @@ REFUSALS = [
         ),
     ),
     (
+        (
+            'K is held in the queue; K needs arm and belt_2, which are out of service; 3 more '
+            'jobs wait'
+        ),
+        (
+            'K ist in der Warteschlange zurückgehalten; K braucht arm und belt_2, außer Betrieb; '
+            '3 weitere Aufträge warten'
+        ),
+    ),
+    (
+        'Bread and Butter needs arm, which is out of service; one more job waits',
+        'Bread and Butter braucht arm, außer Betrieb; ein weiterer Auftrag wartet',
+    ),
+    (
+        'K needs arm, which is out of service; made anew without arm and oven',
+        'K braucht arm, außer Betrieb; neu erzeugt ohne arm und oven',
+    ),
+    (
         'there is no hold 9; holds now: 1, 2 and 30 more',
         'eine Störung 9 gibt es nicht; jetzt offen: 1, 2 und 30 weitere',
     ),
