@@ -9,8 +9,11 @@ from pathlib import Path
 from report import Failure
 from system import can_install, install
 
-NAMES = ('chromium', 'chromium-browser', 'google-chrome')
-PACKAGES = ('chromium', 'fonts-dejavu-core')
+SHELL = 'chromium-headless-shell'
+"""Chromium without its own windows: the same pages take less of a processor."""
+
+NAMES = (SHELL, 'chromium', 'chromium-browser', 'google-chrome')
+PACKAGES = (SHELL, 'fonts-dejavu-core')
 
 
 def find_browser() -> str:

@@ -282,7 +282,9 @@ def stop_when_empty(state: CellState) -> list[e.Event]:
 def _is_empty(state: CellState) -> bool:
     if any(hold.job is not None for hold in state.holds.values()):
         return False
-    return not (state.on_the_line if state.stop_after == 'job' else state.items)
+    if state.stop_after == 'job':
+        return not state.on_the_line
+    return all(item.gone for item in state.items.values())
 
 
 # --- refusals -------------------------------------------------------------------------------

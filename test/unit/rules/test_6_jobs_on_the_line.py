@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from fakes.commands import Abort, Pause, Reset, Start, Stop, StopAfter
+from fakes.commands import Abort, Clear, Pause, Reset, Start, Stop, StopAfter
 from fakes.line import THREE, Line
 from fakes.queued_jobs import LINE, SCRIPT, begun, queue, queued
 from fakes.virtual_run import BY, VirtualRun
 
+from bt_orchestrator.model.judging.belt_statement import AsShown
 from bt_orchestrator.model.packml import PackmlState
 
 TOLERANT = LINE.script(THREE.replace('qty_change: -1', 'qty_change: -1, runs_for: all'))
@@ -275,6 +276,29 @@ def test_6_6_a_stop_is_reached_where_an_operator_stopped_the_cell_first(after: s
     assert (run.ended, run.state.packml) == (True, PackmlState.STOPPED)
     assert run.order('queue.stop_reached', 'after') == [after]
     assert_works_again(run)
+
+
+@pytest.mark.parametrize('is_aborted', [False, True])
+def test_6_6_a_line_is_empty_when_its_last_item_has_left(is_aborted: bool) -> None:
+    """Also where its section has more to do then, which a cell that stands does not begin."""
+    run = LINE.begin(THREE.replace('-1}', '-1}, {id: clean, @b3}'), 1)
+    run.go(until=6.5)
+    assert run.starts('pack') == [6.0]
+    run.ask(StopAfter('item', BY))
+    run.command(Abort if is_aborted else Stop)
+    run.go(until=60.0)
+    if is_aborted:
+        run.answer('mark_done')
+        run.command(Clear, belt=AsShown(run.state.seq))
+    assert run.state.packml is PackmlState.STOPPED
+    assert run.order('queue.stop_reached', 'after') == ['item']
+    run.add(('K', SCRIPT))
+    for command in (Reset, Start):
+        assert run.command(command).accepted
+    run.go()
+    assert len(run.starts('clean')) == 1
+    assert begun(run) == ['J', 'K']
+    assert run.ended
 
 
 @pytest.mark.parametrize(('task', 'component'), [('first', 'b1'), ('second', 'a2')])

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import browser
 import pytest
-from browser import find_browser, install_missing_browser
+from browser import PACKAGES, find_browser, install_missing_browser
 from fakes.programs import program
 from report import Failure
 
@@ -25,6 +25,8 @@ def test_the_browser_on_path_is_taken(folder: Path) -> None:
     assert find_browser() == str(folder / 'google-chrome')
     program(folder / 'chromium')
     assert find_browser() == str(folder / 'chromium')
+    program(folder / 'chromium-headless-shell')
+    assert find_browser() == str(folder / 'chromium-headless-shell')
     install_missing_browser(folder / 'log')
     assert not (folder / 'log').exists()
 
@@ -43,7 +45,7 @@ def test_who_may_not_install_one_is_told_how(
 ) -> None:
     monkeypatch.setattr('os.geteuid', lambda: 1000)
     program(folder / 'apt-get')
-    with pytest.raises(Failure, match='sudo apt-get install -y chromium fonts-dejavu-core'):
+    with pytest.raises(Failure, match=f'sudo apt-get install -y {" ".join(PACKAGES)}'):
         install_missing_browser(folder / 'log')
 
 
@@ -53,10 +55,11 @@ def test_apt_get_brings_one(folder: Path, monkeypatch: pytest.MonkeyPatch) -> No
     program(folder / 'apt-get', f'echo "$@" >>{asked}')
     with pytest.raises(Failure, match='PATH has none of chromium'):
         install_missing_browser(folder / 'log')
-    brings = f"printf '#!/bin/sh' >{folder}/chromium; /bin/chmod +x {folder}/chromium"
+    brought = folder / browser.NAMES[0]
+    brings = f"printf '#!/bin/sh' >{brought}; /bin/chmod +x {brought}"
     program(folder / 'apt-get', f'echo "$@" >>{asked}; {brings}')
     install_missing_browser(folder / 'log')
     update, install = asked.read_text().splitlines()[-2:]
     assert update.endswith('update')
-    assert install.endswith('install --no-install-recommends chromium fonts-dejavu-core')
-    assert find_browser() == str(folder / browser.NAMES[0])
+    assert install.endswith(f'install --no-install-recommends {" ".join(PACKAGES)}')
+    assert find_browser() == str(brought)
