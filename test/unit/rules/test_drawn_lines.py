@@ -35,7 +35,7 @@ None is so long that a task times out: `abort_job` would free a line that is stu
 """
 
 
-Draws = Sequence[Sequence[float]]
+Draws = Sequence[tuple[float, ...]]
 
 
 def draws_of(line: int) -> Draws:
