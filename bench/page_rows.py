@@ -14,7 +14,7 @@ from pseudo_terminal import PseudoTerminal
 from stream_readers import StreamReader, StuckReader
 
 from bench.rows import Row, percentile
-from bench.stand import Stand, stand
+from bench.stand import ENDLESS, Stand, stand
 from bench.tail import until
 
 READERS = 20
@@ -24,9 +24,6 @@ WARM_UP = 20
 
 SETTLED_S = 3.0
 """After its start a process loads ROS, and discovers others for a while."""
-
-ENDLESS = 100_000
-"""Items of the order: more than are made."""
 
 Use = dict[str, float]
 

@@ -20,13 +20,14 @@ from ros_domain import OwnDomain
 from bench.line_files import SECTIONS, cell_text, script_text
 from bench.rows import percentile
 from bench.tail import PATIENCE_S, Tail, until
+from bt_orchestrator.model.cell import MOST_ITEMS
 from bt_orchestrator.ros.link.client import NodeClient
 
 TASKS_A_CYCLE = 10
 WARM_UP = 5
 """Cycles before a measurement: connections, caches, and the admission of the order."""
 
-ENDLESS = 100_000
+ENDLESS = MOST_ITEMS
 """Items of an order: more than are made."""
 
 
