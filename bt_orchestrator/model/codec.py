@@ -309,7 +309,8 @@ def from_plain(kind: type[_T], value: Any) -> _T:
 
 def _is_default(field: dataclasses.Field[Any], value: Any) -> bool:
     if field.default is not dataclasses.MISSING:
-        return bool(value == field.default)
+        # 1 equals True, and is another value.
+        return bool(value == field.default) and (value is True) is (field.default is True)
     if field.default_factory is not dataclasses.MISSING:
         return not value
     return False

@@ -271,3 +271,10 @@ def test_a_digest_survives_the_journal() -> None:
     again = from_record(json.loads(json.dumps(to_record(event))))
     assert isinstance(again, e.ScriptLoaded)
     assert digest(again.definition) == digest(SCRIPT)
+
+
+@pytest.mark.parametrize('wanted', [True, 1, 1.0])
+def test_a_number_that_equals_true_is_kept_as_it_is(wanted: object) -> None:
+    condition = Condition('${item.number}', equals=wanted)
+    read = from_plain(Condition, json.loads(json.dumps(to_plain(condition))))
+    assert (read.words, type(read.equals)) == (condition.words, type(wanted))
