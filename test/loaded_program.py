@@ -163,7 +163,8 @@ def _become(asked: Mapping[str, Any], files: Sequence[int]) -> None:
         os.close(file)
     os.environ.clear()
     os.environ.update(asked['environment'])
-    sys.path[:0] = set(os.environ.get('PYTHONPATH', '').split(os.pathsep)) - {'', *sys.path}
+    paths = os.environ.get('PYTHONPATH', '').split(os.pathsep)
+    sys.path[:0] = [path for path in paths if path not in ('', *sys.path)]
     sys.argv[1:] = asked['words']
 
 
