@@ -275,6 +275,6 @@ def test_a_digest_survives_the_journal() -> None:
 
 @pytest.mark.parametrize('wanted', [True, 1, 1.0])
 def test_a_number_that_equals_true_is_kept_as_it_is(wanted: object) -> None:
-    condition = Condition('${item.number}', equals=wanted)
+    condition = Condition(Template((Reference('item', 'number'),)), equals=wanted)
     read = from_plain(Condition, json.loads(json.dumps(to_plain(condition))))
     assert (read.words, type(read.equals)) == (condition.words, type(wanted))
