@@ -90,7 +90,8 @@ def _replicas(connection: Connection) -> Check:
         "SELECT current_setting('synchronous_standby_names'), "
         "count(*) FILTER (WHERE sync_state IN ('sync', 'quorum')), "
         "count(*) FILTER (WHERE sync_state NOT IN ('sync', 'quorum')), "
-        'count(*) FILTER (WHERE sync_state IS NULL) FROM pg_stat_replication',
+        'count(*) FILTER (WHERE sync_state IS NULL) FROM pg_stat_replication '
+        "WHERE state IS DISTINCT FROM 'backup'",
     )
     if not named and others + hidden:
         return fail(

@@ -63,6 +63,20 @@ def test_a_replica_that_no_commit_waits_for_fails(server: PostgresServer, tmp_pa
             replica.terminate()
 
 
+def test_a_backup_that_is_being_taken_is_no_replica(server: PostgresServer) -> None:
+    address = server.place(server.database(), 'line_1')
+    words = [program('pg_basebackup'), '--host', str(server.folder), '--username', USER]
+    slowly = ['--max-rate', '32k', '--checkpoint', 'fast', '--wal-method', 'none']
+    to = ['--format', 'tar', '--pgdata', '-']
+    with subprocess.Popen([*words, *slowly, *to], stdout=subprocess.DEVNULL) as backup:
+        try:
+            server.until("SELECT count(*) = 1 FROM pg_stat_replication WHERE state = 'backup'")
+            assert verdicts(address)[COPIES][0] is Verdict.WARN
+            assert 'no commit waits for a replica' in verdicts(address)[COPIES][1]
+        finally:
+            backup.terminate()
+
+
 def test_a_copy_is_no_journal(server: PostgresServer) -> None:
     address = server.place(server.database(), 'line_1')
     with connected(place_of(address), 'test') as connection:
