@@ -30,7 +30,6 @@ SET_UP, *QUERIES = re.findall(r'```sql\n(.*?)```', PAGE, flags=re.DOTALL)
 def feeder(server: PostgresServer, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Set the database up as the page says, and feed it; gives the address for readers."""
     with psycopg.connect(server.address('postgres'), autocommit=True) as connection:
-        connection.execute(b'DROP ROLE IF EXISTS plant_reader')
         for statement in SET_UP.split(';')[:-1]:
             connection.execute(statement.encode())
     path = tmp_path_factory.mktemp('cell') / 'journal.sqlite3'
@@ -61,7 +60,7 @@ def feeder(server: PostgresServer, tmp_path_factory: pytest.TempPathFactory) -> 
     yield server.address('plant').replace('plant@', 'plant_reader@')
     with psycopg.connect(server.address('postgres'), autocommit=True) as connection:
         connection.execute(b'DROP DATABASE plant WITH (FORCE)')
-        connection.execute(b'DROP ROLE plant_feed')
+        connection.execute(b'DROP ROLE plant_feed, plant_reader')
 
 
 def add_serial(connection: Connection) -> None:

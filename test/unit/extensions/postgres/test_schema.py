@@ -175,11 +175,7 @@ def test_cells_of_two_versions_stand_in_one_plant(
 def test_a_reader_reads_everything_and_writes_nothing(
     connection: Connection, place: Place
 ) -> None:
-    if (
-        connection.execute(b"SELECT FROM pg_roles WHERE rolname = 'plant_reader'").fetchone()
-        is None
-    ):
-        connection.execute(b'CREATE ROLE plant_reader')
+    connection.execute(b'CREATE ROLE plant_reader')
     stretch = begin_stretch(connection, enter(connection, 'line_1', FEED, 'me'), 'h1')
     begin_stretch(connection, enter(connection, 'line_2', FEED, 'me'), 'h2')
     connection.execute(b'SET ROLE plant_reader')
@@ -187,6 +183,9 @@ def test_a_reader_reads_everything_and_writes_nothing(
         connection.execute(f'SELECT * FROM plant.{view.name}'.encode())
     with pytest.raises(errors.InsufficientPrivilege):
         write(connection, stretch, 1)
+    connection.execute(b'RESET ROLE')
+    connection.execute(b'DROP OWNED BY plant_reader')
+    connection.execute(b'DROP ROLE plant_reader')
 
 
 def test_the_server_works_out_the_same_check(connection: Connection) -> None:

@@ -35,12 +35,15 @@ class Scene(NamedTuple):
 def scene(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
     """One cell for all; each test leaves it without a job and without a stop."""
     with opcua_stand(tmp_path_factory.mktemp('stand')) as (cell, server):
-        reading(server.address, nothing_was_refused)
+        reading(server.address, begin)
         yield Scene(cell, server.address)
 
 
-async def nothing_was_refused(reader: Reader) -> None:
+async def begin(reader: Reader) -> None:
+    """Leave a new cell, where nothing was refused yet, as each test does."""
     assert await reader.value('PackML/LastRefusal') == ''
+    await reader.call(f'{MACHINE}/Reset')
+    await reader.wait('PackML/Status/StateCurrent', state(4))
 
 
 def order(scene: Scene, name: str, quantity: int) -> None:
@@ -143,6 +146,8 @@ def test_commands_reach_the_node_with_who_and_why(scene: Scene) -> None:
 def test_a_refused_command_says_why_in_an_event_and_a_variable(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         heard = await Heard.of(reader, 'PackML')
+        order(scene, 'WO-0', 1)
+        await reader.wait('PackML/Status/StateCurrent', state(17))
         assert await refused(reader, f'{EXECUTE}/Start', NO_PARAMETERS) == 'BadInvalidState'
         said = await reader.value('PackML/LastRefusal')
         why = await heard.wait(lambda event: 'start refused' in event.Message.Text)
