@@ -4,6 +4,8 @@ import interrupts
 from fakes.profiles import PROFILE
 from hypothesis import settings
 
+from bt_orchestrator.ros.memory import collect_rarely
+
 pytest_plugins = ['failed_cells', 'long_first', 'on_idle', 'ros_domain', 'skips']
 
 # The same examples in every run: a red gate means that the change is wrong. No deadline, because
@@ -15,3 +17,8 @@ settings.register_profile('shard', deadline=None, print_blob=True)
 settings.load_profile(PROFILE)
 
 interrupts.heed()
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage as rarely as a node does; a run of tests holds a million objects."""
+    collect_rarely()

@@ -12,6 +12,14 @@ from opcua_stand import opcua_stand
 from web.stand_cell import StandCell
 
 
+@pytest.fixture(scope='session', autouse=True)
+def with_all_memory() -> Iterator[None]:
+    """Give no memory back after a build: it would look through all that a run of tests holds."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr('bt_orchestrator.extensions.opcua.server.server.give_back', lambda: None)
+        yield
+
+
 @pytest.fixture(scope='session')
 def secure(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """A server as it is started for a plant."""
