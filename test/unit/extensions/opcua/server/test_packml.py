@@ -147,6 +147,7 @@ def test_a_refused_command_says_why_in_an_event_and_a_variable(scene: Scene) -> 
     async def look(reader: Reader) -> None:
         heard = await Heard.of(reader, 'PackML')
         order(scene, 'WO-0', 1)
+        await reader.wait('Simple/LastJob/ID', lambda one: one == 'WO-0')
         await reader.wait('PackML/Status/StateCurrent', state(17))
         assert await refused(reader, f'{EXECUTE}/Start', NO_PARAMETERS) == 'BadInvalidState'
         said = await reader.value('PackML/LastRefusal')
