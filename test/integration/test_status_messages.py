@@ -149,6 +149,17 @@ def test_a_writer_that_wrote_others_before_writes_the_same(
         assert cell_status(sent(writer.message(status))) == status
 
 
+@given(STATUSES)
+@settings(max_examples=50, deadline=None)
+def test_jobs_that_move_up_are_written_and_leave_what_was_written(status: CellStatus) -> None:
+    places = ((job, n) for n, job in enumerate(status.jobs, 1))
+    moved = changed(status, jobs=tuple(changed(job, position=n) for job, n in places))
+    writer = StatusWriter()
+    before = writer.message(status)
+    assert cell_status(sent(writer.message(moved))) == moved
+    assert cell_status(sent(before)) == status
+
+
 @given(facts(CellDescription))
 @settings(max_examples=50, deadline=None)
 def test_a_description_comes_back_as_it_was(description: CellDescription) -> None:

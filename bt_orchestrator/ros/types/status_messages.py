@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Hashable, Iterable, Iterator
+from copy import copy
 from typing import Any, Generic, TypeVar
 
 from bt_orchestrator_interfaces import msg
@@ -213,9 +214,19 @@ cell_status = _STATUS.read
 class _Parts(Generic[_Fact]):
     """Messages about the parts of one kind; of a part that is as before, the one of before."""
 
-    def __init__(self, name: Callable[[_Fact], Hashable], write: Callable[[_Fact], Any]) -> None:
+    def __init__(
+        self,
+        name: Callable[[_Fact], Hashable],
+        write: Callable[[_Fact], Any],
+        write_anew: Callable[[_Fact, _Fact, Any], Any] | None = None,
+    ) -> None:
+        """Begin with none.
+
+        :param write_anew: given a fact, what it was before and the message of before; None: as new
+        """
         self._name = name
         self._write = write
+        self._write_anew = write_anew or (lambda fact, _before, _message: write(fact))
         self._last: dict[Hashable, tuple[_Fact, Any]] = {}
 
     def messages(self, facts: Iterable[_Fact]) -> list[Any]:
@@ -223,10 +234,28 @@ class _Parts(Generic[_Fact]):
         last, self._last = self._last, {}
         for fact in facts:
             known = last.get(name := self._name(fact))
-            if known is None or known[0] != fact:
+            if known is None:
                 known = fact, self._write(fact)
+            elif known[0] != fact:
+                known = fact, self._write_anew(fact, *known)
             self._last[name] = known
         return [message for _, message in self._last.values()]
+
+
+_JobMessages = tuple[msg.JobStatus, msg.JobFacts]
+
+
+def _write_job(job: JobStatus) -> _JobMessages:
+    return _JOB.write(job), _JOB_FACTS.write(job)
+
+
+def _write_job_anew(job: JobStatus, before: JobStatus, messages: _JobMessages) -> _JobMessages:
+    """Write a job again; of one that only moved up in the queue, as all do, copy the rest."""
+    if changed(before, position=job.position) != job:
+        return _write_job(job)
+    moved, facts = copy(messages[0]), messages[1]
+    moved.position = job.position
+    return moved, facts
 
 
 class StatusWriter:
@@ -241,9 +270,7 @@ class StatusWriter:
         self._components = _Parts[ComponentStatus](
             lambda component: component.name, _COMPONENT.write
         )
-        self._jobs = _Parts[JobStatus](
-            lambda job: job.id, lambda job: (_JOB.write(job), _JOB_FACTS.write(job))
-        )
+        self._jobs = _Parts[JobStatus](lambda job: job.id, _write_job, _write_job_anew)
         self._holds = _Parts[Hold](lambda hold: hold.id, _HOLD.write)
 
     def message(self, status: CellStatus) -> msg.Status:
