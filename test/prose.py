@@ -90,6 +90,22 @@ def messages(module: ast.Module) -> Iterator[str]:
             yield text
 
 
+def variables(module: ast.Module) -> Iterator[str]:
+    """Yield the names of variables and parameters; a field of a class is neither."""
+    classes = (node for node in _nodes(module) if isinstance(node, ast.ClassDef))
+    lines = (line for node in classes for line in node.body)
+    fields = {id(line.target) for line in lines if isinstance(line, ast.AnnAssign)}
+    for node in _nodes(module):
+        if isinstance(node, ast.arg):
+            yield node.arg
+        elif (
+            isinstance(node, ast.Name)
+            and isinstance(node.ctx, ast.Store)
+            and id(node) not in fields
+        ):
+            yield node.id
+
+
 @cache
 def _nodes(module: ast.Module) -> Sequence[ast.AST]:
     """Return all of a module, which takes longer than all that is done with it."""

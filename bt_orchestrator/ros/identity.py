@@ -137,8 +137,8 @@ class Listener:
         self._executor.shutdown()
         self._node.destroy_node()
 
-    def _hear(self, one: Identity) -> None:
-        self._heard[one.instance] = one
+    def _hear(self, identity: Identity) -> None:
+        self._heard[identity.instance] = identity
 
 
 def twins_in_words(node: Node, name: str) -> str:

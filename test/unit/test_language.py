@@ -83,11 +83,19 @@ def of_messages() -> Complaints:
     return {**of_code(prose.messages), 'en.json': [*banned_in(prose.words_of_the_page())]}
 
 
+def of_names() -> Complaints:
+    return {
+        path: [name for name in prose.variables(module) if name in LIST['names']]
+        for path, module in prose.modules().items()
+    }
+
+
 KINDS: dict[str, Callable[[], Complaints]] = {
     'words of pages': partial(of_pages, banned_in),
     'sentences of pages': partial(of_pages, long_in),
     'words of messages': of_messages,
     'words of docstrings': partial(of_code, prose.first_lines),
+    'names in code': of_names,
     'words of help': partial(of_help, banned_in),
     'sentences of help': partial(of_help, long_in),
 }
@@ -111,6 +119,13 @@ def test_a_long_sentence_is_caught() -> None:
     words = ' '.join(['Words', *['follow'] * (MOST_WORDS - 1)])
     assert list(long_in([f'{words}. {words}.'])) == []
     assert len(list(long_in([f'{words} more.']))) == 1
+
+
+def test_names_are_those_of_variables_and_parameters() -> None:
+    code = (
+        'class Check:\n    said: str\n    def of(self, one):\n        found = [it for it in one]'
+    )
+    assert sorted(prose.variables(ast.parse(code))) == ['found', 'it', 'one', 'self']
 
 
 def test_sentences_of_a_page_are_those_that_people_read() -> None:

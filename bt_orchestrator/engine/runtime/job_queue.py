@@ -114,10 +114,10 @@ def _requeue(state: CellState, command: RequeueJob, _: float) -> Decided:
 
 
 def _how_rest(queued: e.JobQueued) -> str:
-    one, anew = '_1' if queued.quantity == 1 else '', '_anew' if queued.anew else ''
+    number, anew = '_1' if queued.quantity == 1 else '', '_anew' if queued.anew else ''
     values = {'job': queued.job, 'count': queued.quantity}
     words = queued.anew.words if queued.anew else ''
-    return joined(sentence(f'rest_queued{one}{anew}', **values, anew=words), *_lacked(queued))
+    return joined(sentence(f'rest_queued{number}{anew}', **values, anew=words), *_lacked(queued))
 
 
 def standing(state: CellState) -> Iterator[str]:

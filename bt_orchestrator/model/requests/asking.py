@@ -64,8 +64,8 @@ def ask(name: str, by: By, /, **arguments: object) -> Asked:
     if request is None:
         kind, _, _ = name.partition('.')
         near = [request.name for request in TABLE if request.about.value == kind] or REQUESTS
-        found = repr(cut(name, 60))
-        raise BadArguments(sentence('no_request', found=found, requests=', '.join(near)))
+        wrong = repr(cut(name, 60))
+        raise BadArguments(sentence('no_request', found=wrong, requests=', '.join(near)))
     known = {parameter.name: parameter for parameter in request.parameters}
     given = {key: value for key, value in arguments.items() if value is not None}
     for key in given:

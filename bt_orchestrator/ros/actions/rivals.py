@@ -31,9 +31,9 @@ def is_named(endpoint: TopicEndpointInfo) -> bool:
 
 def owners(endpoints: Sequence[TopicEndpointInfo]) -> tuple[str, ...]:
     """Return the full names of the nodes; where names are equal, with the ids of the endpoints."""
-    found = sorted((owner(endpoint), endpoint_id(endpoint)) for endpoint in endpoints)
-    count = Counter(name for name, _ in found)
-    return tuple(name if count[name] == 1 else f'{name} (id {id_})' for name, id_ in found)
+    nodes = sorted((owner(endpoint), endpoint_id(endpoint)) for endpoint in endpoints)
+    count = Counter(name for name, _ in nodes)
+    return tuple(name if count[name] == 1 else f'{name} (id {id_})' for name, id_ in nodes)
 
 
 _FAST_DDS = bytes((1, 15))
@@ -71,11 +71,11 @@ def placed(
     :param own: the id of an endpoint of this process; empty: it is not known
     :param remarks: more to say, by the ids of endpoints
     """
-    by_name = sorted(endpoints, key=lambda one: (owner(one), endpoint_id(one)))
+    by_name = sorted(endpoints, key=lambda endpoint: (owner(endpoint), endpoint_id(endpoint)))
     for name, endpoint in zip(owners(endpoints), by_name, strict=True):
         where = place(endpoint.endpoint_gid, own) if own else ''
-        said = ', '.join(filter(None, [remarks.get(endpoint_id(endpoint), ''), where]))
-        yield f'{name} ({said})' if said else name
+        remark = ', '.join(filter(None, [remarks.get(endpoint_id(endpoint), ''), where]))
+        yield f'{name} ({remark})' if remark else name
 
 
 def _lower(pid: int) -> bytes:

@@ -42,28 +42,28 @@ def _is_there(graph: Graph, component: Component) -> bool:
 
 def _server(graph: Graph, component: Component, elsewhere: str) -> Check:
     name, action = f'{component.name}: action server', graph.full(component.action)
-    found = graph.action_servers(component.action)
-    if not found:
+    servers = graph.action_servers(component.action)
+    if not servers:
         remedy = f'{elsewhere}; ' if elsewhere else ''
         remedy += f'start its controller, in this domain and network, with the action {action}'
         return fail(name, f'none at {action}', remedy)
-    types = sorted({server.topic_type.removesuffix('_FeedbackMessage') for server in found})
+    types = sorted({server.topic_type.removesuffix('_FeedbackMessage') for server in servers})
     if types != [component.type]:
         remedy = 'correct `type` in the cell file, or the name of the action'
-        what = f'{action} is {", ".join(types)} ({names(found)}), not {component.type}'
+        what = f'{action} is {", ".join(types)} ({names(servers)}), not {component.type}'
         return fail(name, what, remedy)
-    count = max(len(found), graph.action_takers(component.action))
+    count = max(len(servers), graph.action_takers(component.action))
     if count > 1:
         remedy = 'every goal would go to all of them, so none is sent: stop all but one'
-        others = ', and one without its topics' if count > len(found) else ''
-        return fail(name, f'{count} servers at {action}: {names(found)}{others}', remedy)
-    servers = set(map(owner, found))
-    alone = [one for one in graph.publishers(f'{action}/_action/status') if is_named(one)]
-    alone = [one for one in alone if owner(one) not in servers]
+        others = ', and one without its topics' if count > len(servers) else ''
+        return fail(name, f'{count} servers at {action}: {names(servers)}{others}', remedy)
+    nodes = set(map(owner, servers))
+    alone = [node for node in graph.publishers(f'{action}/_action/status') if is_named(node)]
+    alone = [node for node in alone if owner(node) not in nodes]
     if alone:
         what = f'{names(alone)} publishes the status of {action} and takes no goals'
         return fail(name, what, 'it counts as a second server, so no goal is sent: stop it')
-    return ok(name, f'{action} ({names(found)})')
+    return ok(name, f'{action} ({names(servers)})')
 
 
 def _state(graph: Graph, component: Component, state: StateTopic) -> Check:
@@ -149,14 +149,14 @@ def _role(graph: Graph, node: str, timeout_s: float) -> Iterator[Check]:
     if status.signed_commands == REQUIRED:
         yield ok('role over ROS', 'only requests that a key has signed count (signed_commands)')
         return
-    found = (
+    words = (
         f'unauthenticated: everybody in the ROS domain has the role {role} (unauthenticated_role)'
     )
     if role == Role.VIEW.value:
         remedy = 'every command over ROS is refused: give the node --unauthenticated-role, if'
-        yield warn('role over ROS', found, f'{remedy} all who hear it may command it')
+        yield warn('role over ROS', words, f'{remedy} all who hear it may command it')
     else:
-        yield ok('role over ROS', found)
+        yield ok('role over ROS', words)
 
 
 def _clock(graph: Graph, node: str | None, timeout_s: float) -> Check:

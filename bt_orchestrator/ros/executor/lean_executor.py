@@ -309,19 +309,19 @@ class WaitList:
             self._adds.clear()
             self._part_adds.clear()
 
-    def _take_in(self, one: Member) -> None:
-        entity, group = one.entity, one.entity.callback_group
-        if one.kind == WAITABLE:
+    def _take_in(self, member: Member) -> None:
+        entity, group = member.entity, member.entity.callback_group
+        if member.kind == WAITABLE:
             self._hold(group, entity, partial(entity.add_to_wait_set, self._set))
-        elif one.kind == PARTED:
+        elif member.kind == PARTED:
             for part in entity.parts:
-                self._parted[part.handle.pointer] = one, part
+                self._parted[part.handle.pointer] = member, part
                 if self._holds(part.handle):
                     add = self._adder(CLIENT, part.handle)
                     self._part_adds.append((group, part.awaited, add))
         else:
-            self._simple[entity.handle.pointer] = one
-            self._hold(group, entity.handle, self._adder(one.kind, entity.handle))
+            self._simple[entity.handle.pointer] = member
+            self._hold(group, entity.handle, self._adder(member.kind, entity.handle))
 
     def _adder(self, kind: str, handle: Any) -> Callable[[], Any]:
         return partial(getattr(self._set, f'add_{kind}'), handle)

@@ -226,8 +226,8 @@ class Senders:
 
     def claimed(self, request: Any) -> By:
         """Return the sender of a request whose signature does not count."""
-        said = (request.who, request.origin or 'service', request.reason)
-        return By(*said, Role.VIEW, Known.ROS, _claims(request))
+        sender = (request.who, request.origin or 'service', request.reason)
+        return By(*sender, Role.VIEW, Known.ROS, _claims(request))
 
     def uptime(self) -> Uptime:
         """Return the uptime of this computer; where it cannot be known, of this process."""

@@ -98,12 +98,12 @@ def public_key(text: str) -> bytes:
     :raises ValueError: it is none; says what was expected
     """
     try:
-        found = base64.b64decode(text, validate=True)
+        key = base64.b64decode(text, validate=True)
     except ValueError:
-        found = b''
-    if len(found) != SIZE:
+        key = b''
+    if len(key) != SIZE:
         raise ValueError(f'a public key has {SIZE} bytes, as base64; found {text!r:.60}')
-    return found
+    return key
 
 
 class SigningKey:
@@ -252,8 +252,8 @@ def sealed(name: str, arguments: str, by: By, place: Place, number: int) -> Seal
     """Return the form of a request that is signed."""
     is_door = by.known.is_door
     role, known = (by.role.value, by.known.value) if is_door else ('', '')
-    said = (by.who, by.origin, by.reason, role, known)
-    return Sealed(name, arguments, *said, place.node, place.history, *place.up, number)
+    sender = (by.who, by.origin, by.reason, role, known)
+    return Sealed(name, arguments, *sender, place.node, place.history, *place.up, number)
 
 
 _KINDS: Mapping[str, Any] = {'str': str, 'float': (int, float), 'int': int}
@@ -319,12 +319,12 @@ class Signatures:
         if not _fits(public, text, signature):
             raise CommandRefused(sentence('signed_otherwise', key=name))
         here = self._here()
-        for what, said, is_so in (
+        for what, given, is_so in (
             ('node', request.node, here.node),
             ('journal', request.history, here.history),
         ):
-            if said != is_so:
-                names = {'found': f'{said!r:.80}', 'name': repr(is_so)}
+            if given != is_so:
+                names = {'found': f'{given!r:.80}', 'name': repr(is_so)}
                 raise CommandRefused(sentence(f'signed_for_{what}', **names))
         last = max(self._recorded.get(public, 0), self._used.get(public, 0))
         if not last < request.number <= LARGEST_NUMBER:
@@ -341,17 +341,17 @@ class Signatures:
         raise CommandRefused(sentence('unknown_key', key=f'{public!r:.50}'))
 
     def _by(self, request: Sealed, name: str, key: Key) -> By:
-        said, signed = (request.origin, request.reason), Signed(name, key.public, request.number)
+        sent, signed = (request.origin, request.reason), Signed(name, key.public, request.number)
         if not key.door:
             known = Known.SIGNED_PANEL if name in self._panels() else Known.SIGNED
-            return By(name, *said, key.role, known, '', signed)
+            return By(name, *sent, key.role, known, '', signed)
         kind = DOOR_KINDS[key.door]
         claims = readable(cut(f'{request.role} ({request.known})', NAME))
         for known in (kind.known, kind.known.at_panel()):
             if request.known == known.value:
                 role = _most(key.role, request.role)
                 dropped = '' if role.value == request.role else claims
-                return By(request.who, *said, role, known, dropped, signed)
+                return By(request.who, *sent, role, known, dropped, signed)
         wanted = {'door': kind.words, 'known': kind.known.value}
         raise CommandRefused(sentence('key_of_door', key=name, **wanted, found=claims))
 

@@ -95,19 +95,19 @@ def component_command_of(verb: str, component: str) -> Addressed:
     return Addressed(_request(About.COMPONENT, verb, 'a component'), {'component': component})
 
 
-def with_code(found: Addressed, code: str) -> Addressed:
+def with_code(addressed: Addressed, code: str) -> Addressed:
     """Return a request with a reason of the plant for the stop of the line (semantics 7.10).
 
     :param code: of the reason; empty: none
     :raises Unclear: the request takes none
     """
     if not code:
-        return found
-    if not found.request.takes_code:
+        return addressed
+    if not addressed.request.takes_code:
         raise Unclear(
-            [f'Code: expected none, for {found.request.word} has no reason of the plant']
+            [f'Code: expected none, for {addressed.request.word} has no reason of the plant']
         )
-    return found._replace(arguments={**found.arguments, 'code': code})
+    return addressed._replace(arguments={**addressed.arguments, 'code': code})
 
 
 def classification_of(stop: str, code: str) -> Addressed:

@@ -192,9 +192,9 @@ class Readers(UserManager):
         del iserver, certificate
         if not username or password is None:
             return None
-        said = password.decode(errors='replace') if isinstance(password, bytes) else password
+        text = password.decode(errors='replace') if isinstance(password, bytes) else password
         try:
-            person = self._people.log_in_here(username, said)
+            person = self._people.log_in_here(username, text)
         except OrchestratorError as error:
             log.warning('%s', error)
             return None

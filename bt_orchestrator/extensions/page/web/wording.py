@@ -212,8 +212,8 @@ class PageWording(Wording):
         if place == 'hold_name':
             return self.message(value)
         if place in _SEVERAL:
-            between, one = _SEVERAL[place]
-            parts = [self._at(one, part) for part in value.split(between)]
+            between, kind = _SEVERAL[place]
+            parts = [self._at(kind, part) for part in value.split(between)]
             return between.replace('or', self._word('message', 'or')).join(parts)
         if place in _CONDITIONS:
             return self.condition(value)

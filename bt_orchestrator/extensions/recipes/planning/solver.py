@@ -145,16 +145,16 @@ class Model:
         while low < best.cost:
             middle = (low + best.cost) // 2
             try:
-                found = self._asked(variable, middle, question_nodes, in_steps=in_steps)
+                answer = self._asked(variable, middle, question_nodes, in_steps=in_steps)
             except NotFound:
                 if in_steps:
                     low = middle + 1  # that stays open
                 in_steps = True
             else:
-                if found is None:
+                if answer is None:
                     bound = low = middle + 1
                 else:
-                    best = replace(found, cost=found.values[variable])
+                    best = replace(answer, cost=answer.values[variable])
         return replace(best, bound=bound)
 
     def _asked(self, variable: int, most: int, nodes: int, *, in_steps: bool) -> Answer | None:
@@ -164,10 +164,10 @@ class Model:
         try:
             if not in_steps:
                 return self.minimise({}, nodes)
-            found = self._in_steps().minimise({}, nodes * _MORE)
+            answer = self._in_steps().minimise({}, nodes * _MORE)
         finally:
             self.forget(size)
-        return found and replace(found, values=self._out_of_steps(found.values))
+        return answer and replace(answer, values=self._out_of_steps(answer.values))
 
     def _in_steps(self) -> Model:
         """Return it in steps: each tells whether its variable or an earlier one is 1.

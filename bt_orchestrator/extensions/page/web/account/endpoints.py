@@ -223,20 +223,20 @@ def _of_shift(live: Live, cell: str) -> Iterator[Gauge]:
     shown, period = live.account.figures, live.now.period
     begin, times = period.shown_us(period.begin_us), shown.times
 
-    def one(name: str, meaning: str, value: Value | None) -> Gauge:
+    def gauge(name: str, meaning: str, value: Value | None) -> Gauge:
         return Gauge(f'shift_{name}', meaning, [(of, value)])
 
-    yield one('runs', '1: the shift runs; 0: it is the last one that ended.', int(live.runs))
-    yield one('begin_timestamp_seconds', 'When the shift began.', Fraction(begin, US))
-    yield one('oee_ratio', 'Overall equipment effectiveness.', shown.oee)
-    yield one('availability_ratio', 'Production time of planned busy time.', shown.availability)
-    yield one(
+    yield gauge('runs', '1: the shift runs; 0: it is the last one that ended.', int(live.runs))
+    yield gauge('begin_timestamp_seconds', 'When the shift began.', Fraction(begin, US))
+    yield gauge('oee_ratio', 'Overall equipment effectiveness.', shown.oee)
+    yield gauge('availability_ratio', 'Production time of planned busy time.', shown.availability)
+    yield gauge(
         'performance_ratio', 'Output as a part of the output at the pace.', shown.performance
     )
-    yield one('quality_ratio', 'Good items of produced ones.', shown.quality)
-    yield one('planned_seconds', 'Planned time so far.', Fraction(times.planned.total_us, US))
-    yield one('busy_seconds', 'Planned busy time so far.', Fraction(times.busy_us, US))
-    yield one('production_seconds', 'Production time so far.', Fraction(times.production_us, US))
+    yield gauge('quality_ratio', 'Good items of produced ones.', shown.quality)
+    yield gauge('planned_seconds', 'Planned time so far.', Fraction(times.planned.total_us, US))
+    yield gauge('busy_seconds', 'Planned busy time so far.', Fraction(times.busy_us, US))
+    yield gauge('production_seconds', 'Production time so far.', Fraction(times.production_us, US))
     lost = [({**of, 'loss': loss.value}, shown.loss_us(loss) / US) for loss in _known(live)]
     yield Gauge(
         'shift_lost_seconds', 'Time lost so far; below 0: the line was faster than its pace.', lost
