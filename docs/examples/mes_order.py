@@ -65,7 +65,7 @@ async def run(client: Client, order: str, script: str, quantity: int) -> None:
         [result] = await client.uaclient.call([request])
         if not result.OutputArguments:
             result.StatusCode.check()
-        *results, status = [one.Value for one in result.OutputArguments]
+        *results, status = [output.Value for output in result.OutputArguments]
         print(f'{method}: {status}')
         if status != 1:
             raise SystemExit(f'{method} was refused; see docs/mes.md for the number')
@@ -77,7 +77,7 @@ async def run(client: Client, order: str, script: str, quantity: int) -> None:
     class Listener:
         def event_notification(self, event: Any) -> None:
             if event.JobOrder is not None and event.JobOrder.JobOrderID == order:
-                state = '/'.join(one.StateText.Text for one in event.JobState)
+                state = '/'.join(state.StateText.Text for state in event.JobState)
                 print(f'{order}: {state}')
                 if state in ('Ended', 'Aborted'):
                     ended.set()
@@ -99,9 +99,9 @@ async def run(client: Client, order: str, script: str, quantity: int) -> None:
     await ended.wait()
 
     [response] = await call('JobOrderResults', 'RequestJobResponseByJobOrderID', order)
-    for one in response.JobResponseData:
-        if one.ID in ('GoodQuantity', 'ScrapQuantity'):
-            print(f'{one.ID}: {one.Value.Value:g}')
+    for figure in response.JobResponseData:
+        if figure.ID in ('GoodQuantity', 'ScrapQuantity'):
+            print(f'{figure.ID}: {figure.Value.Value:g}')
     await call('JobOrderControl', 'Clear', order, comment)
 
 
