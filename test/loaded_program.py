@@ -145,12 +145,16 @@ def _fork() -> int:
     libraries = [ctypes.CDLL(path) for path in paths]
     before = (ctypes.c_byte * 128)()  # a sigset_t
     for library in libraries:
-        library.ust_before_fork(before)
+        _of_lttng(library, 'before_fork')(before)
     pid = os.fork()
     for library in reversed(libraries):
-        after = library.ust_after_fork_parent if pid else library.ust_after_fork_child
-        after(before)
+        _of_lttng(library, 'after_fork_parent' if pid else 'after_fork_child')(before)
     return pid
+
+
+def _of_lttng(library: ctypes.CDLL, name: str) -> Any:
+    """Return a function of LTTng; from version 2.13 on their names begin with its own."""
+    return getattr(library, f'lttng_ust_{name}', None) or getattr(library, f'ust_{name}')
 
 
 def _become(asked: Mapping[str, Any], files: Sequence[int]) -> None:
