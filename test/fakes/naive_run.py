@@ -327,7 +327,8 @@ class NaiveRun(ABC):
         self._agenda.append((time, order, number, task, getattr(task, 'goals', 0), end))
 
     def advance(self, until: float) -> None:
-        """Let everything happen up to a time."""
+        """Let everything happen up to a time, which is rounded as the agenda is: ties are ties."""
+        until = round(until, 6)
         self.settle()
         while self.jobs and self._agenda and min(self._agenda)[0] <= until:
             self.now, self.deliveries = min(self._agenda)[0], self.deliveries + 1
@@ -341,7 +342,7 @@ class NaiveRun(ABC):
                 elif isinstance(task, Task) and (task.state, task.goals) == ('running', goals):
                     self.end(task, end)
             self.settle()
-        self.now = round(max(self.now, until), 6) if self.jobs else self.now
+        self.now = max(self.now, until) if self.jobs else self.now
         self.deliveries += 1
 
     @abstractmethod
