@@ -244,10 +244,11 @@ def _idle_empty(seconds: float) -> float:
     command = [sys.executable, '-m', 'bench.empty_node']
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
-        process.stdout.readline()
-        used = _load(process.pid, seconds)
-        process.kill()
-        return used
+        try:
+            process.stdout.readline()
+            return _load(process.pid, seconds)
+        finally:
+            process.kill()
 
 
 def _load(pid: int, seconds: float) -> float:

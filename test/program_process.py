@@ -99,7 +99,18 @@ class ProgramProcess:
             pass
 
     def wait_ready(self, words: str = 'ready: ') -> str:
-        """Return the first line that holds these words; fails if it ends before."""
+        """Return the first line that holds these words; fails if it ends before.
+
+        Whoever gives up meanwhile, or is interrupted, has no process: what is just starting may
+        miss a signal that asks it to end.
+        """
+        try:
+            return self._wait_for(words)
+        except BaseException:
+            self.kill()
+            raise
+
+    def _wait_for(self, words: str) -> str:
         deadline = time.monotonic() + PATIENCE_S
         while True:
             lines = self.output.splitlines(keepends=True)
