@@ -9,12 +9,12 @@ from __future__ import annotations
 import fcntl
 import os
 import re
-import tempfile
 import time
 from collections.abc import Generator
 from pathlib import Path
 
 import pytest
+from meeting_place import LOCKS
 
 AT_ONCE = 'TEST_PROCESSES_AT_ONCE'
 """Environment variable: how many processes never wait; without it none does."""
@@ -31,7 +31,7 @@ LONGEST_S = 120.0
 TIMES = Path('/proc/stat')
 """Where the kernel counts what the cores did."""
 
-_LOCK = Path(tempfile.gettempdir(), 'bt_orchestrator_on_idle.lock')
+_LOCK = LOCKS / 'bt_orchestrator_on_idle.lock'
 """One process looks at a time: what it starts is seen by the next one."""
 
 

@@ -140,9 +140,9 @@ def through(address: str, server: Path) -> Iterator[tuple[str, Proxy]]:
 
     :param server: folder of the socket of the server
     """
-    # Names of sockets are short.
+    # Not in a folder of pytest: names of sockets are short.
     with (
-        tempfile.TemporaryDirectory(dir='/tmp') as folder,
+        tempfile.TemporaryDirectory() as folder,
         closing(Proxy(Path(folder), server)) as proxy,
     ):
         yield address.replace(str(server), folder), proxy

@@ -31,6 +31,7 @@ REPLICA = 'replica'
 _FAST = {
     'listen_addresses': '',
     'max_connections': '40',
+    'max_wal_size': '64MB',
     'shared_buffers': '16MB',
     'fsync': 'off',
     'synchronous_commit': 'on',
@@ -51,12 +52,13 @@ class PostgresServer:
     """A server on a socket in its folder, which may be stopped, killed and started again."""
 
     def __init__(
-        self, of: PostgresServer | None = None, disk: str = '/tmp', **settings: str
+        self, of: PostgresServer | None = None, disk: str | None = None, **settings: str
     ) -> None:
         """Make one, which does not run yet.
 
         :param of: the server that it is a replica of, under the name `REPLICA`; None: its own
-        :param disk: where its folder is; a short name, since a socket is in it
+        :param disk: where its folder is, by a short name, since a socket is in it; None: where all
+            temporary files are
         """
         self.folder = Path(tempfile.mkdtemp(prefix='pg', dir=disk))
         self._as: dict[str, Any] = {}
@@ -190,7 +192,7 @@ def _somebody() -> pwd.struct_passwd:
 @contextmanager
 def postgres_server(**settings: str) -> Iterator[PostgresServer]:
     """Give a running server."""
-    server = PostgresServer(None, '/tmp', **settings)
+    server = PostgresServer(**settings)
     try:
         server.start()
         yield server

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import fcntl
 import os
-import tempfile
 from collections.abc import Iterator, MutableMapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
 import pytest
+from meeting_place import LOCKS
 
 from bt_orchestrator.base.diagnosis.ros_environment import domains_in_use
 
@@ -118,7 +118,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 def _lock(domain: int) -> TextIO | None:
-    path = Path(tempfile.gettempdir(), f'bt_orchestrator_ros_domain_{domain}.lock')
+    path = LOCKS / f'bt_orchestrator_ros_domain_{domain}.lock'
     try:
         file = path.open('w')
     except PermissionError:  # another user's

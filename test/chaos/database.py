@@ -142,7 +142,7 @@ class Database:
         return server
 
     def _proxy(self, server: PostgresServer) -> str:
-        # Names of sockets are short.
-        folder = self._open.enter_context(tempfile.TemporaryDirectory(dir='/tmp'))
+        # Not in a folder of pytest: names of sockets are short.
+        folder = self._open.enter_context(tempfile.TemporaryDirectory())
         self._proxies.append(self._open.enter_context(closing(Proxy(Path(folder), server.folder))))
         return folder
