@@ -18,7 +18,14 @@ from bt_orchestrator.ros.executor.heart import Pulse
 from bt_orchestrator.view.report.pace import Paces, expected_ends_s
 
 RENEW_S = 5.0
-"""Shortest time between two questions about one queue that goes on as expected."""
+"""Shortest time between two questions about one queue."""
+
+SELDOM_S = 20.0
+"""Longest time between them. The time doubles as long as each answer is that of the one before."""
+
+ALIKE_S, ALIKE = 1.0, 0.01
+"""Two forecasts of an end are alike when they differ by less than this, or than this share of the
+time that is left."""
 
 RESTS = 20
 """So many times as long as a forecast has taken is the shortest time to the next: it is the engine
@@ -26,7 +33,7 @@ in virtual time, and a long queue would keep a processor busy."""
 
 
 class ExpectedEnds:
-    """Asks for a forecast when the queue or the holds changed, and every few seconds of work."""
+    """Asks for a forecast when the queue or the holds changed, and now and then during work."""
 
     def __init__(
         self,
@@ -47,6 +54,8 @@ class ExpectedEnds:
         self._asked_s = 0.0
         self._asked_seq = 0
         self._asked_about: object = None
+        self._asked_ends_s: Mapping[str, float] = {}
+        self._renew_s = RENEW_S
         self._paces = Paces()
         self._cell: Cell | None = None
         """With the durations seen; None: to be made anew when it is needed."""
@@ -84,13 +93,25 @@ class ExpectedEnds:
         steady_s = time.monotonic()
         jobs = (job.job.id for job in state.jobs.first(QUEUE_SHOWN))
         about = (*jobs, self._durations.kinds)  # a task seen first changes what is known
-        rest_s = max(RENEW_S, RESTS * self._foresight.took_s)
+        rest_s = max(self._renew_s, RESTS * self._foresight.took_s)
         renews = steady_s - self._asked_s >= rest_s and state.seq != self._asked_seq
         if about != self._asked_about or renews:
-            self._asked_s, self._asked_seq, self._asked_about = steady_s, state.seq, about
             now_s = self._node.get_clock().now().nanoseconds / 1e9
+            ends_s = self._foresight.ends_s
+            goes_on = about == self._asked_about and _alike(self._asked_ends_s, ends_s, now_s)
+            self._renew_s = min(2 * self._renew_s, SELDOM_S) if goes_on else RENEW_S
+            self._asked_s, self._asked_seq, self._asked_about = steady_s, state.seq, about
+            self._asked_ends_s = ends_s
             text = state_to_text(nearest(state))
             self._foresight.ask(text, self._durations.seconds(), now_s)
+
+
+def _alike(before_s: Mapping[str, float], after_s: Mapping[str, float], now_s: float) -> bool:
+    """Tell whether two forecasts, of the same jobs at least, say the same."""
+    return before_s.keys() == after_s.keys() and all(
+        abs(end_s - before_s[job]) <= max(ALIKE_S, ALIKE * (end_s - now_s))
+        for job, end_s in after_s.items()
+    )
 
 
 def _waits(state: CellState) -> bool:

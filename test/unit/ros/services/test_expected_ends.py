@@ -1,4 +1,4 @@
-"""How often a node asks for a forecast: often, but never so that it keeps a processor busy."""
+"""How often a node asks for a forecast: less often while it says the same, or takes long."""
 
 from __future__ import annotations
 
@@ -17,10 +17,18 @@ from bt_orchestrator.ros.services.expected_ends import RENEW_S, RESTS, ExpectedE
 class Slow:
     """Takes so long for each answer, and counts the questions. Implements `ports.Foresight`."""
 
-    def __init__(self, took_s: float) -> None:
+    def __init__(self, took_s: float, later_s: float) -> None:
+        """Answer at once.
+
+        :param later_s: how much later than by the answer before the job ends
+        """
         self.took_s = took_s
         self.asked = 0
-        self.ends_s: Mapping[str, float] = {}
+        self._later_s = later_s
+
+    @property
+    def ends_s(self) -> Mapping[str, float]:
+        return {'J': 50.0 + self.asked * self._later_s} if self.asked else {}
 
     def ask(self, state: str, observed_s: Mapping[str, Mapping[str, float]], now_s: float) -> None:
         self.asked += 1
@@ -29,9 +37,10 @@ class Slow:
         """Have nothing to close."""
 
 
-def asked_in_a_minute(took_s: float, monkeypatch: pytest.MonkeyPatch) -> int:
-    """Look once a second at a queue that goes on as expected; return how often it was asked."""
-    run, foresight, looks = Line().begin(THREE, 1000), Slow(took_s), list[Callable[[], None]]()
+def asked_in_a_minute(took_s: float, monkeypatch: pytest.MonkeyPatch, later_s: float = 2.0) -> int:
+    """Look once a second at a queue at work; return how often it was asked."""
+    run, looks = Line().begin(THREE, 1000), list[Callable[[], None]]()
+    foresight = Slow(took_s, later_s)
     clock = SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=0))
     node: Any = SimpleNamespace(get_clock=lambda: clock)
     durations: Any = SimpleNamespace(kinds=1, seconds=dict)
@@ -54,3 +63,19 @@ def test_a_forecast_that_takes_long_is_made_seldom(
     took_s: float, every_s: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert asked_in_a_minute(took_s, monkeypatch) == 60 / every_s
+
+
+@pytest.mark.parametrize(
+    ('later_s', 'asked'),
+    [
+        (0.0, 5),  # at 0, 5, 10, 20 and 40 s
+        (0.9, 5),
+        (-0.9, 5),
+        (1.1, 12),
+        (-1.1, 12),
+    ],
+)
+def test_a_forecast_that_says_the_same_is_made_less_and_less_often(
+    later_s: float, asked: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert asked_in_a_minute(0.0, monkeypatch, later_s) == asked
