@@ -55,7 +55,7 @@ def test_a_silent_step_shows_every_moment_what_its_program_said_last(
         deadline = time.monotonic() + 20
         while 'Collecting numpy' not in shown and time.monotonic() < deadline:
             shown += capsys.readouterr().err
-    assert '1 of 2, packages: 0 s  Collecting numpy==2.4.6\n' in shown
+    assert re.search(r'1 of 2, packages: \d+ s  Collecting numpy==2\.4\.6\n', shown)
     assert capsys.readouterr().err.endswith(' s\n')
 
 
