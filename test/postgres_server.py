@@ -192,7 +192,7 @@ def _somebody() -> pwd.struct_passwd:
 @contextmanager
 def postgres_server(**settings: str) -> Iterator[PostgresServer]:
     """Give a running server."""
-    server = PostgresServer(**settings)
+    server = PostgresServer(None, None, **settings)
     try:
         server.start()
         yield server

@@ -72,7 +72,7 @@ def parse_arguments() -> argparse.Namespace:
         '--python',
         metavar='EXE',
         help='Python 3.10 to 3.13 to build with (default: the one used before, else '
-        'the distribution\'s, else python3)',
+        "the distribution's, else python3)",
     )
     parser.add_argument(
         '--interfaces',
