@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from asyncua import ua
 
-from bt_orchestrator.extensions.opcua.server.job_control.structures import Structures, listed
+from bt_orchestrator.extensions.opcua.server.job_control.structures import (
+    Structures,
+    encoded,
+    listed,
+)
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.status import ListedJob
 from bt_orchestrator.view.report.isa95.codes import states_of
@@ -23,11 +27,11 @@ LEAST_ENDED = 30
 
 class _Made(NamedTuple):
     facts: object
-    structure: Any
+    structure: ua.ExtensionObject
 
 
 class JobLists:
-    """Makes a structure anew only where its job has changed."""
+    """Makes and encodes a structure anew only where its job has changed."""
 
     def __init__(self, structures: Structures) -> None:
         self._structures = structures
@@ -69,13 +73,13 @@ class JobLists:
         if made is not None and made.facts == facts:
             return made
         states = states_of(status.state, awaits_start=status.awaits_start)
-        return _Made(facts, self._structures.order_and_state(job_order(job), states))
+        return _Made(facts, encoded(self._structures.order_and_state(job_order(job), states)))
 
     def _response(self, job: ListedJob, interrupted: str, made: _Made | None) -> _Made:
         response = response_of(job, interrupted)
         if made is not None and made.facts == response:
             return made
-        return _Made(response, self._structures.response(response))
+        return _Made(response, encoded(self._structures.response(response)))
 
 
 def chosen(jobs: Iterable[ListedJob]) -> list[ListedJob]:

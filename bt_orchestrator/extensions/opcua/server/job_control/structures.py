@@ -8,6 +8,8 @@ from datetime import datetime, timezone
 from typing import Any
 
 from asyncua import ua
+from asyncua.common.utils import Buffer
+from asyncua.ua.ua_binary import extensionobject_to_binary, struct_from_binary
 
 from bt_orchestrator.extensions.opcua.server.values import moment
 from bt_orchestrator.model.codec import json_of
@@ -236,6 +238,12 @@ def none_of(name: str) -> Any:
 def listed(structures: Sequence[Any]) -> ua.Variant:
     """Return structures as one value; an empty list is one, too."""
     return ua.Variant(list(structures), ua.VariantType.ExtensionObject, is_array=True)
+
+
+def encoded(structure: Any) -> ua.ExtensionObject:
+    """Return a structure as it is sent, so that no reader and no change encodes it again."""
+    sent = Buffer(extensionobject_to_binary(structure))
+    return struct_from_binary(ua.ExtensionObject, sent)
 
 
 def work_master(master: WorkMaster) -> Any:

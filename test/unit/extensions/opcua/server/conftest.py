@@ -11,6 +11,9 @@ from fakes.guarded import Served
 from opcua_stand import opcua_stand
 from web.stand_cell import StandCell
 
+from bt_orchestrator.extensions.opcua.server import nodesets
+from bt_orchestrator.extensions.opcua.server.job_control.structures import Structures
+
 
 @pytest.fixture(scope='session', autouse=True)
 def with_all_memory() -> Iterator[None]:
@@ -39,6 +42,11 @@ def in_space() -> Iterator[BareSpace]:
     """Does something in an address space without a cell."""
     with closing(BareSpace()) as made:
         yield made
+
+
+@pytest.fixture(scope='session')
+def structures(in_space: BareSpace) -> Structures:
+    return Structures(in_space.ns[nodesets.JOB_CONTROL.uri])
 
 
 @pytest.fixture(scope='package')

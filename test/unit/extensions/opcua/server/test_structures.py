@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import pytest
 from asyncua import ua
 from asyncua.common.utils import Buffer
 from asyncua.ua.ua_binary import extensionobject_from_binary, extensionobject_to_binary
-from fakes.bare_space import BareSpace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.extensions.opcua.server import nodesets
 from bt_orchestrator.extensions.opcua.server.job_control.structures import Structures
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.status import JobStatus, ListedJob
@@ -45,11 +42,6 @@ JSON = st.recursive(
     max_leaves=6,
 )
 NAMES = st.sampled_from([*KINDS, *RESOURCES, DESCRIPTION, 'Details', 'mine'])
-
-
-@pytest.fixture(scope='session')
-def structures(in_space: BareSpace) -> Structures:
-    return Structures(in_space.ns[nodesets.JOB_CONTROL.uri])
 
 
 def sent(structure: Any) -> Any:
