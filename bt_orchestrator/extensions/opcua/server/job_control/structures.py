@@ -241,7 +241,7 @@ def listed(structures: Sequence[Any]) -> ua.Variant:
 
 
 def encoded(structure: Any) -> ua.ExtensionObject:
-    """Return a structure as it is sent, so that no reader and no change encodes it again."""
+    """Return a structure encoded for sending: no reader and no change encodes it again."""
     sent = Buffer(extensionobject_to_binary(structure))
     return struct_from_binary(ua.ExtensionObject, sent)
 
