@@ -5,15 +5,16 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from browser import find_browser
 from patience import PATIENCE_S
+from playwright import sync_api
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 from served_process import PASSWORD
 
-_LOOK_MS = 20
+_LOOK_MS, _MOMENT_MS = 20, 2000
 
 _REFUSED = ', '.join(
     f'[data-answer="{kind}"]' for kind in ('refused', 'absent', 'unsent', 'login')
@@ -181,12 +182,16 @@ class Tab:
         assert not dialog.count(), f'{request}: {dialog.inner_text()}'
 
     def _hold_down(self, button: Locator) -> None:
-        """Hold a button until it lets go by itself; it is disabled while the news are old."""
-        button.click(trial=True)
-        button.hover()
-        self.page.mouse.down()
-        self.until(lambda: not button.and_(self.page.locator('.is-held')).count(), 'its end')
-        self.page.mouse.up()
+        """Hold a button until it lets go by itself, if that can be done now.
+
+        It is disabled while the news are old, and goes with its dialog when the answer comes.
+        """
+        with suppress(sync_api.TimeoutError):
+            button.click(trial=True, timeout=_MOMENT_MS)
+            button.hover(timeout=_MOMENT_MS)
+            self.page.mouse.down()
+            self.until(lambda: not button.and_(self.page.locator('.is-held')).count(), 'its end')
+            self.page.mouse.up()
 
     def until_quiet(self) -> None:
         """Wait until what the screen has asked for is there; its stream never ends."""
