@@ -107,7 +107,7 @@ class ExpectedEnds:
 
 
 def _alike(before_s: Mapping[str, float], after_s: Mapping[str, float], now_s: float) -> bool:
-    """Tell whether two forecasts, of the same jobs at least, say the same."""
+    """Tell whether two forecasts are of the same jobs and say much the same."""
     return before_s.keys() == after_s.keys() and all(
         abs(end_s - before_s[job]) <= max(ALIKE_S, ALIKE * (end_s - now_s))
         for job, end_s in after_s.items()
