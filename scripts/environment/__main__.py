@@ -71,8 +71,7 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument(
         '--python',
         metavar='EXE',
-        help='Python 3.10 to 3.13 to build with (default: the one used before, else '
-        "the distribution's, else python3)",
+        help="Python 3.10 to 3.13 (default: the one used before, the distribution's, python3)",
     )
     parser.add_argument(
         '--interfaces',

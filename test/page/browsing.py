@@ -171,7 +171,9 @@ class Tab:
         held = dialog.locator('[data-hold-to-confirm]')
         answer = dialog.locator('.answer:visible')
         if held.count():
+            deadline = time.monotonic() + PATIENCE_S
             while not answer.count() and dialog.count():
+                assert time.monotonic() < deadline, f'no button of {request} can be held'
                 self._hold_down(held)
         else:
             dialog.locator('[data-do="send"]').click()

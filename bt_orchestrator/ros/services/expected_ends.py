@@ -21,7 +21,7 @@ RENEW_S = 5.0
 """Shortest time between two questions about one queue."""
 
 SELDOM_S = 20.0
-"""Longest time between them. The time doubles as long as each answer is that of the one before."""
+"""Longest time between them. The time doubles while each answer is like the one before."""
 
 ALIKE_S, ALIKE = 1.0, 0.01
 """Two forecasts of an end are alike when they differ by less than this, or than this share of the

@@ -28,9 +28,12 @@ def run(command: list[str], cwd: Path, **variables: str) -> subprocess.Completed
 def clone(tmp_path: Path) -> Path:
     """Give a clone whose tools do nothing, and whose lint may take no time."""
     text = (ROOT / 'scripts' / 'test').read_text()
-    assert '[lint]=20' in text
+    for there, here in (('[lint]=20', '[lint]=0'), ('shm=/dev/shm', f'shm={tmp_path}/memory')):
+        assert there in text
+        text = text.replace(there, here)
+    (tmp_path / 'memory').mkdir()
     (tmp_path / 'scripts').mkdir()
-    (tmp_path / 'scripts' / 'test').write_text(text.replace('[lint]=20', '[lint]=0'))
+    (tmp_path / 'scripts' / 'test').write_text(text)
     program(tmp_path / 'scripts' / 'bootstrap')
     for tool in ('pytest', 'lint-imports'):
         program(tmp_path / '.venv' / 'jazzy' / 'bin' / tool)
@@ -107,6 +110,22 @@ def test_what_needs_a_repeat_is_named_and_more_than_two_fail(
     done = gates(clone, '--only', 'system')
     assert done.returncode == status
     assert 'passed on repeat:\ntest_a.py::test_0\ntest_a.py::test_1\n' in done.stdout
+
+
+@pytest.mark.parametrize('status', [0, 1])
+@pytest.mark.parametrize('written', ['', 'touch "$TMPDIR/kept"'])
+def test_only_what_a_failed_run_wrote_stays_in_memory(
+    clone: Path, status: int, written: str
+) -> None:
+    program(clone / 'bin' / 'df', 'echo Avail; echo 4000001')
+    pytest_ = clone / '.venv' / 'jazzy' / 'bin' / 'pytest'
+    program(pytest_, 'echo "$TMPDIR" >where', written or 'true', f'exit {status}')
+    words = ['env', '-u', 'TMPDIR', 'bash', 'scripts/test', '--only', 'unit']
+    done = run(words, clone, PATH=f'{clone / "bin"}:{os.environ["PATH"]}')
+    where = Path((clone / 'where').read_text().strip())
+    assert where.parent == clone / 'memory'
+    assert (done.returncode, where.exists()) == (status, bool(status and written))
+    assert (f'rm -r {where}' in done.stdout) == where.exists()
 
 
 def test_what_fails_twice_has_failed(clone: Path) -> None:
