@@ -161,6 +161,13 @@ def test_ci_takes_what_a_machine_may_have_by_hand_off_path(tmp_path: Path) -> No
     assert run(['bash', str(ROOT / '.ci' / 'bare'), 'c++'], tmp_path, PATH=path).stdout == 'c++\n'
 
 
+def test_the_programs_that_ci_leaves_are_there_for_every_user(tmp_path: Path) -> None:
+    """`apt-get` runs its checks as a user of its own."""
+    mode = ['bash', '-c', 'stat -c %A "$PATH"']
+    told = run(['bash', str(ROOT / '.ci' / 'bare'), *mode], tmp_path, PATH=os.environ['PATH'])
+    assert told.stdout == 'drwxr-xr-x\n'
+
+
 @pytest.mark.parametrize(
     ('reason', 'ci', 'status'),
     [('no clock here', 'true', 1), ('no clock here', '', 0), ('needs root, for x', 'true', 0)],
