@@ -46,6 +46,6 @@ def test_nor_is_anybody_who_takes_no_lock(monkeypatch: pytest.MonkeyPatch, tmp_p
     (tmp_path / 'udp').write_text(f'sl  local_address rem_address\n  {port_of_42}\n')
     monkeypatch.setattr('ros_domain.SOCKETS', tmp_path / 'udp')
     monkeypatch.setattr('ros_domain.DOMAINS', range(41, 44))
-    monkeypatch.setattr('tempfile.tempdir', str(tmp_path))  # where the locks are
+    monkeypatch.setattr('ros_domain.LOCKS', tmp_path)  # others may be in these domains
     with OwnDomain() as one:
         assert set(places(one, one, one)) == {'41', '43'}

@@ -172,7 +172,8 @@ def test_the_programs_that_ci_leaves_are_there_for_every_user(tmp_path: Path) ->
 def test_what_bootstrap_brings_has_its_place_on_the_short_path(tmp_path: Path) -> None:
     for name in ('bash', 'mktemp', 'chmod', 'ln', 'rm', 'ls'):
         (tmp_path / name).symlink_to(str(shutil.which(name)))
-    told = run(['bash', str(ROOT / '.ci' / 'bare'), 'ls'], tmp_path, PATH=str(tmp_path))
+    names = ['bash', '-c', 'ls "$PATH"']
+    told = run(['bash', str(ROOT / '.ci' / 'bare'), *names], tmp_path, PATH=str(tmp_path))
     assert {'dot', 'python3', 'c++'} <= set(told.stdout.split())
 
 
