@@ -20,7 +20,7 @@ from rclpy.action.client import ActionClient
 from bench import chain
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.ros.actions.goal_client import GoalClient
-from bt_orchestrator.ros.executor.lean_executor import WaitList
+from bt_orchestrator.ros.executor.lean_waits import WaitList
 
 FILE = 'BENCH_STAMPS'
 """Environment variable: where to write them."""

@@ -1,4 +1,4 @@
-"""The time of a node, as a port, and the time since its machine started."""
+"""The time of a node, as a port, the time since its machine started, and times as messages."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
+from builtin_interfaces.msg import Time
 from rclpy.node import Node
 
 from bt_orchestrator.base.deadlines import NS_PER_S, Deadline, instant_ns
@@ -104,3 +105,29 @@ def _has_its_own_time(proc: Path) -> bool:
     except OSError:
         return False  # a kernel without time namespaces
     return any(offset.strip('0') for line in lines for offset in line.split()[1:])
+
+
+# Seconds as messages, and back.
+
+
+def to_time(seconds: float) -> Time:
+    """Return seconds since the epoch as a message, to the nanosecond."""
+    # Apart: nanoseconds since the epoch are more than the digits of a float.
+    whole, part = divmod(seconds, 1.0)
+    carried, rest = divmod(round(part * NS_PER_S), NS_PER_S)
+    return Time(sec=int(whole) + carried, nanosec=rest)
+
+
+def from_time(time: Time) -> float:
+    """Return the seconds since the epoch of a message."""
+    return float(time.sec + time.nanosec / NS_PER_S)
+
+
+def to_moment(seconds: float | None) -> Time:
+    """Return a time that may be absent; then it is zero."""
+    return Time() if seconds is None else to_time(seconds)
+
+
+def from_moment(time: Time) -> float | None:
+    """Return the seconds since the epoch of a message; None: it is zero, there is no time."""
+    return from_time(time) or None

@@ -22,8 +22,8 @@ from bt_orchestrator.base.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.limits import PLACE, cut
 from bt_orchestrator.model.words import sentence
+from bt_orchestrator.ros.clock import to_time
 from bt_orchestrator.ros.qos import LATCHED, publisher, subscribe
-from bt_orchestrator.ros.stamps import to_time
 
 TOPIC = 'identity'
 

@@ -55,6 +55,7 @@ from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.memory import collect_rarely, give_back, widen_buffers
 from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.parameters import declare
+from bt_orchestrator.ros.qos import quieten
 from bt_orchestrator.ros.service_manager import ALIVE, READY, STOPPING, is_told, tell, watchdog
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.order_process import order_process
@@ -490,6 +491,7 @@ def _build(
     try:
         with prompt_answers(os.environ):
             node = Node(NODE_NAME, namespace=namespace)
+        quieten(node)
         return TreeNode(node, defaults, parts, stop, say)
     except (NameValidationException, ParameterException) as error:
         raise BadRosArguments(f'ROS refuses a name or a parameter: {error}') from error

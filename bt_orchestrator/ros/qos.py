@@ -45,6 +45,14 @@ def publisher(node: Node, kind: Any, name: str, qos: QoSProfile | int) -> Any:
     return node.create_publisher(kind, name, qos, event_callbacks=quiet)
 
 
+def quieten(node: Node) -> None:
+    """Take rclpy's handlers of events from the publishers that it has given a node itself."""
+    for own in node.publishers:
+        for handler in own.event_handlers:
+            node.remove_waitable(handler)
+        own.event_handlers.clear()  # or rclpy would remove them once more
+
+
 def subscribe(
     node: Node, kind: Any, name: str, callback: Callable[[Any], None], qos: QoSProfile
 ) -> Any:

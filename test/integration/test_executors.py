@@ -24,6 +24,7 @@ from bt_orchestrator.ros.executor.executors import spin_once
 from bt_orchestrator.ros.executor.lean_executor import LeanExecutor
 from bt_orchestrator.ros.executor.lean_parts import LeanQuestions, PartedWaitable
 from bt_orchestrator.ros.executor.ways import Service
+from bt_orchestrator.ros.qos import quieten
 
 pytestmark = pytest.mark.every_distro
 
@@ -359,6 +360,125 @@ class TestLeanExecutor:
         done: list[int] = []
         executor.create_task(lambda: done.append(1))
         spin_until(executor, lambda: done, 'the task')
+
+
+def test_a_quiet_node_has_no_handlers_of_events_and_can_be_destroyed(context: Context) -> None:
+    node = Node('quiet', context=context)
+    assert list(node.waitables), 'rclpy makes none any more: there is nothing to take away'
+    quieten(node)
+    assert list(node.waitables) == []
+    node.destroy_node()
+
+
+class TestServices:
+    """They are waited for in a thread of their own, and called back in the executor's."""
+
+    @pytest.fixture
+    def executor(self, context: Context, node: Node) -> Iterator[LeanExecutor]:
+        executor = LeanExecutor(context=context)
+        executor.add_node(node)
+        yield executor
+        executor.shutdown()
+
+    @pytest.fixture
+    def client(self, node: Node) -> LeanQuestions:
+        client = LeanQuestions(node, Service(CancelGoal, 'cancel'))
+        PartedWaitable(node, node.get_logger(), [client])
+        return client
+
+    def test_each_request_of_many_is_answered_once_in_the_thread_of_the_executor(
+        self, executor: LeanExecutor, node: Node, client: LeanQuestions
+    ) -> None:
+        called: list[bool] = []
+        answers: list[Any] = []
+        here = threading.current_thread()
+
+        def answer(_: Any, response: Any) -> Any:
+            called.append(threading.current_thread() is here)
+            return response
+
+        node.create_service(CancelGoal, 'cancel', answer)
+        spin_until(executor, client.is_served, 'the service')
+        for burst in (1, 7, 2):
+            before = len(answers)
+            for _ in range(burst):
+                client.ask(CancelGoal.Request(), answers.append)
+            spin_until(executor, lambda: len(answers) == before + burst, 'the answers')  # noqa: B023
+        assert called == [True] * 10
+
+    def test_without_requests_nobody_looks_at_them(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        counter = WaitCounter(node)
+        node.create_service(CancelGoal, 'cancel', print)
+        spin_once(executor, 0.3)
+        assert counter.waits <= 2
+
+    def test_one_that_awaits_keeps_its_group_to_itself_and_does_not_spin(
+        self, executor: LeanExecutor, node: Node, client: LeanQuestions
+    ) -> None:
+        future: Future[None] = Future(executor=executor)
+        began: list[int] = []
+        answers: list[Any] = []
+        counter = WaitCounter(node, MutuallyExclusiveCallbackGroup())
+
+        async def answer(_: Any, response: Any) -> Any:
+            began.append(1)
+            await future
+            return response
+
+        callback: Any = answer
+        group = MutuallyExclusiveCallbackGroup()
+        node.create_service(CancelGoal, 'cancel', callback, callback_group=group)
+        spin_until(executor, client.is_served, 'the service')
+        client.ask(CancelGoal.Request(), answers.append)
+        spin_until(executor, lambda: began, 'the first request')
+        client.ask(CancelGoal.Request(), answers.append)
+        waits, until = counter.waits, time.monotonic() + 0.3
+        while time.monotonic() < until:
+            spin_once(executor, 0.1)
+        assert (len(began), answers) == (1, [])
+        assert counter.waits - waits < 10
+        future.set_result(None)
+        spin_until(executor, lambda: len(answers) == 2, 'both answers')
+
+    def test_one_has_its_turn_beside_what_changes_the_entities_each_time(
+        self, executor: LeanExecutor, node: Node, client: LeanQuestions
+    ) -> None:
+        node.create_service(CancelGoal, 'cancel', lambda _, response: response)
+        answers: list[Any] = []
+        spin_until(executor, client.is_served, 'the service')
+
+        def call() -> None:
+            node.create_timer(PATIENCE_S, print)
+
+        node.create_timer(1e-9, call)
+        client.ask(CancelGoal.Request(), answers.append)
+        spin_until(executor, lambda: answers, 'the answer')
+
+    def test_one_that_is_destroyed_leaves_the_graph_at_the_next_wait(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        service = node.create_service(CancelGoal, 'cancel', print)
+        spin_once(executor, 0.0)
+        node.destroy_service(service)
+        assert node.count_services('cancel') == 1  # it is being waited for
+        spin_once(executor, 0.0)
+        assert node.count_services('cancel') == 0
+
+    @pytest.mark.parametrize('context_first', [True, False])
+    def test_their_thread_ends_with_the_executor(
+        self, context: Context, node: Node, *, context_first: bool
+    ) -> None:
+        before = threading.active_count()
+        executor = LeanExecutor(context=context)
+        executor.add_node(node)
+        spin_once(executor, 0.0)
+        assert threading.active_count() == before + 1
+        if context_first:
+            context.try_shutdown()
+        executor.shutdown()
+        assert threading.active_count() == before
 
 
 def test_a_service_client_is_waited_for_while_it_awaits_an_answer(

@@ -246,6 +246,17 @@ class TestKilledServer:
         again = cell.gateway.send(goal_request('good'))
         assert ended(cell, again) is GoalStatus.SUCCEEDED
 
+    def test_that_was_there_for_long_and_is_back_at_once_has_another_id(
+        self, cell: RosBench
+    ) -> None:
+        status = client(cell, 'good').status
+        cell.run_until(lambda: status.publisher_id() and status._is_told, 'a graph at rest')
+        before = status.publisher_id()
+        cell.kill_server()
+        cell.start_server()
+        within_s = SERVER_LEASE_S + 5.0
+        cell.run_until(lambda: status.publisher_id() not in (before, None), 'its id', within_s)
+
 
 class TestBounds:
     def test_nothing_is_kept_of_goals_that_ended(self, cell: RosBench) -> None:

@@ -34,7 +34,7 @@ from bt_orchestrator.model.status import (
 )
 from bt_orchestrator.model.stop_reason import Wish
 from bt_orchestrator.model.words import Words
-from bt_orchestrator.ros.stamps import from_time, to_time
+from bt_orchestrator.ros.clock import from_time, to_time
 from bt_orchestrator.ros.types import order_messages  # noqa: F401 - maps orders
 from bt_orchestrator.ros.types.mapping import MAPPED, mapped
 from bt_orchestrator.ros.types.status_messages import (

@@ -269,5 +269,5 @@ class SeenServer:
         return self._id
 
     def look(self) -> None:
-        """Look again; to be called once a second, as each look takes a while."""
+        """Look again; to be called once a second."""
         self._id = self._clients.current.status.publisher_id()

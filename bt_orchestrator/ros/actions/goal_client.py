@@ -5,6 +5,8 @@ An action is three services and two topics (design.ros2.org, article "Actions").
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -16,9 +18,13 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rclpy.type_support import check_for_type_support
 from unique_identifier_msgs.msg import UUID
 
-from bt_orchestrator.ros.executor.ways import Answered, Question, Service, Way
+from bt_orchestrator.ros.executor.ways import Answered, Connections, Question, Service, Way
 
 _ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
+
+
+GRAPH_S = 1.0
+"""How much later than a connection the ROS graph may know of a publisher."""
 
 
 def own_endpoint(node: Node, topic: str) -> Sequence[int]:
@@ -47,6 +53,11 @@ class ServerStatus:
         self._topic = way.last_message(
             node, GoalStatusArray, self._name, qos_profile_action_status_default
         )
+        self._id: str | None = None
+        self._connections: Connections | None = None
+        self._changed_s = -math.inf
+        self._is_told = False
+        """The graph had as many publishers as are connected, long after one came or went."""
         self._read: Any = None
         self._listed: Mapping[bytes, int] = {}
         self._stamps: Mapping[bytes, Any] = {}
@@ -72,10 +83,19 @@ class ServerStatus:
     def publisher_id(self) -> str | None:
         """Return an id of the publisher, which no other instance of the server has.
 
-        None: there is no server, or more than one. Goes through the whole ROS graph.
+        None: there is no server, or more than one. Goes through the whole ROS graph if a publisher
+        has come or gone since the last time, or if that is not known.
         """
-        publishers = self.publishers_info()
-        return endpoint_id(publishers[0]) if len(publishers) == 1 else None
+        now = time.monotonic()
+        connections = self._topic.connections  # first: what comes meanwhile is seen next time
+        if connections != self._connections:
+            self._connections, self._changed_s, self._is_told = connections, now, False
+        if not self._is_told:
+            ids = [endpoint_id(publisher) for publisher in self.publishers_info()]
+            self._id = ids[0] if len(ids) == 1 else None
+            is_alike = connections is not None and connections.now == len(ids)
+            self._is_told = is_alike and now - self._changed_s > GRAPH_S
+        return self._id
 
     def of(self, goal_id: UUID) -> int | None:
         """Return a goal's status (action_msgs/GoalStatus); None: it is not listed.

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import Counter, deque
-from collections.abc import Callable, Iterator, Sequence, Sized
-from functools import partial
-from typing import Any, NamedTuple
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from rclpy.context import Context
 from rclpy.executors import (
@@ -20,14 +19,24 @@ from rclpy.executors import (
     TimeoutObject,
 )
 from rclpy.guard_condition import GuardCondition
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
-from rclpy.waitable import NumberOfEntities
 
-from bt_orchestrator.ros.executor.lean_parts import LISTS, Part, PartedWaitable
+from bt_orchestrator.ros.executor.lean_waits import (
+    CLIENT,
+    FOR_EVER_NS,
+    GUARD,
+    OFTEN,
+    PARTED,
+    SERVICE,
+    SUBSCRIPTION,
+    TIMER,
+    WAITABLE,
+    Member,
+    SeldomReady,
+    WaitList,
+)
 
 _NS_PER_S = 1_000_000_000
-_FOR_EVER_NS = -1
 
 
 class LeanExecutor(SingleThreadedExecutor):
@@ -37,6 +46,7 @@ class LeanExecutor(SingleThreadedExecutor):
       none does: the thread that would be woken is the one that runs the callback. But its next
       wait then returns at once with nothing, and each wait asks every entity of the node.
     - Each wait of rclpy's begins with nothing known; here what is waited for is kept.
+    - Services are waited for apart: they are many, and seldom asked.
     - A `PartedWaitable` runs without a task of rclpy's around it.
     """
 
@@ -46,7 +56,8 @@ class LeanExecutor(SingleThreadedExecutor):
         self._guard.destroy()
         self._guard = self._others = _GuardForOthers(context)
         self._soon: deque[Callable[[], None]] = deque()
-        self._wait_list = WaitList((), self._own_guards(), self._context)
+        self._wait_list = self._often(())
+        self._seldom = SeldomReady(self._others.trigger, self._context)
         self._take: dict[str, Callable[[Any], Any]] = {
             WAITABLE: self._take_waitable,
             TIMER: self._take_timer,
@@ -76,6 +87,7 @@ class LeanExecutor(SingleThreadedExecutor):
         """End, and let go of what was waited for."""
         ended = super().shutdown(timeout_sec)
         self._wait_list.close()
+        self._seldom.close()
         return ended
 
     def _wait_for_ready_callbacks(
@@ -110,7 +122,7 @@ class LeanExecutor(SingleThreadedExecutor):
             if ready and self._follow_nodes():
                 # The others have their turn all the same: one that changes the entities each time,
                 # and is ready again, would come first for ever.
-                ready = [other for other in ready if self._wait_list.has(other)]
+                ready = [other for other in ready if self._is_there(other)]
 
     def _open_tasks(self) -> Sequence[Any]:
         with self._tasks_lock:
@@ -139,7 +151,9 @@ class LeanExecutor(SingleThreadedExecutor):
             if condition():
                 raise ConditionReachedException
             self._follow_nodes()
+            self._seldom.go_on()
             ready = self._wait_list.wait(0 if self._soon else _left_ns(until))
+            ready += self._seldom.take()
             if self._is_shutdown:
                 raise ShutdownException
             if not self._context.ok():
@@ -155,11 +169,16 @@ class LeanExecutor(SingleThreadedExecutor):
         if self._wait_list.is_of(nodes):
             return False
         self._wait_list.close()
-        self._wait_list = WaitList(nodes, self._own_guards(), self._context)
+        self._wait_list = self._often(nodes)
+        self._seldom.follow(nodes)
         return True
 
-    def _own_guards(self) -> Sequence[GuardCondition]:
-        return [guard for guard in (self._guard, self._sigint_gc) if guard is not None]
+    def _is_there(self, member: Member) -> bool:
+        return self._wait_list.has(member) or self._seldom.has(member)
+
+    def _often(self, nodes: Sequence[Node]) -> WaitList:
+        own = [guard for guard in (self._guard, self._sigint_gc) if guard is not None]
+        return WaitList(nodes, own, self._context, OFTEN)
 
 
 class _PlainTurn:
@@ -202,203 +221,5 @@ def _deadline(timeout_sec: float | TimeoutObject | None) -> float:
 def _left_ns(until: float) -> int:
     """Return how long to wait; a negative number means without limit."""
     if until == math.inf:
-        return _FOR_EVER_NS
+        return FOR_EVER_NS
     return max(0, round((until - time.monotonic()) * _NS_PER_S))
-
-
-# The things that an executor waits for, kept from one wait to the next.
-
-WAITABLE = 'waitable'
-"""Several entities that are asked together, such as an action server."""
-PARTED = 'parted waitable'
-"""Several service clients, with the answers that came for each."""
-GUARD = 'guard_condition'
-TIMER = 'timer'
-SUBSCRIPTION = 'subscription'
-CLIENT = 'client'
-SERVICE = 'service'
-
-
-class Member(NamedTuple):
-    """An entity of a node."""
-
-    kind: str
-    """As rclpy's wait set calls it, or WAITABLE or PARTED."""
-    entity: Any
-    node: Node
-
-    def may_run(self) -> bool:
-        """Tell whether it is to run now; a timer may have been cancelled since it was ready."""
-        if self.kind == TIMER and not self.entity.handle.is_timer_ready():
-            return False
-        return bool(self.entity.callback_group.can_execute(self.entity))
-
-
-class WaitList:
-    """The entities of some nodes, and a wait set that holds all of them.
-
-    rclpy gathers the entities anew for each wait, asks each whether it may run, locks it, and
-    makes a wait set for them; all that takes longer than the wait itself. What is destroyed
-    while it is in this list goes when the list is closed.
-
-    Of the parts of a `PartedWaitable` those are waited for that await something: most service
-    clients of a node await nothing at a given moment, and the middleware looks at each one.
-    """
-
-    def __init__(self, nodes: Sequence[Node], own: Sequence[Any], context: Context) -> None:
-        """Gather the entities of the nodes.
-
-        :param own: guard conditions of the executor, which end a wait and have no callback
-        """
-        members = [
-            Member(_kind(e, kind), e, n) for n in nodes for kind, es in _kinds(n) for e in es
-        ]
-        self._nodes = list(nodes)
-        self._members = frozenset(members)
-        self._gathered = [(live, list(live)) for n in nodes for live in _lists(n)]
-        self._groups = {member.entity.callback_group: member.entity for member in members}
-        self._waitables = [member for member in members if member.kind == WAITABLE]
-        self._guards = [member.entity for member in members if member.kind == GUARD]
-        self._simple: dict[int, Member] = {}
-        self._parted: dict[int, tuple[Member, Part]] = {}
-        self._adds: list[tuple[Any, Callable[[], Any]]] = []
-        self._part_adds: list[tuple[Any, Sized, Callable[[], Any]]] = []
-        self._held: list[Any] = []
-        self._waits = threading.RLock()
-        self._context: Any = context.handle
-        self._set = _wait_set(members, len(own), self._context)
-        for member in members:
-            self._take_in(member)
-        for guard in own:
-            self._hold(None, guard.handle, partial(self._set.add_guard_condition, guard.handle))
-
-    def is_of(self, nodes: Sequence[Node]) -> bool:
-        """Tell whether the nodes still have these entities, and no others."""
-        return self._nodes == nodes and all(live == then for live, then in self._gathered)
-
-    def has(self, entity: Member) -> bool:
-        """Tell whether the nodes had this entity when they were looked at."""
-        return entity in self._members
-
-    def wait(self, timeout_ns: int) -> list[Member]:
-        """Wait until something is ready, and return that in the order in which it is to run.
-
-        :param timeout_ns: for ever if negative
-        """
-        busy = {group for group, entity in self._groups.items() if not group.can_execute(entity)}
-        for guard in self._guards:
-            if guard._executor_triggered:  # noqa: SLF001
-                guard.trigger()  # an earlier wait has taken this away, and it did not run
-        with self._waits, self._context:
-            self._set.clear_entities()
-            for group, add in self._adds:
-                if group not in busy:
-                    add()
-            for group, awaited, add in self._part_adds:
-                if awaited and group not in busy:
-                    add()
-            self._set.wait(timeout_ns)
-            return self._ready(busy)
-
-    def close(self) -> None:
-        """Let go of the entities, after the wait of another thread if there is one."""
-        with self._waits:
-            for handle in self._held:
-                handle.__exit__(None, None, None)
-            self._held.clear()
-            self._adds.clear()
-            self._part_adds.clear()
-
-    def _take_in(self, member: Member) -> None:
-        entity, group = member.entity, member.entity.callback_group
-        if member.kind == WAITABLE:
-            self._hold(group, entity, partial(entity.add_to_wait_set, self._set))
-        elif member.kind == PARTED:
-            for part in entity.parts:
-                self._parted[part.handle.pointer] = member, part
-                if self._holds(part.handle):
-                    add = self._adder(CLIENT, part.handle)
-                    self._part_adds.append((group, part.awaited, add))
-        else:
-            self._simple[entity.handle.pointer] = member
-            self._hold(group, entity.handle, self._adder(member.kind, entity.handle))
-
-    def _adder(self, kind: str, handle: Any) -> Callable[[], Any]:
-        return partial(getattr(self._set, f'add_{kind}'), handle)
-
-    def _hold(self, group: Any, handle: Any, add: Callable[[], Any]) -> None:
-        """Keep something from being destroyed, and remember how it is put into the wait set."""
-        if self._holds(handle):
-            self._adds.append((group, add))
-
-    def _holds(self, handle: Any) -> bool:
-        """Keep something from being destroyed; tell whether it was not before."""
-        try:
-            handle.__enter__()
-        except _rclpy.InvalidHandle:
-            return False  # destroyed, and not forgotten yet
-        self._held.append(handle)
-        return True
-
-    def _ready(self, busy: set[Any]) -> list[Member]:
-        parted: dict[Member, list[Part]] = {}
-        simple: list[Member] = []
-        for kind in (TIMER, SUBSCRIPTION, GUARD, CLIENT, SERVICE):
-            for pointer in self._set.get_ready_entities(kind):
-                if pointer in self._simple:
-                    member = self._simple[pointer]
-                    if kind == GUARD:
-                        member.entity._executor_triggered = True  # noqa: SLF001
-                    simple.append(member)
-                elif pointer in self._parted:
-                    member, part = self._parted[pointer]
-                    parted.setdefault(member, []).append(part)
-        for member, parts in parted.items():
-            member.entity.note_ready(parts)
-        others = [
-            waitable
-            for waitable in self._waitables
-            if waitable.entity.callback_group not in busy and waitable.entity.is_ready(self._set)
-        ]
-        return [*parted, *others, *simple]
-
-
-def _lists(node: Node) -> Sequence[list[Any]]:
-    """Return where rclpy keeps the entities of a node: to gather them each time takes longer."""
-    return [vars(node)[name] for name in LISTS]
-
-
-def _kinds(node: Node) -> Sequence[tuple[str, Iterator[Any]]]:
-    """Return the entities of a node that can become ready, in the order in which they run."""
-    return (
-        (WAITABLE, node.waitables),
-        (TIMER, node.timers),
-        (SUBSCRIPTION, node.subscriptions),
-        (GUARD, node.guards),
-        (CLIENT, node.clients),
-        (SERVICE, node.services),
-    )
-
-
-def _kind(entity: Any, kind: str) -> str:
-    return PARTED if isinstance(entity, PartedWaitable) else kind
-
-
-def _wait_set(members: Sequence[Member], guards: int, context: Any) -> Any:
-    kinds = Counter(member.kind for member in members)
-    count = NumberOfEntities(
-        kinds[SUBSCRIPTION], kinds[GUARD] + guards, kinds[TIMER], kinds[CLIENT], kinds[SERVICE]
-    )
-    for member in members:
-        if member.kind in (WAITABLE, PARTED):
-            count += member.entity.get_num_entities()
-    with context:
-        return _rclpy.WaitSet(
-            count.num_subscriptions,
-            count.num_guard_conditions,
-            count.num_timers,
-            count.num_clients,
-            count.num_services,
-            count.num_events,
-            context,
-        )

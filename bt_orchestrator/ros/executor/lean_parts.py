@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence, Sized
 from functools import partial
 from typing import Any, Protocol
 
+from rclpy.event_handler import UnsupportedEventTypeError
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
@@ -21,7 +22,7 @@ from rclpy.type_support import check_for_type_support
 from rclpy.waitable import NumberOfEntities, Waitable
 
 from bt_orchestrator.ports.spare_log import Logger, report
-from bt_orchestrator.ros.executor.ways import Answered, Service
+from bt_orchestrator.ros.executor.ways import Answered, Connections, Service
 from bt_orchestrator.ros.qos import SERVICES
 
 # A topic whose last message only is read, and only on demand.
@@ -40,6 +41,7 @@ class LeanLastMessage:
         profile: Any = qos.get_c_qos_profile()
         with node.handle:
             self._handle: Any = _rclpy.Subscription(node.handle, message_class, topic, profile)
+        self._matched = _matched(self._handle)
         self._last: Any = None
 
     @property
@@ -47,6 +49,15 @@ class LeanLastMessage:
         """How many are connected; costs next to nothing."""
         with self._handle:
             return int(self._handle.get_publisher_count())
+
+    @property
+    def connections(self) -> Connections | None:
+        """How many are and were connected, at this moment: the event waits for no turn."""
+        if self._matched is None:
+            return None
+        with self._matched:
+            matched = self._matched.take_event()
+        return Connections(matched.total_count, matched.current_count)
 
     def read(self) -> Any:
         """Return the last message, the same one again until another came; None: none came."""
@@ -57,7 +68,19 @@ class LeanLastMessage:
 
     def destroy(self) -> None:
         """End the subscription."""
+        if self._matched is not None:
+            self._matched.destroy_when_not_in_use()
         self._handle.destroy_when_not_in_use()
+
+
+def _matched(subscription: Any) -> Any:
+    """Return the event of a subscription that tells its publishers; None: there is none."""
+    try:
+        return _rclpy.EventHandle(
+            subscription, _rclpy.rcl_subscription_event_type_t.RCL_SUBSCRIPTION_MATCHED
+        )
+    except UnsupportedEventTypeError:  # of this middleware
+        return None
 
 
 # A service client that calls back in the turn in which an answer came.
@@ -267,6 +290,8 @@ LISTS = ('_Node__waitables', '_timers', '_subscriptions', '_guards', '_clients',
 _HANDLES = {
     'Client': ('destroy_when_not_in_use', 'send_request', 'service_server_is_available',
                'take_response'),
+    'EventHandle': ('destroy_when_not_in_use', 'take_event'),
+    'rcl_subscription_event_type_t': ('RCL_SUBSCRIPTION_MATCHED',),
     'Subscription': ('destroy_when_not_in_use', 'get_publisher_count', 'take_message'),
     'WaitSet': ('add_client', 'add_guard_condition', 'add_service', 'add_subscription',
                 'add_timer', 'clear_entities', 'get_ready_entities', 'wait'),

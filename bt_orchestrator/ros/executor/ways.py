@@ -50,12 +50,24 @@ class Questions(Protocol):
         """Tell whether the service is there; goes through the whole ROS graph."""
 
 
+class Connections(NamedTuple):
+    """Publishers that a subscription has been connected to."""
+
+    ever: int
+    """How many in all: it grows with each that comes, also where one leaves at the same moment."""
+    now: int
+
+
 class LastMessage(Protocol):
     """A topic. Its last message is kept."""
 
     @property
     def publishers(self) -> int:
         """How many are connected; costs next to nothing."""
+
+    @property
+    def connections(self) -> Connections | None:
+        """How many are and were connected; costs next to nothing. None: rclpy does not tell."""
 
     def read(self) -> Any:
         """Return the last message, the same one again until another came; None: none came."""
@@ -107,6 +119,10 @@ class PlainLastMessage:
     def publishers(self) -> int:
         """How many are connected."""
         return int(self._subscription.get_publisher_count())
+
+    @property
+    def connections(self) -> None:
+        """Return None: rclpy tells it in turns of the executor, too late to prove anything."""
 
     def read(self) -> Any:
         """Return the last message that had its turn; None: none had."""

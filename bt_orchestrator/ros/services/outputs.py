@@ -27,12 +27,12 @@ from bt_orchestrator.model.status_words import component_trouble
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.ros.clock import to_time
 from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.executor.heart import Heart, Pulse
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.reading_services import event_message
-from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.ros.standby import Standbys
 from bt_orchestrator.ros.types.status_messages import StatusWriter, description_message
 

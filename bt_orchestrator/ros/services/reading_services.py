@@ -23,8 +23,8 @@ from bt_orchestrator.model.keeping.snapshot import nearest, state_to_text
 from bt_orchestrator.model.limits import EVENTS_BYTES, EVENTS_PAGE, QUEUE_PAGE, fitting
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.ports import EventStore
+from bt_orchestrator.ros.clock import to_time
 from bt_orchestrator.ros.services.patient_service import serve
-from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.ros.types.status_messages import job_message, listed_message
 
 

@@ -15,7 +15,7 @@ from enum import Enum
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from bt_orchestrator.model.codec import hints_of, json_of
-from bt_orchestrator.ros.stamps import from_moment, from_time, to_moment, to_time
+from bt_orchestrator.ros.clock import from_moment, from_time, to_moment, to_time
 from bt_orchestrator.ros.types.interface_classes import message_class
 
 _Fact = TypeVar('_Fact')

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from datetime import datetime, timezone
 from operator import lt
 from pathlib import Path
@@ -116,7 +116,8 @@ class FilesInUse:
         self._folder = str(self._path.parent)
         names = self._path, log, log.with_name(f'{self._path.name}-shm')
         self._files = [_Opened(name) for name in names if name.exists()]
-        self._sizes = [0] * len(self._files)
+        self._descriptors = [journal_file.file.fileno() for journal_file in self._files]
+        self._sizes: Sequence[int] = [0] * len(self._files)
         self._found: object = None
         """State of the folder at the last look at the names."""
         self._since = 0.0
@@ -124,6 +125,16 @@ class FilesInUse:
         self._proven: object = None
         """State of the folder that proves that the names are in place; None: none does yet."""
         is_written(self._path)
+
+    def check_sizes(self) -> None:
+        """Check that no file was cut: a write may make it as long as it was.
+
+        :raises JournalUnusable: another program cut a file
+        """
+        sizes = self._sizes_now()
+        if any(map(lt, sizes, self._sizes)):
+            self._check_names(sizes)
+        self._sizes = sizes
 
     def check(self) -> None:
         """Check that the files are still in place.
@@ -135,15 +146,9 @@ class FilesInUse:
         """
         folder = os.stat(self._folder)  # noqa: PTH116 - a Path takes twice as long
         state = folder.st_dev, folder.st_ino, folder.st_ctime_ns
-        sizes = [file.file.seek(0, os.SEEK_END) for file in self._files]
+        sizes = self._sizes_now()
         if state != self._proven or any(map(lt, sizes, self._sizes)):
-            for journal_file, size, known in zip(self._files, sizes, self._sizes, strict=True):
-                how = self._what_happened(journal_file, size, known)
-                if how:
-                    raise JournalUnusable(
-                        f'{Path(journal_file.name).name} was {how} by another program; '
-                        'the last events may be lost'
-                    )
+            self._check_names(sizes)
             self._trust(state)
         self._sizes = sizes
 
@@ -152,6 +157,18 @@ class FilesInUse:
         for file in self._files:
             file.file.close()
         no_longer_written(self._path)
+
+    def _sizes_now(self) -> list[int]:
+        return [os.lseek(descriptor, 0, os.SEEK_END) for descriptor in self._descriptors]
+
+    def _check_names(self, sizes: Sequence[int]) -> None:
+        for journal_file, size, known in zip(self._files, sizes, self._sizes, strict=True):
+            how = self._what_happened(journal_file, size, known)
+            if how:
+                raise JournalUnusable(
+                    f'{Path(journal_file.name).name} was {how} by another program; '
+                    'the last events may be lost'
+                )
 
     def _what_happened(self, journal_file: _Opened, size: int, known: int) -> str:
         """Return what another program did with a file; empty: nothing relevant."""

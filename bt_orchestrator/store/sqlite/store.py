@@ -184,7 +184,7 @@ class SqliteStore(KeptJournal):
     def _writable(self) -> Iterator[None]:
         try:
             files = self._files or self._begin_to_write()
-            files.check()
+            files.check_sizes()
             yield
             files.check()
         except (sqlite3.Error, OSError, JournalUnusable) as error:
