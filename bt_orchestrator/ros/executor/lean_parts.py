@@ -62,8 +62,9 @@ class LeanLastMessage:
     def read(self) -> Any:
         """Return the last message, the same one again until another came; None: none came."""
         with self._handle:
-            while (taken := self._handle.take_message(self._class, False)) is not None:
-                self._last = taken[0]
+            taken = self._handle.take_message(self._class, False)
+        if taken is not None:  # of depth 1: it was the only one
+            self._last = taken[0]
         return self._last
 
     def destroy(self) -> None:

@@ -26,6 +26,9 @@ SUBSCRIPTION = 'subscription'
 CLIENT = 'client'
 SERVICE = 'service'
 
+_IN_TURN = (TIMER, SUBSCRIPTION, GUARD, CLIENT, SERVICE)
+"""The order in which they run."""
+
 OFTEN = (WAITABLE, PARTED, GUARD, TIMER, SUBSCRIPTION, CLIENT)
 SELDOM = (SERVICE,)
 FOR_EVER_NS = -1
@@ -73,6 +76,8 @@ class WaitList:
         self._groups = {member.entity.callback_group: member.entity for member in members}
         self._waitables = [member for member in members if member.kind == WAITABLE]
         self._guards = [member.entity for member in members if member.kind == GUARD]
+        here = {CLIENT if member.kind == PARTED else member.kind for member in members}
+        self._kinds = [kind for kind in _IN_TURN if kind in here]
         self._simple: dict[int, Member] = {}
         self._parted: dict[int, tuple[Member, Part]] = {}
         self._adds: list[tuple[Any, Callable[[], Any]]] = []
@@ -167,7 +172,7 @@ class WaitList:
     def _ready(self, busy: set[Any]) -> list[Member]:
         parted: dict[Member, list[Part]] = {}
         simple: list[Member] = []
-        for kind in (TIMER, SUBSCRIPTION, GUARD, CLIENT, SERVICE):
+        for kind in self._kinds:
             for pointer in self._set.get_ready_entities(kind):
                 if pointer in self._simple:
                     member = self._simple[pointer]
