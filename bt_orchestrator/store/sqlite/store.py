@@ -39,7 +39,7 @@ from bt_orchestrator.store.sqlite.schema import begin_to_write, end_to_write
 log = logging.getLogger(__name__)
 
 FAILURES = sqlite3.Error, OSError, JournalUnusable
-"""What a write of the file may raise."""
+"""Raised by a write of the file."""
 
 SYNCHRONOUS = ('FULL', 'NORMAL')
 
@@ -48,6 +48,8 @@ _AT_ONCE = 50
 
 _INSERT = 'INSERT INTO events (seq, record, checksum, ends) VALUES '
 _ONE = '(?, ?, ?, ?)'
+_STATEMENTS = [_INSERT + ', '.join([_ONE] * number) for number in range(_AT_ONCE + 1)]
+"""For so many events; made once, as SQLite's driver looks a statement up by its text."""
 
 PATIENCE_AT_THE_END_MS = 1000
 """How long an ending node waits for another program that keeps the file locked."""
@@ -260,8 +262,7 @@ def _add(database: sqlite3.Connection, events: Sequence[Event]) -> None:
     rows = [_row(event, 0) for event in events[:-1]] + [_row(event, 1) for event in events[-1:]]
     queued = [(event.seq, event.job) for event in events if type(event) is JobQueued]
     if len(rows) <= _AT_ONCE and not queued:  # one statement is a transaction, and takes less time
-        values = ', '.join([_ONE] * len(rows))
-        database.execute(_INSERT + values, tuple(chain(*rows)))
+        database.execute(_STATEMENTS[len(rows)], tuple(chain(*rows)))
     elif database.in_transaction:
         _add_each(database, rows, queued)
     else:
