@@ -406,6 +406,17 @@ class TestServices:
             spin_until(executor, lambda: len(answers) == before + burst, 'the answers')  # noqa: B023
         assert called == [True] * 10
 
+    def test_each_is_heard_while_the_executor_has_long_turns_of_their_group(
+        self, executor: LeanExecutor, node: Node, client: LeanQuestions
+    ) -> None:
+        node.create_service(CancelGoal, 'cancel', lambda _, response: response)
+        answers: list[Any] = []
+        spin_until(executor, client.is_served, 'the service')
+        node.create_timer(1e-9, lambda: time.sleep(0.02))
+        for number in range(1, 6):
+            client.ask(CancelGoal.Request(), answers.append)
+            spin_until(executor, lambda: len(answers) == number, 'the answer')  # noqa: B023
+
     def test_without_requests_nobody_looks_at_them(
         self, executor: LeanExecutor, node: Node
     ) -> None:

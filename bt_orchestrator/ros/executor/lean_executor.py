@@ -152,7 +152,8 @@ class LeanExecutor(SingleThreadedExecutor):
                 raise ConditionReachedException
             self._follow_nodes()
             self._seldom.go_on()
-            ready = self._wait_list.wait(0 if self._soon else _left_ns(until))
+            left_ns = 0 if self._soon else _left_ns(until)
+            ready = self._wait_list.wait(left_ns, self._wait_list.busy())
             ready += self._seldom.take()
             if self._is_shutdown:
                 raise ShutdownException

@@ -105,13 +105,17 @@ class WaitList:
         """Tell whether there is nothing to wait for."""
         return not self._members
 
-    def wait(self, timeout_ns: int) -> list[Member]:
+    def busy(self) -> set[Any]:
+        """Return the callback groups in which something awaits; to be asked between two turns."""
+        return {group for group, entity in self._groups.items() if not group.can_execute(entity)}
+
+    def wait(self, timeout_ns: int, busy: set[Any]) -> list[Member]:
         """Wait until something is ready, and return that in the order in which it is to run.
 
         :param timeout_ns: for ever if negative
+        :param busy: the groups whose entities are not waited for
         :return: nothing also if a guard condition of the executor came, or it was closed
         """
-        busy = {group for group, entity in self._groups.items() if not group.can_execute(entity)}
         for guard in self._guards:
             if guard._executor_triggered:  # noqa: SLF001
                 guard.trigger()  # an earlier wait has taken this away, and it did not run
@@ -256,34 +260,44 @@ class SeldomReady:
         self._list: WaitList | None = None
         self._may_wait = threading.Event()
         self._found: Sequence[Member] = ()
-        self._taken: Sequence[Member] = ()
+        self._is_resting = False
+        """Something was taken, and may not have run."""
+        self._busy: set[Any] = set()
         self._is_ended = False
         self._thread: threading.Thread | None = None
 
     def follow(self, nodes: Sequence[Node]) -> None:
         """Wait for what the nodes have now, and for nothing else."""
         self._leave_list()
-        self._taken = ()
+        self._is_resting = False
         now = WaitList(nodes, [self._guard], self._context, SELDOM)
         if now.is_empty:
             now.close()
             return
-        self._list = now
+        self._list, self._busy = now, now.busy()
         if self._thread is None:
             self._thread = threading.Thread(target=self._serve, daemon=True)
             self._thread.start()
         self._may_wait.set()
 
     def go_on(self) -> None:
-        """Wait on if all that was taken has run; to be called before each wait of the executor."""
-        if self._taken and all(member.may_run() for member in self._taken):
-            self._taken = ()
+        """Wait on, as all that was taken has run; to be called before each wait of the executor.
+
+        What may not run is left out until it may: something awaits in its group.
+        """
+        if self._list is None or not (self._is_resting or self._busy):
+            return
+        before, self._busy = self._busy, self._list.busy()
+        if self._is_resting:
+            self._is_resting = False
             self._may_wait.set()
+        elif self._busy != before:
+            self._guard.trigger()  # it waits anew
 
     def take(self) -> Sequence[Member]:
         """Return what is ready, once."""
         ready, self._found = self._found, ()
-        self._taken = [*self._taken, *ready]
+        self._is_resting = self._is_resting or bool(ready)
         return ready
 
     def has(self, entity: Member) -> bool:
@@ -314,7 +328,8 @@ class SeldomReady:
             waited = self._list
             ready: Sequence[Member] = ()
             while waited is not None and waited is self._list and not ready:
-                ready = waited.wait(FOR_EVER_NS)
+                # Not asked here: the executor may be in a turn of any group.
+                ready = waited.wait(FOR_EVER_NS, self._busy)
             if ready:
                 self._found = ready
                 self._wake()
