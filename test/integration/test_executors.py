@@ -23,6 +23,7 @@ from std_msgs.msg import Empty
 from bt_orchestrator.ros.executor.executors import spin_once
 from bt_orchestrator.ros.executor.lean_executor import LeanExecutor
 from bt_orchestrator.ros.executor.lean_parts import LeanQuestions, PartedWaitable
+from bt_orchestrator.ros.executor.lean_waits import SERVICE
 from bt_orchestrator.ros.executor.ways import Service
 from bt_orchestrator.ros.qos import quieten
 
@@ -386,6 +387,13 @@ class TestServices:
         PartedWaitable(node, node.get_logger(), [client])
         return client
 
+    @pytest.fixture
+    def served(self, executor: LeanExecutor, node: Node, client: LeanQuestions) -> LeanQuestions:
+        """Give the client of a service that answers at once."""
+        node.create_service(CancelGoal, 'cancel', lambda _, response: response)
+        spin_until(executor, client.is_served, 'the service')
+        return client
+
     def test_each_request_of_many_is_answered_once_in_the_thread_of_the_executor(
         self, executor: LeanExecutor, node: Node, client: LeanQuestions
     ) -> None:
@@ -407,14 +415,12 @@ class TestServices:
         assert called == [True] * 10
 
     def test_each_is_heard_while_the_executor_has_long_turns_of_their_group(
-        self, executor: LeanExecutor, node: Node, client: LeanQuestions
+        self, executor: LeanExecutor, node: Node, served: LeanQuestions
     ) -> None:
-        node.create_service(CancelGoal, 'cancel', lambda _, response: response)
         answers: list[Any] = []
-        spin_until(executor, client.is_served, 'the service')
-        node.create_timer(1e-9, lambda: time.sleep(0.02))
+        node.create_timer(1e-9, lambda: time.sleep(0.02))  # a long turn
         for number in range(1, 6):
-            client.ask(CancelGoal.Request(), answers.append)
+            served.ask(CancelGoal.Request(), answers.append)
             spin_until(executor, lambda: len(answers) == number, 'the answer')  # noqa: B023
 
     def test_without_requests_nobody_looks_at_them(
@@ -424,6 +430,7 @@ class TestServices:
         node.create_service(CancelGoal, 'cancel', print)
         spin_once(executor, 0.3)
         assert counter.waits <= 2
+        assert SERVICE not in {member.kind for member in executor._wait_list._members}
 
     def test_one_that_awaits_keeps_its_group_to_itself_and_does_not_spin(
         self, executor: LeanExecutor, node: Node, client: LeanQuestions
@@ -454,17 +461,15 @@ class TestServices:
         spin_until(executor, lambda: len(answers) == 2, 'both answers')
 
     def test_one_has_its_turn_beside_what_changes_the_entities_each_time(
-        self, executor: LeanExecutor, node: Node, client: LeanQuestions
+        self, executor: LeanExecutor, node: Node, served: LeanQuestions
     ) -> None:
-        node.create_service(CancelGoal, 'cancel', lambda _, response: response)
         answers: list[Any] = []
-        spin_until(executor, client.is_served, 'the service')
 
         def call() -> None:
             node.create_timer(PATIENCE_S, print)
 
         node.create_timer(1e-9, call)
-        client.ask(CancelGoal.Request(), answers.append)
+        served.ask(CancelGoal.Request(), answers.append)
         spin_until(executor, lambda: answers, 'the answer')
 
     def test_one_that_is_destroyed_leaves_the_graph_at_the_next_wait(

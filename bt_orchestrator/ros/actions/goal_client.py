@@ -83,8 +83,8 @@ class ServerStatus:
     def publisher_id(self) -> str | None:
         """Return an id of the publisher, which no other instance of the server has.
 
-        None: there is no server, or more than one. Goes through the whole ROS graph if a publisher
-        has come or gone since the last time, or if that is not known.
+        None: there is no server, or more than one. Goes through the whole ROS graph unless it is
+        known that no publisher has come or gone in the last second.
         """
         now = time.monotonic()
         connections = self._topic.connections  # first: what comes meanwhile is seen next time
