@@ -10,7 +10,7 @@ import json
 import math
 import time
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from typing import Any
@@ -23,7 +23,8 @@ from bt_orchestrator.model.cell import Approval, Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.judging.used_ids import text_of
-from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state import CellState, Cycle, Phase
 from bt_orchestrator.model.stop_reason import RESTARTED
 from bt_orchestrator.model.words import sentence
 from bt_orchestrator.ports import ActionTypes, EventSink, Snapshot
@@ -32,6 +33,12 @@ from bt_orchestrator.sim.virtual_client import VirtualGoal
 
 CYCLES_RUN = 40
 """Number of cycles run of each job; omitted ones are assumed at the pace in the middle."""
+
+CYCLES_KEPT = 2
+"""Number of cycles still to begin that are run of a job once the line repeats itself."""
+
+SAME_S = 3
+"""Decimals of the seconds in which two moments of a line are compared."""
 
 LONGEST_S = 10.0
 """Seconds of real time for one run; jobs that have not ended then have no forecast."""
@@ -59,7 +66,9 @@ class RunOn:
         self._log = _Log(cell)
         self.steps = 0
         """So often something has happened: what the run has cost, on any machine."""
-        self._left_out: Mapping[str, int] = {}
+        self._left_out: dict[str, int] = {}
+        self._stood: dict[Hashable, int] = {}
+        """How many items of a job were packed when the line first stood like this."""
         self._stuck = sentence('run_given_up')
         self._clock = VirtualClock(now_s)
         cell = as_observed(_without_faults(cell), observed_s)
@@ -90,12 +99,14 @@ class RunOn:
 
         :param until: real time on the monotonic clock, at which it is given up
         """
-        self._left_out = self._shorten()
+        for job in self.state.jobs:
+            self._leave_out(job, CYCLES_RUN)
         self.orchestrator.settle()
         while self.state.jobs and time.monotonic() < until:
             if not self._step():
                 self._stuck = sentence('nothing_goes_on')
                 return math.inf
+            self._leave_out_what_repeats()
         return self._clock.now() if self.state.jobs else math.inf
 
     def go_on_to_end_of(self, job: str) -> float | None:
@@ -136,15 +147,82 @@ class RunOn:
         self.steps += 1
         return True
 
-    def _shorten(self) -> dict[str, int]:
-        """Leave out cycles of long jobs; returns how many of each."""
-        left_out = {}
-        for name, job in self.state.jobs.items():
-            more = job.cycles_left - CYCLES_RUN
-            if more > 0:
-                left_out[name] = more
-                job.job = replace(job.job, quantity=job.job.quantity - more)
-        return left_out
+    def _leave_out_what_repeats(self) -> None:
+        """Leave out periods of the only job on the line, once it stands as it has stood before.
+
+        Engine and virtual robots would do the same again. Only a script whose conditions ask for
+        the number of an item is run whole.
+        """
+        name = self._log.taken_packed()
+        if name is None or name in self._log.repeating_s or list(self.state.jobs.line) != [name]:
+            return
+        packed_s = self._log.packed_s[name]
+        before = self._stood.setdefault(_standing(self.state, name, packed_s[-1]), len(packed_s))
+        period = len(packed_s) - before
+        if period and not _counts(self.state.script(name)):
+            self._log.repeating_s[name] = (packed_s[-1] - packed_s[before - 1]) / period
+            self._leave_out(name, CYCLES_KEPT, period)
+
+    def _leave_out(self, name: str, kept: int, period: int = 1) -> None:
+        """Let a job have about so many cycles to begin; whole periods are left out."""
+        job = self.state.jobs[name]
+        more = (job.cycles_left - kept) // period * period
+        if more > 0:
+            self._left_out[name] = self._left_out.get(name, 0) + more
+            job.job = replace(job.job, quantity=job.job.quantity - more)
+
+
+def _counts(script: Script) -> bool:
+    """Tell whether one item may take another way than the next, by what it or its order is."""
+    return any(
+        reference.source in ('item', 'order')
+        for task in script.tasks.values()
+        for condition in task.comparisons
+        for reference in condition.references
+    )
+
+
+def _standing(state: CellState, name: str, now_s: float) -> Hashable:
+    """Return what the line will do next depends on, without the names of items and the time.
+
+    :param name: the only job on the line
+    """
+    begun = state.jobs[name].progress.started
+
+    def place(item: str | None) -> Hashable:
+        if item is None or item not in state.items:
+            return None
+        known = state.items[item]
+        return begun - known.number, known.present, known.rejected
+
+    def cycle(now: Cycle) -> Hashable:
+        return place(now.item), state.beat - now.beat, *now.rounds.items()
+
+    return (
+        name,
+        state.indexing,
+        tuple(flag.count for flag in state.flags.values()),
+        tuple(reading.ready for reading in state.readings.values()),
+        tuple(len(count.rejects) for count in state.reject_counts.values()),
+        tuple(
+            (
+                place(section.slot),
+                state.beat - section.turn_beat,
+                section.cycle and cycle(section.cycle),
+            )
+            for section in state.sections.values()
+        ),
+        frozenset(
+            (
+                key.section,
+                place(key.item),
+                key.task,
+                task.phase,
+                task.phase is Phase.RUNNING and round(now_s - task.started, SAME_S),
+            )
+            for key, task in state.tasks.items()
+        ),
+    )
 
 
 def _of_cell(state: Mapping[str, Any], now: str) -> dict[str, Any]:
@@ -190,13 +268,17 @@ class _Log:
         self._changes_s: dict[e.TaskKey, float] = {}
         """When the changes of setups began that go on."""
         self.changeover_s = 0.0
+        self._packed: str | None = None
         self.packed_s: dict[str, list[float]] = defaultdict(list)
+        self.repeating_s: dict[str, float] = {}
+        """Seconds between two items, of jobs with which the line repeats itself."""
         self.ended_s: dict[str, float] = {}
 
     def publish(self, events: Sequence[e.Event]) -> None:
         """Note what matters."""
         for event in events:
             if isinstance(event, e.ItemRemoved):
+                self._packed = event.job
                 self.packed_s[event.job].append(event.time)
             elif isinstance(event, e.JobCompleted | e.JobAborted):
                 self.ended_s[event.job] = event.time
@@ -212,8 +294,15 @@ class _Log:
         elif isinstance(event, e.TaskSucceeded | e.TaskFailed) and event.key in self._changes_s:
             self.changeover_s += event.time - self._changes_s.pop(event.key)
 
+    def taken_packed(self) -> str | None:
+        """Return the job of an item that was packed since the last call; None: there was none."""
+        packed, self._packed = self._packed, None
+        return packed
+
     def pace_s(self, job: str) -> float:
         """Return the seconds between two items, where the line neither fills nor drains."""
+        if job in self.repeating_s:
+            return self.repeating_s[job]
         times = self.packed_s[job]
         edge = len(times) // 4
         middle = times[edge : len(times) - edge]

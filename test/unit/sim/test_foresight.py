@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.commands import Pause
-from fakes.line import THREE, Line
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan, Traits
+from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
+from fakes.plan_runs import product_cell, product_scripts
+from fakes.profiles import examples
+from fakes.virtual_run import defaults
+from hypothesis import given
+from hypothesis import strategies as st
 
 from bt_orchestrator.engine.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.model.cell import Cell
@@ -29,7 +37,11 @@ FLAGGED = THREE + 'lateral_dependencies: [{flag: clear, upstream: work, downstre
 
 @contextmanager
 def running(
-    *quantities: int, until_s: float, cell: Cell = LINE.cell, slower: float = 1.0
+    *quantities: int,
+    until_s: float,
+    cell: Cell = LINE.cell,
+    slower: float = 1.0,
+    text: str = FLAGGED,
 ) -> Iterator[tuple[Simulation, ObservedDurations]]:
     """Yield a line in the middle of its work.
 
@@ -41,13 +53,17 @@ def running(
         return slower * cell.components[request.component].duration_s(request.task)
 
     simulation = Simulation(cell, TYPES, MemoryStore(), [durations], duration=really_s)
-    script = LINE.script(FLAGGED)
+    script = LINE.script(text)
     simulation.submit(Job(f'J{n}', script, quantity) for n, quantity in enumerate(quantities))
+    run_until(simulation, until_s)
+    yield simulation, durations
+    simulation.close()
+
+
+def run_until(simulation: Simulation, until_s: float) -> None:
     while (due := simulation.clock.next_deadline()) is not None and due <= until_s:
         simulation.clock.advance()
         simulation.orchestrator.settle()
-    yield simulation, durations
-    simulation.close()
 
 
 def expected(
@@ -79,6 +95,67 @@ def test_long_jobs_are_shortened_and_come_out_right(monkeypatch: pytest.MonkeyPa
         found = expected(simulation)
 
         assert found == pytest.approx(real_ends(simulation), rel=0.01)
+
+
+def steps_ahead(simulation: Simulation) -> tuple[int, dict[str, float]]:
+    """Return what a forecast costs, and what it says."""
+    plain = json.loads(json.dumps(state_to_plain(simulation.state)))
+    run = run_on.RunOn(simulation.state.cell, TYPES, plain, {}, simulation.clock.now())
+    with closing(run):
+        run.go_on(math.inf)
+        return run.steps, run.ends_s()
+
+
+@pytest.mark.parametrize('seconds', [{}, {'a2': 5.0}])
+def test_a_line_is_run_on_until_it_repeats_itself(seconds: dict[str, float]) -> None:
+    cell = Line(3, seconds=seconds).cell
+    with running(40, until_s=30.0, cell=cell) as (simulation, _):
+        few, found = steps_ahead(simulation)
+        assert found == pytest.approx(real_ends(simulation))
+    with running(400, until_s=30.0, cell=cell) as (simulation, _):
+        many, found = steps_ahead(simulation)
+        assert found == pytest.approx(real_ends(simulation))
+
+    assert many == few < 60
+
+
+def test_a_line_that_comes_to_its_pace_slowly_does_not_repeat_itself_before() -> None:
+    text = with_section(
+        2,
+        """
+          release_conveyor: after_last_conveyor_task
+          tasks: [{id: work, @a2}, {id: clean, @b2, requires_conveyor: false}]
+        """,
+    )  # 8.0 s per item, until cleaning has come to be half a second later with each of them
+    cell = Line(3, seconds={'a1': 6.0, 'b2': 7.5}).cell
+    with running(40, until_s=30.0, cell=cell, text=text) as (simulation, _):
+        found = expected(simulation)
+
+        assert found == pytest.approx(real_ends(simulation))
+
+
+def test_items_of_which_each_may_take_another_way_are_all_run() -> None:
+    text = with_section(
+        2, '[{id: work, @a2, when: {value: "${item.number}", at_least: 20}}, {id: look, @b2}]'
+    )
+    with running(40, until_s=9.0, text=text) as (simulation, _):
+        found = expected(simulation)
+
+        assert found == pytest.approx(real_ends(simulation))
+
+
+@examples(10, 500)
+@given(lines(Traits(faults=False, rejects=True, most_sections=5)), st.sampled_from([0.0, 7.3, 40.0]))
+def test_drawn_lines_do_what_is_forecast(plan: Plan, until_s: float) -> None:
+    cell = product_cell(plan)
+    for script in product_scripts(plan, cell).values():
+        jobs = [Job(name, script, 40, defaults(script)) for name in 'JK']
+        with closing(Simulation(cell, TYPES, MemoryStore())) as simulation:
+            simulation.submit(jobs)
+            run_until(simulation, until_s)
+            found = expected(simulation)
+            ends = real_ends(simulation)
+            assert found == pytest.approx({name: ends[name] for name in found})
 
 
 def test_what_was_seen_counts_more_than_what_is_written() -> None:
