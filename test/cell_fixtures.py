@@ -11,7 +11,7 @@ import program_process
 import pytest
 from cell_processes import SMALL_CELL, CellProcesses, StartCell
 from failed_cells import CELLS
-from loaded_program import LoadedProgram
+from loaded_program import CHILDREN_BY_PYTHON, LoadedProgram
 from ros_domain import discovering_fast
 
 
@@ -28,6 +28,12 @@ def loaded() -> Iterator[None]:
     with closing(LoadedProgram()) as program, pytest.MonkeyPatch.context() as patch:
         patch.setattr(program_process, 'loaded', program)
         yield
+
+
+@pytest.fixture
+def children_by_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let Python start each process of a node, which then has a command line of its own."""
+    monkeypatch.setenv(CHILDREN_BY_PYTHON, 'yes')
 
 
 @pytest.fixture

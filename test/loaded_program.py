@@ -21,6 +21,7 @@ import threading
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, BinaryIO
 
 PRELOADED = (
@@ -28,6 +29,46 @@ PRELOADED = (
     *('bt_orchestrator.cli.status', 'bt_orchestrator.ros.node', 'rclpy.action', 'rclpy.executors'),
 )
 """What most processes of a cell import. No extension: a cell without it loads nothing of it."""
+
+CHILDREN_BY_PYTHON = 'CHILDREN_BY_PYTHON'
+"""Environment variable: Python starts the processes of a node, as it does without this file."""
+
+
+class Forks:
+    """Asks a process that has everything loaded for forks of it. Ends it in `close`."""
+
+    def __init__(self, to_it: socket.socket) -> None:
+        self._socket = to_it
+        self._answers = to_it.makefile('r')
+        self._lock = threading.Lock()
+
+    def start(
+        self,
+        words: Sequence[str],
+        files: Sequence[int],
+        cwd: Path,
+        environment: Mapping[str, str],
+    ) -> int:
+        """Start a process; return its pid.
+
+        :param files: its standard input, output and errors
+        """
+        asked = {'words': [*words], 'cwd': str(cwd), 'environment': {**environment}}
+        return self._ask(asked, files)
+
+    def exit_status(self, pid: int) -> int:
+        """Return the exit status of a process that has ended, once."""
+        return self._ask({'ended': pid})
+
+    def close(self) -> None:
+        """End; the processes that were started go on."""
+        self._socket.close()
+        self._answers.close()
+
+    def _ask(self, asked: Mapping[str, Any], files: Sequence[int] = ()) -> int:
+        with self._lock:
+            socket.send_fds(self._socket, [json.dumps(asked).encode() + b'\n'], files)
+            return int(self._answers.readline())
 
 
 class LoadedProgram:
@@ -41,9 +82,7 @@ class LoadedProgram:
             self._process = subprocess.Popen(
                 words, pass_fds=[theirs.fileno()], start_new_session=True
             )
-        self._socket = ours
-        self._answers = ours.makefile('r')
-        self._lock = threading.Lock()
+        self._forks = Forks(ours)
 
     def start(
         self,
@@ -57,32 +96,22 @@ class LoadedProgram:
 
         :param words: a command line from the verb on
         """
-        asked = {'words': [*words], 'cwd': str(cwd), 'environment': {**environment}}
-        files = [output.fileno(), errors.fileno()]
-        return LoadedProcess(self, self._ask(asked, files))
-
-    def exit_status(self, pid: int) -> int:
-        """Return the exit status of a process that has ended, once."""
-        return self._ask({'ended': pid})
+        with Path(os.devnull).open('rb') as nothing:
+            files = [file.fileno() for file in (nothing, output, errors)]
+            return LoadedProcess(self._forks, self._forks.start(words, files, cwd, environment))
 
     def close(self) -> None:
         """End; the processes that were started go on."""
-        self._socket.close()
-        self._answers.close()
+        self._forks.close()
         self._process.wait()
-
-    def _ask(self, asked: Mapping[str, Any], files: Sequence[int] = ()) -> int:
-        with self._lock:
-            socket.send_fds(self._socket, [json.dumps(asked).encode() + b'\n'], files)
-            return int(self._answers.readline())
 
 
 class LoadedProcess:
     """One process of the program: what tests need of `subprocess.Popen`."""
 
-    def __init__(self, program: LoadedProgram, pid: int) -> None:
+    def __init__(self, forks: Forks, pid: int) -> None:
         self.pid = pid
-        self._program = program
+        self._forks = forks
         self._handle = os.pidfd_open(pid)
         self._status: int | None = None
 
@@ -114,14 +143,52 @@ class LoadedProcess:
 
     def _ended_within(self, seconds: float | None) -> int | None:
         if self._status is None and select.select([self._handle], [], [], seconds)[0]:
-            self._status = self._program.exit_status(self.pid)
+            self._status = self._forks.exit_status(self.pid)
         return self._status
+
+
+class LoadedChild(LoadedProcess):
+    """A process of a node: what `base.child_process` needs of `subprocess.Popen`."""
+
+    def __init__(self, forks: Forks, module: str) -> None:
+        theirs, write = os.pipe()
+        read, also_theirs = os.pipe()
+        files = [theirs, also_theirs, sys.stderr.fileno()]
+        super().__init__(forks, forks.start([module], files, Path.cwd(), os.environ))
+        os.close(theirs)
+        os.close(also_theirs)
+        self.stdin = os.fdopen(write, 'wb', buffering=0)
+        self.stdout = os.fdopen(read, 'rb', buffering=0)
+
+    @property
+    def returncode(self) -> int | None:
+        """Its exit status, once it was waited for; None: it was not."""
+        return self._status
+
+
+def _fork_children() -> None:
+    """Let this process fork its children from another one, which has no ROS and no threads."""
+    ours, theirs = socket.socketpair()
+    if _fork() == 0:
+        ours.close()
+        os.setsid()
+        _serve(theirs)
+        import_module(sys.argv[1]).main()
+        sys.exit()
+    theirs.close()
+    forks = Forks(ours)
+
+    def popen(words: Sequence[str], **_: Any) -> LoadedChild:
+        return LoadedChild(forks, words[-1])
+
+    its = vars(import_module('bt_orchestrator.base.child_process'))
+    its['subprocess'] = SimpleNamespace(**{**vars(subprocess), 'Popen': popen})
 
 
 def _serve(requests: socket.socket) -> None:
     """Fork at each request. Returns in the fork; here, it ends with who asks."""
     while True:
-        line, files, _, _ = socket.recv_fds(requests, 1 << 20, 2)
+        line, files, _, _ = socket.recv_fds(requests, 1 << 20, 3)
         while line and not line.endswith(b'\n'):
             line += requests.recv(1 << 20)
         if not line:
@@ -161,8 +228,7 @@ def _become(asked: Mapping[str, Any], files: Sequence[int]) -> None:
     """Become a process with its own arguments, environment, folder, files and session."""
     os.setsid()
     os.chdir(asked['cwd'])
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    for number, file in enumerate((nothing, *files)):
+    for number, file in enumerate(files):
         os.dup2(file, number)
         os.close(file)
     os.environ.clear()
@@ -177,4 +243,6 @@ if __name__ == '__main__':
     for _name in PRELOADED:
         import_module(_name)
     _serve(socket.socket(fileno=int(sys.argv[1])))
+    if sys.argv[1] == 'run' and CHILDREN_BY_PYTHON not in os.environ:
+        _fork_children()
     runpy.run_module('bt_orchestrator', run_name='__main__', alter_sys=True)

@@ -7,11 +7,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, TREES
+from patience import PATIENCE_S, until
 
 from bt_orchestrator.base.child_process import framed
 from bt_orchestrator.cli import bootstrap
@@ -20,7 +20,6 @@ from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.sim.simulation import Simulation
 
-LONGEST_S = 40.0
 EPOCH_S = 1.8e9
 
 
@@ -35,13 +34,6 @@ def begun() -> Iterator[Simulation]:
     simulation.close()
 
 
-def until(met: Callable[[], object]) -> None:
-    deadline = time.monotonic() + LONGEST_S
-    while not met():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-
-
 def ask(process: ForesightProcess, simulation: Simulation) -> None:
     process.ask(json.dumps(state_to_plain(simulation.state)), {}, EPOCH_S)
 
@@ -49,7 +41,7 @@ def ask(process: ForesightProcess, simulation: Simulation) -> None:
 def test_questions_are_answered_and_the_process_ends(begun: Simulation) -> None:
     process = ForesightProcess(begun.state.cell)
     ask(process, begun)
-    until(lambda: process.ends_s)
+    until(lambda: process.ends_s, 'a forecast')
 
     assert process.ends_s == {'WO-1001': pytest.approx(EPOCH_S + 39.0)}
     child = process._process.pid
@@ -66,18 +58,18 @@ def test_a_process_that_dies_takes_the_forecasts_with_it_and_nothing_else(
 ) -> None:
     process = ForesightProcess(begun.state.cell)
     ask(process, begun)
-    until(lambda: process.ends_s)
+    until(lambda: process.ends_s, 'a forecast')
     child = process._process.pid
     assert child is not None
     os.kill(child, signal.SIGKILL)
     ask(process, begun)
-    until(lambda: not process.ends_s)
+    until(lambda: not process.ends_s, 'that there is none')
     process.close()
 
 
 def test_it_loads_before_the_first_question_and_need_not_get_one(begun: Simulation) -> None:
     process = ForesightProcess(begun.state.cell)
-    until(lambda: process._process.pid)
+    until(lambda: process._process.pid, 'the process')
     child = process._process.pid
     assert child is not None
     process.close()
@@ -98,5 +90,5 @@ def test_nobody_left_to_hear_the_answer_is_no_error(begun: Simulation) -> None:
     }
     for one in (to_plain(begun.state.cell), question):
         child.stdin.write(framed(json.dumps(one).encode()))
-    _, errors = child.communicate(timeout=LONGEST_S)
+    _, errors = child.communicate(timeout=PATIENCE_S)
     assert (child.returncode, errors) == (0, b'')

@@ -12,6 +12,8 @@ import program_process
 import pytest
 from cell_processes import SMALL_CELL
 from loaded_program import LoadedProgram
+from patience import until
+from process_use import family
 from program_process import ProgramProcess
 
 
@@ -53,3 +55,16 @@ def test_a_node_of_ros_has_its_own_folder_and_session_and_ends_by_a_signal(
     assert os.getsid(process.pid) == process.pid
     assert process.stop(number) == status
     process.assert_clean()
+
+
+def test_a_node_forks_its_processes_which_end_with_it(
+    loaded: LoadedProgram, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / 'cell.yaml').write_text(SMALL_CELL)
+    monkeypatch.setattr(program_process, 'loaded', loaded)
+    node = ProgramProcess(['run', '--cell', 'cell.yaml'], tmp_path, 'node')
+    node.wait_ready()
+    until(lambda: len(family(node.pid)) == 4, 'what forks, forecasts and orders')
+    others = family(node.pid) - {node.pid}
+    node.kill()
+    until(lambda: not any(Path(f'/proc/{pid}').exists() for pid in others), 'their end')

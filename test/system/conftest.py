@@ -5,11 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from cell_fixtures import fast_discovery, loaded, small_cell, small_cell_file, start_cell
+from cell_fixtures import (
+    children_by_python,
+    fast_discovery,
+    loaded,
+    small_cell,
+    small_cell_file,
+    start_cell,
+)
 from postgres_server import PostgresServer, postgres_server
 
 __all__ = [
     'address',
+    'children_by_python',
     'fast_discovery',
     'loaded',
     'server',

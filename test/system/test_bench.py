@@ -7,13 +7,12 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from patience import PATIENCE_S
+from patience import PATIENCE_S, until
 from process_use import family
 
 ROOT = Path(__file__).parents[2]
@@ -59,14 +58,6 @@ def test_a_bench_that_is_stopped_leaves_no_process(tmp_path: Path, row: str) -> 
         for pid in begun:
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
-
-
-def until(condition: Callable[[], object], what: str) -> None:
-    """Look at a condition until it holds."""
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline, f'waited {PATIENCE_S:g} s for {what}'
-        time.sleep(0.02)
 
 
 def environment() -> dict[str, str]:

@@ -90,6 +90,7 @@ def kill(pid: int) -> None:
         os.kill(pid, signal.SIGKILL)
 
 
+@pytest.mark.usefixtures('children_by_python')
 @pytest.mark.long
 def test_reports_are_the_same_whoever_is_killed_while_books_are_made(
     start_cell: StartCell, tmp_path: Path

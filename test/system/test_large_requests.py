@@ -44,6 +44,7 @@ def order(script: Path, name: str = '') -> SubmitOrder.Request:
     return SubmitOrder.Request(script=str(script), order=name, quantity=1)
 
 
+@pytest.mark.usefixtures('children_by_python')
 @pytest.mark.long
 @pytest.mark.timeout(600)
 def test_large_requests(small_cell: CellProcesses) -> None:

@@ -8,6 +8,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import pytest
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
 from bt_orchestrator_interfaces.srv import (
@@ -73,6 +74,7 @@ def answer(cell: CellProcesses, future: Any) -> Any:
     return future.result()
 
 
+@pytest.mark.usefixtures('children_by_python')
 def test_orders_by_recipe(start_cell: StartCell, tmp_path: Path) -> None:
     recipes = tmp_path / 'recipes'
     recipes.mkdir()

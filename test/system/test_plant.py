@@ -7,13 +7,13 @@ import random
 import signal
 import sqlite3
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
 
 import pytest
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering
-from patience import PATIENCE_S
+from patience import PATIENCE_S, until
 from postgres_server import PostgresServer, postgres_server
 from program_process import ProgramProcess
 
@@ -60,13 +60,6 @@ def journal(cell: CellProcesses) -> Path:
 def in_file(cell: CellProcesses) -> list[tuple[object, ...]]:
     with closing(sqlite3.connect(f'file:{journal(cell)}?mode=ro', uri=True)) as database:
         return database.execute('SELECT seq, record FROM events ORDER BY seq').fetchall()
-
-
-def until(condition: Callable[[], bool], what: str) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline, f'never came: {what}'
-        time.sleep(0.05)
 
 
 class Feeding:

@@ -9,7 +9,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -17,6 +16,7 @@ from pathlib import Path
 import pytest
 from cell_processes import SMALL_CELL, SPEED, small_script
 from chaos.network import ROUTED_ADDRESSES, RoutedNetwork, why_not
+from patience import until
 from program_process import ProgramProcess
 from ros_domain import PROFILES
 
@@ -33,7 +33,6 @@ OF_A_SERVER = '42'
 PLACES = 4
 """Fast DDS asks a static peer at so many places, one a process."""
 
-WITHIN_S = 30.0
 
 Variables = Mapping[str, str]
 
@@ -128,13 +127,6 @@ class Deck:
         self._running.callback(server.kill)
         ready = b'Server started' if is_newer else b'Server is running'
         until(lambda: ready in output.read_bytes(), 'the discovery server')
-
-
-def until(condition: Callable[[], bool], what: str) -> None:
-    deadline = time.monotonic() + WITHIN_S
-    while not condition():
-        assert time.monotonic() < deadline, f'waited {WITHIN_S:g} s for {what}'
-        time.sleep(0.05)
 
 
 MakeDeck = Callable[[tuple[Variables, Variables]], Deck]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import signal
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from cell_processes import SMALL_CELL
 from chaos.truth import journal
+from patience import until
 from program_process import ProgramProcess
 
 from bt_orchestrator.model import events as e
@@ -51,13 +51,6 @@ def nodes(tmp_path: Path) -> Iterator[Nodes]:
     yield nodes
     for node in nodes.started:
         node.kill()
-
-
-def until(condition: Callable[[], object], what: str, within_s: float = 30.0) -> None:
-    deadline = time.monotonic() + within_s
-    while not condition():
-        assert time.monotonic() < deadline, f'waited {within_s:g} s for {what}'
-        time.sleep(0.05)
 
 
 def assert_both_hold(nodes: Nodes, a: ProgramProcess, b: ProgramProcess) -> None:

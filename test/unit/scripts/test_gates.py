@@ -7,13 +7,11 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from fakes.programs import program
-from patience import PATIENCE_S
+from patience import PATIENCE_S, until
 
 ROOT = Path(__file__).parents[3]
 
@@ -83,18 +81,13 @@ def test_a_stop_ends_the_types_too(clone: Path) -> None:
         stdout=subprocess.DEVNULL,
         start_new_session=True,
     )
-    until(lambda: (clone / 'pid').exists() and (clone / 'pid').read_text().endswith('\n'))
+    until(
+        lambda: (clone / 'pid').exists() and (clone / 'pid').read_text().endswith('\n'), 'its pid'
+    )
     os.killpg(running.pid, signal.SIGTERM)
     running.wait(PATIENCE_S)
     mypy_of = Path('/proc', (clone / 'pid').read_text().strip())
-    until(lambda: not mypy_of.exists() or ') Z ' in (mypy_of / 'stat').read_text())
-
-
-def until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+    until(lambda: not mypy_of.exists() or ') Z ' in (mypy_of / 'stat').read_text(), 'its end')
 
 
 @pytest.mark.parametrize(('number', 'status'), [(2, 0), (3, 1)])

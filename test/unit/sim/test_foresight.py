@@ -145,7 +145,9 @@ def test_items_of_which_each_may_take_another_way_are_all_run() -> None:
 
 
 @examples(10, 500)
-@given(lines(Traits(faults=False, rejects=True, most_sections=5)), st.sampled_from([0.0, 7.3, 40.0]))
+@given(
+    lines(Traits(faults=False, rejects=True, most_sections=5)), st.sampled_from([0.0, 7.3, 40.0])
+)
 def test_drawn_lines_do_what_is_forecast(plan: Plan, until_s: float) -> None:
     cell = product_cell(plan)
     for script in product_scripts(plan, cell).values():
