@@ -24,7 +24,10 @@ def fast_discovery() -> Iterator[None]:
 
 @pytest.fixture(scope='session', autouse=True)
 def loaded() -> Iterator[None]:
-    """Let the program begin loaded."""
+    """Let the program begin loaded; a process that runs tests of several folders loads it once."""
+    if program_process.loaded is not None:
+        yield
+        return
     with closing(LoadedProgram()) as program, pytest.MonkeyPatch.context() as patch:
         patch.setattr(program_process, 'loaded', program)
         yield

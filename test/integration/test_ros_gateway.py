@@ -227,6 +227,7 @@ class TestStatus:
 
 
 class TestKilledServer:
+    @pytest.mark.long
     def test_that_stays_away_is_lost_after_its_lease(self, cell: RosBench) -> None:
         goal = cell.gateway.send(goal_request('hanging'))
         cell.run_until(lambda: goal.accepted, 'the acceptance')
@@ -246,6 +247,7 @@ class TestKilledServer:
         again = cell.gateway.send(goal_request('good'))
         assert ended(cell, again) is GoalStatus.SUCCEEDED
 
+    @pytest.mark.long
     def test_that_was_there_for_long_and_is_back_at_once_has_another_id(
         self, cell: RosBench
     ) -> None:

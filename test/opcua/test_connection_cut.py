@@ -104,6 +104,7 @@ def watched(start_line: StartLine, tmp_path: Path, lay: Lay) -> Iterator[Watched
     one.close()
 
 
+@pytest.mark.long
 def test_a_connection_that_was_cut_goes_on_without_a_storm(watched: Watched, tell: Tell) -> None:
     watched.wire.cut()
     watched.mes.wait(lambda line: line.get('news') == 'lost', 'the loss')
@@ -115,6 +116,7 @@ def test_a_connection_that_was_cut_goes_on_without_a_storm(watched: Watched, tel
     watched.assert_sound()
 
 
+@pytest.mark.long
 def test_a_server_that_was_killed_in_a_job_goes_on_with_its_subscribers(
     watched: Watched, tell: Tell
 ) -> None:

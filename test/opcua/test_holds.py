@@ -55,6 +55,7 @@ def _wait_changed(client: Client, name: str, value: str, comment: str) -> None:
     assert (fields['clientUserId'], fields['comment']) == ('operate', comment)
 
 
+@pytest.mark.long
 def test_who_has_no_right_starts_nothing(start_line: StartLine) -> None:
     line = start_line()
     line.cell.script(small_script())

@@ -6,11 +6,13 @@ import signal
 import time
 from typing import Any
 
+import pytest
 from cell_processes import small_script
 from opcua.conftest import StartLine, Tell
 from opcua.line import ORDERS, Client, job_order, parameter, states_in
 
 
+@pytest.mark.long
 def test_values_are_uncertain_while_the_node_is_away_and_an_order_keeps_its_own(
     start_line: StartLine, tell: Tell
 ) -> None:
@@ -51,6 +53,7 @@ def test_values_are_uncertain_while_the_node_is_away_and_an_order_keeps_its_own(
     assert mes.read(ORDERS)[0] == [stored]
 
 
+@pytest.mark.long
 def test_an_order_with_an_unknown_answer_is_sent_again_and_made_once(
     start_line: StartLine,
 ) -> None:

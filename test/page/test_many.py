@@ -29,6 +29,7 @@ def stack() -> Iterator[ExitStack]:
         yield stack
 
 
+@pytest.mark.long
 def test_twelve_tabs_are_live_and_the_twelfth_answers_a_hold(
     start_cell: StartCell, start_page: StartPage, sit: Sit
 ) -> None:
@@ -59,6 +60,7 @@ def in_each(tabs: Sequence[Tab], condition: Callable[[Tab], object], what: str) 
         tab.until(partial(condition, tab), f'{what} in each tab')
 
 
+@pytest.mark.long
 def test_stuck_readers_cost_the_others_nothing(
     start_cell: StartCell, start_page: StartPage, stack: ExitStack
 ) -> None:
@@ -97,6 +99,7 @@ def test_stuck_readers_cost_the_others_nothing(
         assert reader.numbers == readers[0].numbers
 
 
+@pytest.mark.long
 def test_a_page_that_stands_still_changes_no_goal(
     start_cell: StartCell, start_page: StartPage
 ) -> None:

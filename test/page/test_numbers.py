@@ -122,6 +122,7 @@ BREAKS: tuple[Callable[[Line], None], ...] = (
 )
 
 
+@pytest.mark.long
 def test_every_event_comes_once_whatever_breaks(line: Line) -> None:
     first = line.tab.first
     for _ in range(TIMES):

@@ -207,6 +207,7 @@ def test_one_press_pauses_and_its_reason_is_chosen_afterwards(
     assert tab.too_wide() == 0
 
 
+@pytest.mark.long
 def test_the_screen_of_stops_is_in_german(plant: Plant, start_page: StartPage, sit: Sit) -> None:
     cell = plant.cell
     tab = sit(start_page(*plant.page_options).port, locale='de-DE').open()

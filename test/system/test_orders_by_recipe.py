@@ -75,6 +75,7 @@ def answer(cell: CellProcesses, future: Any) -> Any:
 
 
 @pytest.mark.usefixtures('children_by_python')
+@pytest.mark.long
 def test_orders_by_recipe(start_cell: StartCell, tmp_path: Path) -> None:
     recipes = tmp_path / 'recipes'
     recipes.mkdir()

@@ -33,6 +33,7 @@ def reader(tmp_path: Path) -> Iterator[PageReader]:
 
 
 @pytest.mark.parametrize('page', PAGES)
+@pytest.mark.long
 def test_a_page_can_be_followed(page: str, reader: PageReader) -> None:
     for one in typed(ROOT / page):
         reader.follow(one)

@@ -114,6 +114,7 @@ def test_a_feed_is_killed_and_the_database_stops_and_nothing_is_missing_or_twice
     assert plant.rows('SELECT * FROM plant.gaps') == []
 
 
+@pytest.mark.long
 def test_three_cells_and_one_database_leave_each_other_alone(
     start_cell: StartCell, tmp_path: Path, server: PostgresServer
 ) -> None:

@@ -107,6 +107,7 @@ LOSSES: dict[str, tuple[Callable[[Safety, CellProcesses], object], str]] = {
 
 
 @pytest.mark.parametrize('loss', LOSSES)
+@pytest.mark.long
 def test_7_9_a_loss_ends_every_goal_once_and_its_return_starts_nothing(
     start_cell: StartCell, safety: Safety, loss: str
 ) -> None:
@@ -192,6 +193,7 @@ def test_7_9_a_line_at_rest_is_held_and_only_the_hold_lets_it_go_on(
 
 
 @pytest.mark.parametrize('is_signed', [False, True], ids=['trusted', 'signed'])
+@pytest.mark.long
 def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
     start_cell: StartCell, safety: Safety, tmp_path: Path, is_signed: bool
 ) -> None:

@@ -161,6 +161,7 @@ def test_9_4_a_standby_that_is_stopped_leaves_the_leader_alone(pair: Pair, addre
     assert_all_done_once(pair, address, 1)
 
 
+@pytest.mark.long
 def test_9_4_status_and_diagnostics_tell_of_leader_and_standby(pair: Pair) -> None:
     said: dict[str, str] = {}
 

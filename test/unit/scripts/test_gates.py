@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -129,7 +130,7 @@ def test_what_fails_twice_has_failed(clone: Path) -> None:
         'mkdir -p $cache; echo \'{"test_a.py::test_0": true}\' >$cache/lastfailed; exit 1',
     )
     done = gates(clone, '--only', 'system')
-    assert (done.returncode, 'system       FAILED' in done.stdout) == (1, True)
+    assert (done.returncode, 'programs     FAILED' in done.stdout) == (1, True)
 
 
 @pytest.mark.parametrize(
@@ -140,9 +141,19 @@ def test_a_gate_has_brought_what_it_alone_needs(clone: Path, gate: str, option: 
     program(bootstrap, f'case "$*" in *{option}*) echo none came; exit 1;; esac')
     done = gates(clone, '--only', f'system,{gate}')
     assert done.returncode == 1
-    assert 'system       passed' in done.stdout
+    assert 'programs     passed' in done.stdout
     assert 'none came' in done.stdout
     assert f'{gate:12} FAILED' in done.stdout
+
+
+def test_the_gates_of_programs_run_together(clone: Path) -> None:
+    pytest_ = clone / '.venv' / 'jazzy' / 'bin' / 'pytest'
+    program(pytest_, 'echo "$TEST_PROCESSES_AT_ONCE: $*" >>asked')
+    done = gates(clone, '--only', 'integration,unit,opcua')
+    assert done.returncode == 0, done.stdout + done.stderr
+    unit, programs = (clone / 'asked').read_text().splitlines()
+    assert re.fullmatch(r': .* test/unit', unit)
+    assert re.fullmatch(r'\d+: .* test/integration test/opcua', programs)
 
 
 def test_ci_takes_what_a_machine_may_have_by_hand_off_path(tmp_path: Path) -> None:
