@@ -9,7 +9,7 @@ from typing import Any
 
 import asyncua
 from asyncua import ua
-from opcua_reader import Reader, client_of
+from opcua_reader import Reader, client_of, to_the_end
 from patience import PATIENCE_S
 
 DONE, UNKNOWN, WRONG, NOT_ACCEPTED, MALFORMED = 1, 2, 8, 16, 1 << 32
@@ -144,4 +144,4 @@ def with_mes(url: str, what: Callable[[Mes], Awaitable[None]]) -> None:
             assert isinstance(mes, Mes)
             await what(mes)
 
-    asyncio.run(connected())
+    to_the_end(connected())

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import asyncua
@@ -64,4 +65,10 @@ def reading(url: str, what: Callable[[Reader], Awaitable[object]]) -> None:
         async with client_of(url) as client:
             await what(await Reader.of(client))
 
-    asyncio.run(connected())
+    to_the_end(connected())
+
+
+def to_the_end(work: Coroutine[Any, Any, None]) -> None:
+    """Do it in a thread of its own: the driver of a browser has a loop in the one of the tests."""
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(asyncio.run, work).result()
