@@ -49,7 +49,8 @@ def handle(monkeypatch: pytest.MonkeyPatch) -> Handle:
 
 def make() -> LeanQuestions:
     service = Service(SimpleNamespace(Response=object), 'name')
-    return LeanQuestions(None, service)  # type: ignore[arg-type]
+    node: Any = SimpleNamespace(handle=None, resolve_service_name=str)
+    return LeanQuestions(node, service)
 
 
 def told(service: LeanQuestions) -> list[str]:

@@ -8,13 +8,21 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from action_msgs.srv import CancelGoal
+from patience import until
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 
 from bt_orchestrator.ros.executor import lean_parts
 from bt_orchestrator.ros.executor.lean_executor import LeanExecutor
-from bt_orchestrator.ros.executor.ways import PlainLastMessage, Way, choose_way, plain_clients
+from bt_orchestrator.ros.executor.ways import (
+    PlainLastMessage,
+    Service,
+    Way,
+    choose_way,
+    plain_clients,
+)
 from bt_orchestrator.ros.node_parameters import AUTO, PLAIN
 
 pytestmark = pytest.mark.every_distro
@@ -52,6 +60,18 @@ def test_the_inside_of_this_rclpy_is_known(node: Node, warned: list[str]) -> Non
     assert strange == {}, 'read what has changed, run test_executors.py, and add it to KNOWN'
     assert choose_way(AUTO, node).executor is LeanExecutor
     assert warned == []
+
+
+@pytest.mark.parametrize('client', [AUTO, PLAIN])
+def test_the_servers_of_a_service_are_counted_by_its_full_name(client: str, node: Node) -> None:
+    (asked,), end = choose_way(client, node).clients(
+        node, node.get_logger(), [Service(CancelGoal, '~/cancel')]
+    )
+    assert asked.servers() == 0
+    for number in (1, 2):
+        node.create_service(CancelGoal, 'ways/cancel', lambda _, response: response)
+        until(lambda: asked.servers() == number, f'{number} of them')  # noqa: B023
+    end()
 
 
 def test_plain_is_taken_without_a_word_where_it_is_asked_for(

@@ -95,7 +95,7 @@ def test_a_demo_with_page_and_opc_ua_goes_on_until_somebody_ends_it(tmp_path: Pa
         demo.assert_clean()
         assert [pid for pid in pids if is_there(pid)] == []
     finally:
-        demo.kill()
+        demo.stop()
 
 
 @pytest.mark.every_distro

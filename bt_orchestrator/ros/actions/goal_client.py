@@ -207,7 +207,7 @@ class GoalClient:
 
         :param node: another one that looks, in place of the client's own
         """
-        return int((node or self.node).count_services(self._taking))
+        return self._goals.servers() if node is None else int(node.count_services(self._taking))
 
     def takers(self) -> Sequence[str]:
         """Return the full names of the nodes that take goals; asks for every node there is."""

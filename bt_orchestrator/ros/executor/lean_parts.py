@@ -121,6 +121,8 @@ class LeanQuestions:
         self._is_last = service.is_last
         self._open: dict[int, Answered] = {}
         self.handle = _client(node, service)
+        self._node = node.handle
+        self._name = node.resolve_service_name(service.name)
 
     def __len__(self) -> int:
         return len(self._open)
@@ -147,6 +149,14 @@ class LeanQuestions:
         """Tell whether the service is there; goes through the whole ROS graph twice."""
         with self.handle:
             return bool(self.handle.service_server_is_available())
+
+    def servers(self) -> int:
+        """Count those who serve it; goes through the whole ROS graph.
+
+        rclpy's node takes three times as long: it makes the full name anew each time.
+        """
+        with self._node:
+            return int(self._node.get_count_services(self._name))
 
     def take(self) -> Sequence[Call]:
         """Take the answers that have come, each with what is to be called.
@@ -291,6 +301,7 @@ LISTS = ('_Node__waitables', '_timers', '_subscriptions', '_guards', '_clients',
 _HANDLES = {
     'Client': ('destroy_when_not_in_use', 'send_request', 'service_server_is_available',
                'take_response'),
+    'Node': ('get_count_services',),
     'EventHandle': ('destroy_when_not_in_use', 'take_event'),
     'rcl_subscription_event_type_t': ('RCL_SUBSCRIPTION_MATCHED',),
     'Subscription': ('destroy_when_not_in_use', 'get_publisher_count', 'take_message'),

@@ -49,6 +49,9 @@ class Questions(Protocol):
     def is_served(self) -> bool:
         """Tell whether the service is there; goes through the whole ROS graph."""
 
+    def servers(self) -> int:
+        """Count those who serve it; goes through the whole ROS graph."""
+
 
 class Connections(NamedTuple):
     """Publishers that a subscription has been connected to."""
@@ -159,6 +162,7 @@ class PlainQuestions:
         """Make the client."""
         self._logger = logger
         self._client = create_client(node, service.kind, service.name)
+        self.servers = partial(node.count_services, node.resolve_service_name(service.name))
         self.destroy = partial(node.destroy_client, self._client)
 
     def ask(self, request: Any, answered: Answered) -> PlainQuestion:
