@@ -5,16 +5,26 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import yaml
+from fakes.quick_users import QUICK
 
 from bt_orchestrator.model.by import Role
+from bt_orchestrator.script.users import file, passwords
 from bt_orchestrator.script.users.file import NoHome, UsersFile, UsersUnusable, default_file
 from bt_orchestrator.script.users.panels import NoSuchChange
+from bt_orchestrator.script.users.passwords import NOBODYS
 
 PASSWORD = 'correct horse'
+
+
+@pytest.fixture(autouse=True)
+def quick_passwords(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(passwords, 'Cost', lambda: QUICK)
+    monkeypatch.setattr(file, 'NOBODYS', replace(NOBODYS, cost=QUICK))
 
 
 @pytest.fixture
