@@ -80,7 +80,7 @@ def main() -> int:
     interrupts.heed()
     if args.merge:
         runs = [report.read(file) for file in args.merge]
-        rows, about = merged([run for run, _ in runs]), [said for _, said in runs]
+        rows, about = merged([run for run, _ in runs]), [facts for _, facts in runs]
         print(*rows, sep='\n')
     else:
         machine = report.machine()

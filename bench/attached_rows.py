@@ -28,8 +28,8 @@ SUBSCRIBERS = 2
 def attached(rounds: int, cycles: int) -> Iterator[Row]:
     """Drive the line alone, and with each of the others, in turns."""
     with stand() as here:
-        found = [_round(here, cycles, number) for number in range(rounds)]
-    ratios = Ratios(found)
+        results = [_round(here, cycles, number) for number in range(rounds)]
+    ratios = Ratios(results)
     yield Row('plain_client', ratios.sequence(PLAIN_CLIENT, ALONE))
     yield Row('plain_client_cpu', ratios.cpu(PLAIN_CLIENT, ALONE))
     yield Row('page_attached', ratios.sequence(PAGE, ALONE))

@@ -20,7 +20,7 @@ def count(*_: object) -> None:
     """Write the number of futures that are no tasks of the executor's turn."""
     file = Path(os.environ[FILE])
     futures = [
-        one for one in gc.get_objects() if isinstance(one, Future) and not isinstance(one, Task)
+        obj for obj in gc.get_objects() if isinstance(obj, Future) and not isinstance(obj, Task)
     ]
     part = file.with_suffix('.part')
     part.write_text(str(len(futures)))

@@ -29,7 +29,7 @@ FILE, DATABASE, REPLICATED = 'file FULL', 'PostgreSQL', 'PostgreSQL, a synchrono
 
 def append(rounds: int, appends: int) -> Iterator[Row]:
     """Compare a cold append of a few events with that of a file."""
-    found: list[dict[str, float]] = []
+    times: list[dict[str, float]] = []
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix='bench_', dir=DISK)))
         plain = stack.enter_context(server())
@@ -41,18 +41,18 @@ def append(rounds: int, appends: int) -> Iterator[Row]:
                 REPLICATED: lambda: in_database(replicated, folder),
             }
             names = list(makes) if number % 2 else list(makes)[::-1]
-            found.append({name: _append_s(makes[name], appends) for name in names})
+            times.append({name: _append_s(makes[name], appends) for name in names})
     notes: dict[str, object] = {
-        f'{name}, p50, ms': statistics.median(r[name] for r in found) * 1e3 for name in found[0]
+        f'{name}, p50, ms': statistics.median(r[name] for r in times) * 1e3 for name in times[0]
     }
-    replicas = [r[REPLICATED] / r[FILE] for r in found]
+    replicas = [r[REPLICATED] / r[FILE] for r in times]
     notes['with a synchronous replica / file'] = statistics.median(replicas)
-    yield Row('postgres_append', [r[DATABASE] / r[FILE] for r in found], notes)
+    yield Row('postgres_append', [r[DATABASE] / r[FILE] for r in times], notes)
 
 
 def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
     """Compare the time between two tasks of a section with that of a journal in a file."""
-    found: list[dict[str, float]] = []
+    times: list[dict[str, float]] = []
     with stand() as here, server() as database:
         drives: dict[str, Callable[[], Measured]] = {
             FILE: lambda: here.ours(cycles, 'FULL', SINGLE),
@@ -60,11 +60,11 @@ def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
         }
         for number in range(rounds):
             names = list(drives) if number % 2 else list(drives)[::-1]
-            found.append({name: percentile(drives[name]().sequence, 0.5) for name in names})
+            times.append({name: percentile(drives[name]().sequence, 0.5) for name in names})
     notes = {
-        f'{name}, p50, ms': statistics.median(r[name] for r in found) * 1e3 for name in drives
+        f'{name}, p50, ms': statistics.median(r[name] for r in times) * 1e3 for name in drives
     }
-    yield Row('postgres_dispatch', [r[DATABASE] / r[FILE] for r in found], notes)
+    yield Row('postgres_dispatch', [r[DATABASE] / r[FILE] for r in times], notes)
 
 
 @contextmanager

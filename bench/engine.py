@@ -142,13 +142,13 @@ def _store(journal: str) -> Iterator[Any]:
 
 def shares(profile: cProfile.Profile) -> list[tuple[str, float]]:
     """Return the share of each module of the package, and of what is not of it, largest first."""
-    found: Counter[str] = Counter()
+    seconds: Counter[str] = Counter()
     # The untyped table of pstats: a function, and its calls and seconds without those it calls.
     for (file, _, _), (_, _, own_s, _, _) in pstats.Stats(profile).stats.items():  # type: ignore[attr-defined]
         _, inside, module = file.rpartition(f'/{PACKAGE}/')
-        found[module if inside else 'Python and its libraries'] += own_s
-    total = sum(found.values())
-    return [(name, own_s / total) for name, own_s in found.most_common()]
+        seconds[module if inside else 'Python and its libraries'] += own_s
+    total = sum(seconds.values())
+    return [(name, own_s / total) for name, own_s in seconds.most_common()]
 
 
 def serve(engine: Engine) -> None:
@@ -173,12 +173,12 @@ def main() -> int:
         serve(engine)
         return 0
     journals = ('memory', 'NORMAL', 'FULL')
-    found = [
+    costs = [
         {journal: engine.run(args.items, journal) for journal in journals}
         for _ in range(args.rounds)
     ]
     for journal in journals:
-        least = min(one[journal] for one in found)
+        least = min(cost[journal] for cost in costs)
         print(
             f'{journal:7} settles {least.settle_us:4.0f} us, all {least.all_us:4.0f} us a task; '
             f'{least.events:.1f} events and {least.settles:.1f} settles a task'

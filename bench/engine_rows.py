@@ -93,5 +93,5 @@ def _run(process: subprocess.Popen[str], order: str) -> dict[str, Any]:
     assert process.stdin is not None
     assert process.stdout is not None
     print(order, file=process.stdin, flush=True)
-    found: dict[str, Any] = json.loads(process.stdout.readline())
-    return found
+    result: dict[str, Any] = json.loads(process.stdout.readline())
+    return result

@@ -31,10 +31,10 @@ Use = dict[str, float]
 def opcua(rounds: int, orders: int) -> Iterator[Row]:
     """Give the same orders beside an empty queue and beside many stored ones."""
     with stand() as here:
-        found = [_round(here, orders) for _ in range(rounds)]
-    median = {name: percentile([one[name] for one in found], 0.5) for name in found[0]}
+        uses = [_round(here, orders) for _ in range(rounds)]
+    median = {name: percentile([use[name] for use in uses], 0.5) for name in uses[0]}
     for key, who in (('opcua_order', 'server'), ('opcua_node', 'node')):
-        ratios = [one[f'{who}, ms, many'] / one[f'{who}, ms, none'] for one in found]
+        ratios = [use[f'{who}, ms, many'] / use[f'{who}, ms, none'] for use in uses]
         yield Row(key, ratios, {name: ms for name, ms in median.items() if name.startswith(who)})
 
 
@@ -58,17 +58,17 @@ async def _measured(
         mes = Mes(client, here.script.stem)
         await mes.subscribe()
         await mes.run('warm', WARM_UP)
-        found: Use = {}
+        use: Use = {}
         for name in ('none', 'many'):
             if name == 'many':
                 for number in range(STORED - 1):
                     await mes.call('Store', mes.order(f'stored-{number}'))
-            before = {who: family_cpu_s(one.pid) for who, one in processes.items()}
+            before = {who: family_cpu_s(process.pid) for who, process in processes.items()}
             await mes.run(name, orders)
-            for who, one in processes.items():
-                used_s = family_cpu_s(one.pid) - before[who]
-                found[f'{who}, ms, {name}'] = used_s / orders * 1e3
-        return found
+            for who, process in processes.items():
+                used_s = family_cpu_s(process.pid) - before[who]
+                use[f'{who}, ms, {name}'] = used_s / orders * 1e3
+        return use
 
 
 def logged_in(endpoint: str) -> Client:

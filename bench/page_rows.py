@@ -31,16 +31,16 @@ Use = dict[str, float]
 def page(rounds: int, seconds: float) -> Iterator[Row]:
     """Let `watch` and the page look at the same line, one after the other."""
     with stand() as here:
-        found = [_round(here, seconds, number) for number in range(rounds)]
-    median = {f'{name}': percentile([one[name] for one in found], 0.5) for name in found[0]}
-    yield Row('page_cpu', _ratios(found, 'page read, % CPU', 'watch, % CPU'), median)
-    yield Row('page_node', _ratios(found, 'node under page, % CPU', 'node under watch, % CPU'))
-    yield Row('page_reader', _ratios(found, 'page read, % CPU', 'page not read, % CPU'))
-    yield Row('page_readers', _ratios(found, 'many, p95 in ms', 'one, p95 in ms'))
+        uses = [_round(here, seconds, number) for number in range(rounds)]
+    median = {f'{name}': percentile([use[name] for use in uses], 0.5) for name in uses[0]}
+    yield Row('page_cpu', _ratios(uses, 'page read, % CPU', 'watch, % CPU'), median)
+    yield Row('page_node', _ratios(uses, 'node under page, % CPU', 'node under watch, % CPU'))
+    yield Row('page_reader', _ratios(uses, 'page read, % CPU', 'page not read, % CPU'))
+    yield Row('page_readers', _ratios(uses, 'many, p95 in ms', 'one, p95 in ms'))
 
 
 def _ratios(rounds: list[Use], above: str, below: str) -> list[float]:
-    return [one[above] / one[below] for one in rounds]
+    return [use[above] / use[below] for use in rounds]
 
 
 def _round(here: Stand, seconds: float, number: int) -> Use:
@@ -53,10 +53,10 @@ def _round(here: Stand, seconds: float, number: int) -> Use:
             lambda: _watched(node, seconds),
             lambda: _paged(here.folder, node, seconds),
         ]
-        found: Use = {}
+        use: Use = {}
         for look in looks if number % 2 else reversed(looks):
-            found |= look()
-        return found
+            use |= look()
+        return use
 
 
 def _watched(node: ProgramProcess, seconds: float) -> Use:
@@ -76,7 +76,7 @@ def _paged(folder: Path, node: ProgramProcess, seconds: float) -> Use:
         with _reading(page):
             time.sleep(SETTLED_S)
         alone = _loads(pids, lambda: time.sleep(seconds))
-        with _reading(page) as one:
+        with _reading(page) as single:
             read = _loads(pids, lambda: time.sleep(seconds))
         many = [stack.enter_context(_reading(page)) for _ in range(READERS)]
         for _ in range(STUCK):
@@ -88,8 +88,8 @@ def _paged(folder: Path, node: ProgramProcess, seconds: float) -> Use:
         'page not read, % CPU': alone[0],
         'page read, % CPU': read[0],
         'node under page, % CPU': read[1],
-        'one, p95 in ms': percentile(one.delays_s, 0.95) * 1e3,
-        'one, p50 in ms': percentile(one.delays_s, 0.5) * 1e3,
+        'one, p95 in ms': percentile(single.delays_s, 0.95) * 1e3,
+        'one, p50 in ms': percentile(single.delays_s, 0.5) * 1e3,
         'many, p95 in ms': percentile(delays_s, 0.95) * 1e3,
         'many, p50 in ms': percentile(delays_s, 0.5) * 1e3,
     }

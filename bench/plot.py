@@ -26,11 +26,11 @@ STYLE = (
 
 def draw(rows: Sequence[Row]) -> str:
     """Draw the rows; of latencies p5 to p95 thin, the middle half thick, p50 a dot."""
-    found = next((row.notes for row in rows if 'latencies, s' in row.notes), {})
+    notes = next((row.notes for row in rows if 'latencies, s' in row.notes), {})
     lines = [
         (f'{name}, {kind}', values)
         for kind, key in (('sequence', 'latencies, s'), ('wrap', 'wraps, s'))
-        for name, values in found.get(key, {}).items()
+        for name, values in notes.get(key, {}).items()
     ]
     curves = list(_curves(rows))
     above = TOP + ROW * (len(lines) + 1)

@@ -45,7 +45,7 @@ def readers(rounds: int, cycles: int, events: int) -> Iterator[Row]:
     :param cycles: how long each turn is
     :param events: that are in the journal at the beginning
     """
-    found: list[dict[str, _Used]] = []
+    uses: list[dict[str, _Used]] = []
     with stand() as here:
         journal = _journal(here)
         make_long_journal(journal, events, line=_OfStand(), text=script_text(SECTIONS))
@@ -55,9 +55,9 @@ def readers(rounds: int, cycles: int, events: int) -> Iterator[Row]:
             tail.until_ended(WARM_UP * TASKS_A_CYCLE)
             for number in range(rounds):
                 turns = (ALONE, READ, BESIDE) if number % 2 else (BESIDE, READ, ALONE)
-                found.append({turn: _turn(turn, here, tail, node.pid, cycles) for turn in turns})
-    yield Row('readers', _ratios(found, READ, ALONE), _figures(found, events))
-    cpu = [one[READ].cpu_s / one[ALONE].cpu_s for one in found]
+                uses.append({turn: _turn(turn, here, tail, node.pid, cycles) for turn in turns})
+    yield Row('readers', _ratios(uses, READ, ALONE), _figures(uses, events))
+    cpu = [use[READ].cpu_s / use[ALONE].cpu_s for use in uses]
     yield Row('readers_cpu', cpu)
 
 
@@ -86,13 +86,13 @@ def _processes(turn: str, here: Stand) -> Iterator[list[str]]:
 @contextmanager
 def _running(words: list[str], here: Stand) -> Iterator[None]:
     """Run a process; it has begun when it has said something."""
-    said = here.folder / here.name('reader')
-    with said.open('w') as output:
+    log = here.folder / here.name('reader')
+    with log.open('w') as output:
         process = subprocess.Popen([sys.executable, '-m', *words], stdout=output, stderr=output)
     try:
-        until(lambda: said.stat().st_size > 0, f'the first words of {words}')
+        until(lambda: log.stat().st_size > 0, f'the first words of {words}')
         yield
-        assert process.poll() is None, said.read_text()
+        assert process.poll() is None, log.read_text()
     finally:
         process.kill()
         process.wait()
@@ -115,7 +115,7 @@ class _OfStand(Line):
 
 
 def _ratios(rounds: list[dict[str, _Used]], above: str, below: str) -> list[float]:
-    return [_p50(one[above]) / _p50(one[below]) for one in rounds]
+    return [_p50(use[above]) / _p50(use[below]) for use in rounds]
 
 
 def _p50(used: _Used) -> float:
@@ -125,7 +125,7 @@ def _p50(used: _Used) -> float:
 def _figures(rounds: list[dict[str, _Used]], events: int) -> dict[str, float]:
     figures: dict[str, float] = {'events in the journal at the beginning': events}
     for turn in (ALONE, READ, BESIDE):
-        values = [one for used in rounds for one in used[turn].latencies_s]
+        values = [latency for used in rounds for latency in used[turn].latencies_s]
         figures[f'{turn}, p50, ms'] = percentile(values, 0.5) * 1e3
         figures[f'{turn}, p95, ms'] = percentile(values, 0.95) * 1e3
         cpu = percentile([used[turn].cpu_s for used in rounds], 0.5)

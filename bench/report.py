@@ -91,15 +91,15 @@ def _cells(row: Row) -> Sequence[str]:
 
 
 def _latencies(rows: Sequence[Row]) -> Iterator[str]:
-    found = next((row.notes for row in rows if 'latencies, s' in row.notes), None)
-    if found is None:
+    notes = next((row.notes for row in rows if 'latencies, s' in row.notes), None)
+    if notes is None:
         return iter(())
     heads = ('candidate', 'sequence p50', 'p95', 'wrap p50', 'p95, all ms')
-    both = {n: (values, found['wraps, s'][n]) for n, values in found['latencies, s'].items()}
+    both = {n: (values, notes['wraps, s'][n]) for n, values in notes['latencies, s'].items()}
     return _markdown(
         heads,
         (
-            (name, *(f'{percentile(one, p) * 1e3:.2f}' for one in two for p in (0.5, 0.95)))
+            (name, *(f'{percentile(series, p) * 1e3:.2f}' for series in two for p in (0.5, 0.95)))
             for name, two in both.items()
         ),
     )

@@ -49,15 +49,15 @@ def report(rounds: int, events: int) -> Iterator[Row]:
         runs = [_report(journal, cell) for _ in range(rounds)]
     notes = {
         'events': number,
-        'report, CPU s': min(one.cpu_s for one in runs),
-        'report, MB of memory': max(one.mb for one in runs),
+        'report, CPU s': min(run.cpu_s for run in runs),
+        'report, MB of memory': max(run.mb for run in runs),
         'books, MB': size / 1e6,
         'making them, CPU s': books_s,
         'making them, events a second': number / books_s,
     }
     if alone is not None:
         notes |= {'without books, s': alone.seconds, 'without books, MB of memory': alone.mb}
-    yield Row('report', [one.seconds for one in runs], notes)
+    yield Row('report', [run.seconds for run in runs], notes)
 
 
 class _Run(NamedTuple):
@@ -95,9 +95,9 @@ def _size_of_books(journal: Path) -> int:
 def write_year(path: Path, events: int) -> int:
     """Write a journal of a year of about so many events; returns how many they are."""
     SqliteStore(path).close()
-    told = the_day().events
-    told.append(e.JobCompleted(job='J').stamped(0, told[-1].time))
-    day = [(one.time, re.sub(r'^.*?"event"', '"event"', to_text(one))) for one in told]
+    sample = the_day().events
+    sample.append(e.JobCompleted(job='J').stamped(0, sample[-1].time))
+    day = [(event.time, re.sub(r'^.*?"event"', '"event"', to_text(event))) for event in sample]
     first, last = day[0][0], day[-1][0]
     shifts = max(1, round(events / len(day)))
     pace = YEAR_S / shifts / (last - first)

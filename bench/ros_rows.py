@@ -50,20 +50,20 @@ Rounds = list[dict[str, Measured]]
 def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
     """Compare with a floor and with the convention."""
     with stand() as here:
-        found, writes = [], []
+        results, writes = [], []
         for number in range(rounds):
-            found.append(_round(here, cycles, number))
+            results.append(_round(here, cycles, number))
             writes.append(_cold_write_s(here.folder))
-    ratios = Ratios(found)
+    ratios = Ratios(results)
     disk = {
         'FULL with the disk / chain': p50(ratios.sequence(OURS, CHAIN_LEAN)),
         'cold durable write of 4 kB, median, ms': p50(writes) * 1e3,
         'cold durable write of 4 kB, longest round, ms': max(writes) * 1e3,
     }
-    latencies = {'latencies, s': _all(found, 'sequence'), 'wraps, s': _all(found, 'wrap')}
-    figures = {**_figures(found), **disk, **latencies}
+    latencies = {'latencies, s': _all(results, 'sequence'), 'wraps, s': _all(results, 'wrap')}
+    figures = {**_figures(results), **disk, **latencies}
     rounds_less_disk = [
-        (r[OURS], write, r[CHAIN_LEAN]) for r, write in zip(found, writes, strict=True)
+        (r[OURS], write, r[CHAIN_LEAN]) for r, write in zip(results, writes, strict=True)
     ]
     yield Row(
         'dispatch',
@@ -83,7 +83,7 @@ def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
     wrap_fast = {'wrap': p50(ratios.wrap(POLLED_FAST, OURS))}
     yield Row('polling_fast', ratios.sequence(POLLED_FAST, OURS), wrap_fast)
     cpu_ms = {
-        f'{n}, ms CPU a task': p50([r[n].cpu_per_task for r in found]) * 1e3 for n in found[0]
+        f'{n}, ms CPU a task': p50([r[n].cpu_per_task for r in results]) * 1e3 for n in results[0]
     }
     others = {
         'without waiting for the disk (NORMAL)': p50(ratios.cpu(NORMAL, CHAIN_LEAN)),
@@ -105,8 +105,8 @@ def own_part(rounds: int, cycles: int) -> Iterator[Row]:
     with stand() as here:
         for number in range(rounds):
             for is_ours in (True, False) if number % 2 else (False, True):
-                found = ours if is_ours else chain
-                found.append(p50(_stamped(here, cycles, is_ours=is_ours)))
+                target = ours if is_ours else chain
+                target.append(p50(_stamped(here, cycles, is_ours=is_ours)))
             writes.append(_cold_write_s(here.folder))
     ratios = [(own - write) / plain for own, write, plain in zip(ours, writes, chain, strict=True)]
     notes = {
@@ -188,19 +188,19 @@ def planning(rounds: int, cycles: int) -> Iterator[Row]:
 
     It generates as long as is measured, each recipe once: nothing of it is known before.
     """
-    found: list[tuple[Measured, Measured]] = []
+    pairs: list[tuple[Measured, Measured]] = []
     with stand(able_cell_text()) as here:
         recipes = (write_recipe(here.folder, number) for number in itertools.count())
         for number in range(rounds):
             turns = (None, recipes) if number % 2 else (recipes, None)
-            first, second = (here.ours(cycles, 'FULL', SINGLE, recipes=one) for one in turns)
-            found.append((first, second) if turns[0] is None else (second, first))
-    ratios = [p50(beside.sequence) / p50(alone.sequence) for alone, beside in found]
+            first, second = (here.ours(cycles, 'FULL', SINGLE, recipes=turn) for turn in turns)
+            pairs.append((first, second) if turns[0] is None else (second, first))
+    ratios = [p50(beside.sequence) / p50(alone.sequence) for alone, beside in pairs]
     notes = {
-        'made in a round': min(beside.made for _, beside in found),
+        'made in a round': min(beside.made for _, beside in pairs),
         'operations of each': OPERATIONS,
-        'p95': p50([_p95(beside.sequence) / _p95(alone.sequence) for alone, beside in found]),
-        'alone, p50, ms': p50([p50(alone.sequence) for alone, _ in found]) * 1e3,
+        'p95': p50([_p95(beside.sequence) / _p95(alone.sequence) for alone, beside in pairs]),
+        'alone, p50, ms': p50([p50(alone.sequence) for alone, _ in pairs]) * 1e3,
     }
     yield Row('recipe_load', ratios, notes)
 
@@ -220,8 +220,8 @@ def setup(rounds: int) -> Iterator[Row]:
 def _set_up(tasks: int) -> dict[str, float]:
     command = [sys.executable, '-m', 'bench.setup_cost', str(tasks)]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    found: dict[str, float] = json.loads(done.stdout)
-    return found
+    costs: dict[str, float] = json.loads(done.stdout)
+    return costs
 
 
 def idle(rounds: int, seconds: float) -> Iterator[Row]:

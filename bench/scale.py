@@ -93,9 +93,9 @@ class LargeLine:
         _wait_ready(self._node)
         yield f'tree node ready after {time.monotonic() - begun:.1f} s'
         with NodeClient('/bt_orchestrator', PATIENCE_S) as client:
-            found: list[Any] = []
-            client.on_status(found.append)
-            client.wait_until(lambda: bool(found) and _all_there(found[-1]), 'every server')
+            states: list[Any] = []
+            client.on_status(states.append)
+            client.wait_until(lambda: bool(states) and _all_there(states[-1]), 'every server')
         yield f'every server found after {time.monotonic() - begun:.1f} s'
 
     def run(self) -> Iterator[str]:
@@ -145,14 +145,14 @@ class LargeLine:
             with journal_reading(self._journal) as journal:
                 last = journal.records.extent().last_seq
                 wanted = Wanted(after_seq=seen, events=(*_BAD, 'job.completed'))
-                found = [json.loads(record) for _, record in journal.each(wanted)]
+                records = [json.loads(record) for _, record in journal.each(wanted)]
             if last > seen:
                 seen, heard = last, time.monotonic()
             elif time.monotonic() - heard > STUCK_S:
                 raise SystemExit(f'nothing happened for {STUCK_S:g} s')
-            if bad := [record for record in found if record['event'] in _BAD]:
+            if bad := [record for record in records if record['event'] in _BAD]:
                 raise SystemExit(f'the job did not go well: {bad}')
-            return bool(found)
+            return bool(records)
 
         until(is_over, 'the end of the job', float('inf'))
 
@@ -196,8 +196,8 @@ def main() -> int:
     print(f'{os.cpu_count()} cores, load {os.getloadavg()[0]:.2f}; {vars(args)}', flush=True)
     scratch = tempfile.TemporaryDirectory(prefix='scale_', dir='/var/tmp')
     with OwnDomain(), scratch as folder, LargeLine(Path(folder), args) as line:
-        for said in chain(line.start(), line.run()):
-            print(said, flush=True)
+        for message in chain(line.start(), line.run()):
+            print(message, flush=True)
     return 0
 
 

@@ -89,12 +89,12 @@ class Stand:
                 process.stdout.readline()
                 tail = self.tail()
                 print(file=process.stdin, flush=True)
-                found = _measure(tail, process.pid, cycles)
+                measured = _measure(tail, process.pid, cycles)
                 assert process.stdout.readline() == 'done\n'
             except BaseException:
                 process.kill()  # without its servers it would wait for ever
                 raise
-        return found
+        return measured
 
     def ours(
         self,
@@ -208,11 +208,11 @@ def stand(cell: str = '') -> Iterator[Stand]:
     :param cell: text of its cell, if it is not the usual one
     """
     with OwnDomain(), tempfile.TemporaryDirectory(prefix='bench_', dir='/var/tmp') as folder:
-        one = Stand(Path(folder), cell or cell_text(SECTIONS))
+        new_stand = Stand(Path(folder), cell or cell_text(SECTIONS))
         try:
-            yield one
+            yield new_stand
         finally:
-            one.close()
+            new_stand.close()
 
 
 @contextmanager

@@ -76,10 +76,10 @@ def simulator(rounds: int, items: int) -> Iterator[Row]:
 
 def sections(rounds: int, items: int) -> Iterator[Row]:
     """Compare a settle of a long and of a short line in which the same number works."""
-    found = [{length: _settle_s(length, items) for length in LENGTHS} for _ in range(rounds)]
-    curve_ms = [min(one[length] for one in found) * 1e3 for length in LENGTHS]
+    runs = [{length: _settle_s(length, items) for length in LENGTHS} for _ in range(rounds)]
+    curve_ms = [min(run[length] for run in runs) * 1e3 for length in LENGTHS]
     notes = {'curves': {'sections': LENGTHS, 'ms a settle': curve_ms}}
-    yield Row('sections', [one[LENGTHS[-1]] / one[LENGTHS[0]] for one in found], notes)
+    yield Row('sections', [run[LENGTHS[-1]] / run[LENGTHS[0]] for run in runs], notes)
 
 
 def _settle_s(length: int, items: int) -> float:
@@ -103,9 +103,9 @@ def _settle_s(length: int, items: int) -> float:
 def queue(rounds: int, orders: int) -> Iterator[Row]:
     """Compare an order that joins a long queue with one that joins a short one."""
     few, many = QUEUED
-    found = [{waiting: _order_s(waiting, orders) for waiting in QUEUED} for _ in range(rounds)]
-    notes = {f'ms an order, {n} queued': min(one[n] for one in found) * 1e3 for n in QUEUED}
-    yield Row('queue', [one[many] / one[few] for one in found], notes)
+    runs = [{waiting: _order_s(waiting, orders) for waiting in QUEUED} for _ in range(rounds)]
+    notes = {f'ms an order, {n} queued': min(run[n] for run in runs) * 1e3 for n in QUEUED}
+    yield Row('queue', [run[many] / run[few] for run in runs], notes)
 
 
 def _order_s(waiting: int, orders: int) -> float:
@@ -153,8 +153,8 @@ def check(rounds: int, length: int, tasks: int) -> Iterator[Row]:
         reading.append(time.perf_counter() - began)
         assert deadlock(script) is None
 
-    found = [seconds(admit) for _ in range(rounds)]
-    yield Row('check', found, {'tasks': length * tasks, 'reading, s': min(reading)})
+    times = [seconds(admit) for _ in range(rounds)]
+    yield Row('check', times, {'tasks': length * tasks, 'reading, s': min(reading)})
 
 
 def pace_row(rounds: int, length: int) -> Iterator[Row]:
@@ -183,10 +183,10 @@ def recipes(lines: int, operations: int) -> Iterator[Row]:
         line = drawn_line(seed, operations, candidates=4)
         judge = PaceJudge(line.cell, installed_types(), MemoryStore)
         began = time.perf_counter()
-        found = generate(line.cell, line.recipe, judge=judge)
+        generated = generate(line.cell, line.recipe, judge=judge)
         took_s.append(time.perf_counter() - began)
-        ratios.append(found.claim.per_item_s / line.best_s)
-        gaps.append(found.claim.gap or 0.0)
+        ratios.append(generated.claim.per_item_s / line.best_s)
+        gaps.append(generated.claim.gap or 0.0)
     proven = sum(gap == 0 for gap in gaps)
     notes = {'operations': operations, 'lines': lines, 'proven': proven, 'gap': max(gaps)}
     yield Row('recipe_pace', ratios, notes)
@@ -205,7 +205,7 @@ def restart(rounds: int, events: int) -> Iterator[Row]:
         pairs = [
             (
                 _median_start_s([kept] * _STARTS),
-                _median_start_s([folder / f'{n}_{one}.sqlite3' for one in range(_STARTS)]),
+                _median_start_s([folder / f'{n}_{start}.sqlite3' for start in range(_STARTS)]),
             )
             for n in range(rounds)
         ]
@@ -249,10 +249,10 @@ def _start_s(path: Path) -> float:
     gateway = VirtualGateway(line.cell, line.types, clock)
     orchestrator = Orchestrator(line.cell, gateway, clock, store)
     orchestrator.settle()
-    found = time.perf_counter() - began
+    elapsed_s = time.perf_counter() - began
     orchestrator.close()
     store.close()
-    return found
+    return elapsed_s
 
 
 def _finish(simulation: Simulation, look: Callable[[], None] = lambda: None) -> None:

@@ -188,16 +188,16 @@ class CellProcesses:
 
     def child(self, module: str) -> int:
         """Return the process of a module that the node has started, once it is there."""
-        found: list[int] = []
+        matches: list[int] = []
 
         def look() -> bool:
             children = Path(f'/proc/{self.node.pid}/task').glob('*/children')
-            pids = [int(pid) for one in children for pid in one.read_text().split()]
-            found[:] = [pid for pid in pids if runs(pid, module)]
-            return bool(found)
+            pids = [int(pid) for path in children for pid in path.read_text().split()]
+            matches[:] = [pid for pid in pids if runs(pid, module)]
+            return bool(matches)
 
         self.watch.ros.spin_until(look, f'the process {module}')
-        return found[0]
+        return matches[0]
 
     def account(self) -> str:
         """Say how everything stands, for whoever reads of a failure: what waits, and for what."""

@@ -22,12 +22,12 @@ def dealt(is_long: Sequence[bool], workers: int) -> list[int]:
     Each worker begins with its share, which is a piece of the list, and takes of another's later
     (`--dist worksteal`). So each share begins with some of the long ones.
     """
-    long, short = ([n for n, one in enumerate(is_long) if one is kind] for kind in (True, False))
-    found: list[int] = []
+    long, short = ([n for n, flag in enumerate(is_long) if flag is kind] for kind in (True, False))
+    places: list[int] = []
     for worker in range(workers):
-        share = (len(is_long) - len(found)) // (workers - worker)
+        share = (len(is_long) - len(places)) // (workers - worker)
         first = long[worker::workers][:share]
         number = share - len(first)
-        found += [*first, *short[:number]]
+        places += [*first, *short[:number]]
         short = short[number:]
-    return [*found, *(n for n in long if n not in found), *short]
+    return [*places, *(n for n in long if n not in places), *short]

@@ -35,28 +35,28 @@ class Nodeset:
 
     def transitions(self, machine: str) -> list[Transition]:
         """Return the transitions of a state machine type, given by its node id."""
-        found = []
+        edges = []
         for node in self._components(machine):
             before, after = self._ends(node, 'FromState'), self._ends(node, 'ToState')
             if before and after:
                 causes = self._ends(node, 'HasCause')
-                [one], [other] = before, after
-                found.append(Transition(one, other, causes[0] if causes else ''))
-        return found
+                [source], [other] = before, after
+                edges.append(Transition(source, other, causes[0] if causes else ''))
+        return edges
 
     def methods(self, machine: str) -> set[str]:
         """Return the names of the methods of a type."""
-        found = [node for node in self._components(machine) if self._tags[node] == 'UAMethod']
-        return {self._names[node] for node in found}
+        nodes = [node for node in self._components(machine) if self._tags[node] == 'UAMethod']
+        return {self._names[node] for node in nodes}
 
     def state_numbers(self) -> dict[str, int]:
         """Return the StateNumber of each state of all machines."""
-        found = {}
+        numbers = {}
         for node, references in self._references.items():
             if self._names[node] == 'StateNumber':
                 [state] = [to for kind, _, to in references if kind == 'HasProperty']
-                found[self._names[state]] = int(self._values[node])
-        return found
+                numbers[self._names[state]] = int(self._values[node])
+        return numbers
 
     def _components(self, machine: str) -> Iterator[str]:
         for node, references in self._references.items():
@@ -76,14 +76,14 @@ class Nodeset:
 
 
 def _references(node: ElementTree.Element) -> Iterator[tuple[str, bool, str]]:
-    for one in node.iterfind(f'{_XML}References/{_XML}Reference'):
-        is_forward = one.get('IsForward', 'true') == 'true'
-        yield one.attrib['ReferenceType'], is_forward, (one.text or '').strip()
+    for reference in node.iterfind(f'{_XML}References/{_XML}Reference'):
+        is_forward = reference.get('IsForward', 'true') == 'true'
+        yield reference.attrib['ReferenceType'], is_forward, (reference.text or '').strip()
 
 
 def _value(node: ElementTree.Element) -> str:
-    found = node.find(f'{_XML}Value')
-    return '' if found is None else ''.join(found.itertext()).strip()
+    element = node.find(f'{_XML}Value')
+    return '' if element is None else ''.join(element.itertext()).strip()
 
 
 def _bare(browse_name: str) -> str:

@@ -67,8 +67,8 @@ def wait_for_idle() -> None:
 
 def idle_share(before: str, after: str) -> float:
     """Return the share of the time between two texts of `TIMES` in which nothing ran."""
-    (one, was_idle), (other, is_idle) = (_spent(text) for text in (before, after))
-    return (is_idle - was_idle) / max(other - one, 1)
+    (start, was_idle), (other, is_idle) = (_spent(text) for text in (before, after))
+    return (is_idle - was_idle) / max(other - start, 1)
 
 
 def _spent(text: str) -> tuple[int, int]:

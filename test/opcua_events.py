@@ -41,7 +41,7 @@ class Heard:
         subscription = await reader.client.create_subscription(20, heard)
         heard.number = subscription.subscription_id
         source = reader.node(path) if path else reader.client.nodes.server
-        kinds = [reader.client.get_node(one) for one in KINDS]
+        kinds = [reader.client.get_node(kind) for kind in KINDS]
         if own:
             kinds.append(reader.node(own))
         await subscription.subscribe_events(source, evtypes=kinds)

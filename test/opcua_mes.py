@@ -29,7 +29,7 @@ class Mes(Reader):
     ) -> tuple[ua.StatusCode, list[Any]]:
         """Call a method; returns status and outputs, which asyncua keeps back unless Good."""
         result = await self.result(path, *given, on=on)
-        return result.StatusCode, [one.Value for one in result.OutputArguments or ()]
+        return result.StatusCode, [output.Value for output in result.OutputArguments or ()]
 
     async def result(
         self, path: str, *given: ua.Variant, on: ua.NodeId | None = None
@@ -55,18 +55,18 @@ class Mes(Reader):
     async def listed(self) -> dict[str, Any]:
         """Return the listed jobs by their ids."""
         return {
-            one.JobOrder.JobOrderID: one
-            for one in await self.value('JobOrderControl/JobOrderList')
+            job.JobOrder.JobOrderID: job
+            for job in await self.value('JobOrderControl/JobOrderList')
         }
 
     async def wait_for(self, job: str, *states: str) -> Any:
         """Wait until a job is listed in a state."""
         deadline = time.monotonic() + PATIENCE_S
         while True:
-            found = (await self.listed()).get(job)
-            is_now = [] if found is None else [one.StateText.Text for one in found.State]
+            entry = (await self.listed()).get(job)
+            is_now = [] if entry is None else [state.StateText.Text for state in entry.State]
             if is_now == list(states):
-                return found
+                return entry
             assert time.monotonic() < deadline, f'{job} is {is_now}'
             await asyncio.sleep(0.05)
 
@@ -82,12 +82,12 @@ class Mes(Reader):
     async def found_in(self, state: int) -> list[str]:
         """Return the ids of the jobs with a response that are in a state, by its number."""
         wanted = [ua.ISA95StateDataType(StateNumber=state)]
-        _, (found, status) = await self.send(
+        _, (responses, status) = await self.send(
             'JobOrderResults/RequestJobResponseByJobOrderState',
             ua.Variant(wanted, ua.VariantType.ExtensionObject, is_array=True),
         )
         assert status == DONE
-        return [one.JobOrderID for one in found]
+        return [response.JobOrderID for response in responses]
 
     async def listen(self, node: asyncua.Node) -> None:
         """Hear the events of a node."""
@@ -105,10 +105,10 @@ class Mes(Reader):
     async def heard_of(self, is_it: Callable[[Any], bool], number: int = 1) -> list[Any]:
         """Wait until so many events of a kind were heard; return all of them."""
         deadline = time.monotonic() + PATIENCE_S
-        while len(found := [one for one in self.heard if is_it(one)]) < number:
-            assert time.monotonic() < deadline, [one.Message.Text for one in self.heard]
+        while len(events := [event for event in self.heard if is_it(event)]) < number:
+            assert time.monotonic() < deadline, [event.Message.Text for event in self.heard]
             await asyncio.sleep(0.05)
-        return found
+        return events
 
 
 def parameter(name: str, value: object, type_: ua.VariantType) -> Any:
@@ -131,7 +131,7 @@ def order(id_: str, script: str, runs: int = 1, **fields: Any) -> Any:
 
 def data(response: Any) -> dict[str, Any]:
     """Return the data of a job response by their names."""
-    return {one.ID: one.Value.Value for one in response.JobResponseData}
+    return {entry.ID: entry.Value.Value for entry in response.JobResponseData}
 
 
 def with_mes(url: str, what: Callable[[Mes], Awaitable[None]]) -> None:

@@ -70,10 +70,10 @@ class _Passing:
         assert callable(work)
         with suppress(OSError, EOFError):
             work()
-        for one in (self._client, self._server):
+        for peer in (self._client, self._server):
             with suppress(OSError):
-                one.shutdown(socket.SHUT_RDWR)
-            one.close()
+                peer.shutdown(socket.SHUT_RDWR)
+            peer.close()
 
     def _up(self) -> None:
         (size,) = struct.unpack('!I', _exactly(self._client, 4))
@@ -125,13 +125,13 @@ def _message(source: socket.socket) -> tuple[bytes, bytes]:
 
 
 def _exactly(source: socket.socket, number: int) -> bytes:
-    found = b''
-    while len(found) < number:
-        part = source.recv(number - len(found))
+    data = b''
+    while len(data) < number:
+        part = source.recv(number - len(data))
         if not part:
             raise EOFError
-        found += part
-    return found
+        data += part
+    return data
 
 
 @contextmanager

@@ -33,5 +33,5 @@ def family(pid: int) -> set[int]:
     :raises OSError: one of them is gone
     """
     threads = Path(f'/proc/{pid}/task').iterdir()
-    children = [int(child) for one in threads for child in (one / 'children').read_text().split()]
+    children = [int(child) for tid in threads for child in (tid / 'children').read_text().split()]
     return {pid}.union(*map(family, children))

@@ -114,9 +114,9 @@ class ProgramProcess:
         deadline = time.monotonic() + PATIENCE_S
         while True:
             lines = self.output.splitlines(keepends=True)
-            found = next((line for line in lines if words in line and line.endswith('\n')), None)
-            if found is not None:
-                return found.rstrip()
+            hit = next((line for line in lines if words in line and line.endswith('\n')), None)
+            if hit is not None:
+                return hit.rstrip()
             status = self._look()
             assert status is None, f'ended with {status} before {words!r}: {self.errors}'
             assert time.monotonic() < deadline, f'never said {words!r}: {self.output}'

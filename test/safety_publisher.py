@@ -26,9 +26,9 @@ def main() -> None:
     publisher = node.create_publisher(Bool, '/safety/ok', 1)
 
     def publish() -> None:
-        said = file.read_text().strip()
-        if said:
-            publisher.publish(Bool(data=said == 'true'))
+        value = file.read_text().strip()
+        if value:
+            publisher.publish(Bool(data=value == 'true'))
 
     node.create_timer(PERIOD_S, publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
     sys.stdout.write('safety publisher ready: /safety/ok\n')

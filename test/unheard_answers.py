@@ -32,10 +32,10 @@ def main() -> None:
 
     def send(response: Any, header: Any) -> None:
         began = time.monotonic()
-        with warnings.catch_warnings(record=True) as said:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter('always')
             plainly(response, header)
-        assert said, 'somebody heard it'
+        assert caught, 'somebody heard it'
         took_s.append(time.monotonic() - began)
 
     service.send_response = send

@@ -63,16 +63,16 @@ class Measured:
         self.read()
         node, plain = (self._of(who, begin, end) for who in ('node', 'plain'))
         took = sorted(1e3 * p['took'] for p in node if p['took'] is not None)
-        found = Figures(pings=len(took))
+        stats = Figures(pings=len(took))
         if took:
-            found.p50_ms, found.p99_ms = took[len(took) // 2], took[len(took) * 99 // 100]
-        found.max_ms, found.plain_max_ms = _longest_ms(node), _longest_ms(plain)
-        found.silent_s = max((p['silent'] for p in node), default=end - begin)
-        found.excess_ms = max((_length_ms(p) - _beside_ms(p, plain) for p in node), default=0.0)
+            stats.p50_ms, stats.p99_ms = took[len(took) // 2], took[len(took) * 99 // 100]
+        stats.max_ms, stats.plain_max_ms = _longest_ms(node), _longest_ms(plain)
+        stats.silent_s = max((p['silent'] for p in node), default=end - begin)
+        stats.excess_ms = max((_length_ms(p) - _beside_ms(p, plain) for p in node), default=0.0)
         if plain_too:
-            found.excess_ms = min(found.excess_ms, max(0.0, found.max_ms - found.plain_max_ms))
-        self._add_sizes(found, begin, end)
-        return found
+            stats.excess_ms = min(stats.excess_ms, max(0.0, stats.max_ms - stats.plain_max_ms))
+        self._add_sizes(stats, begin, end)
+        return stats
 
     def _of(self, who: str, begin: float, end: float) -> list[Mapping[str, Any]]:
         return [p for p in self._pings if p['who'] == who and begin <= p['at'] <= end]

@@ -131,9 +131,9 @@ class Peer:
         asked = [answer]
         if service not in self._answered and not self.wait(_ASK_AGAIN_S, answer.done):
             asked.append(client.call_async(request))
-        if self.wait(PATIENCE_S, lambda: any(one.done() for one in asked)):
+        if self.wait(PATIENCE_S, lambda: any(future.done() for future in asked)):
             self._answered.add(service)
-            return next(one.result() for one in asked if one.done())
+            return next(future.result() for future in asked if future.done())
         self.complain(f'{service} gave no answer within {PATIENCE_S:g} s')
         return None
 

@@ -195,15 +195,15 @@ class Siege:
             )
 
     def _judge(self, phase: Phase, bounds: Bounds) -> None:
-        found = phase.figures
+        figures = phase.figures
         most_ms = self._most_ms + 1e3 * bounds.stalls_s
         journal_mb = bounds.journal_mb + phase.tasks * bounds.journal_mb_a_task
         limits = (
-            (found.peak_mb, bounds.peak_mb, 'MB more memory at a time'),
-            (found.grown_mb, bounds.grown_mb, 'MB more memory for good'),
-            (found.journal_mb, journal_mb, 'MB of journal'),
-            (found.silent_s, SILENT_S + bounds.stalls_s, 's without an answer'),
-            (found.excess_ms, most_ms, 'ms for a ping beyond a plain node'),
+            (figures.peak_mb, bounds.peak_mb, 'MB more memory at a time'),
+            (figures.grown_mb, bounds.grown_mb, 'MB more memory for good'),
+            (figures.journal_mb, journal_mb, 'MB of journal'),
+            (figures.silent_s, SILENT_S + bounds.stalls_s, 's without an answer'),
+            (figures.excess_ms, most_ms, 'ms for a ping beyond a plain node'),
         )
         for value, most, what in limits:
             if value > most:

@@ -94,7 +94,7 @@ def _differences(shown: Any, replayed: Any, where: str = 'status') -> Iterator[s
             if name not in _OF_THE_MOMENT:
                 yield from _differences(value, replayed.get(name), f'{where}.{name}')
     elif isinstance(shown, list) and isinstance(replayed, list) and len(shown) == len(replayed):
-        for number, (one, other) in enumerate(zip(shown, replayed, strict=True)):
-            yield from _differences(one, other, f'{where}[{number}]')
+        for number, (element, other) in enumerate(zip(shown, replayed, strict=True)):
+            yield from _differences(element, other, f'{where}[{number}]')
     elif shown != replayed:
         yield f'{where} was shown as {shown!r:.200}, and replays to {replayed!r:.200}'

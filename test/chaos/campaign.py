@@ -240,13 +240,13 @@ class Campaign:
     def _check_kept(self) -> None:
         """See that the journal of a dead node reaches as far as anybody has heard of it."""
         watch = self._cell.watch
-        told = [event['seq'] for event in watch.events[self._events_checked :]]
-        told += [status.seq for status in watch.statuses[self._statuses_checked :]]
+        published = [event['seq'] for event in watch.events[self._events_checked :]]
+        published += [status.seq for status in watch.statuses[self._statuses_checked :]]
         self._events_checked, self._statuses_checked = len(watch.events), len(watch.statuses)
         kept = len(rows(self._journal))
-        if max(told, default=0) > kept:
+        if max(published, default=0) > kept:
             self._tally.verdict.vanished.append(
-                f'event {max(told)} was on a topic; after a kill the journal ends at {kept}'
+                f'event {max(published)} was on a topic; after a kill the journal ends at {kept}'
             )
 
     # --- living -----------------------------------------------------------------------------

@@ -51,9 +51,9 @@ def main(journal: Path, pid: int, folder: Path) -> None:
         return
     while _is_there(pid):
         for kind, look in ((BACKUP, _back_up), (READ, _read)):
-            found = {'kind': kind, 'after_crash': after_crash, **look(journal, folder)}
+            record = {'kind': kind, 'after_crash': after_crash, **look(journal, folder)}
             with (folder / COPIES).open('a') as file:
-                file.write(json.dumps(found) + '\n')
+                file.write(json.dumps(record) + '\n')
         time.sleep(_EVERY_S)
 
 

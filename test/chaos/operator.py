@@ -135,9 +135,9 @@ class Operator:
 
     def _goals_of(self, hold: Any) -> list[str]:
         """Return the goals that were to do what is held; of the belt: its last move."""
-        found = [
+        goal_lists = [
             goals
             for work, goals in attempts(journal(self._journal)).items()
             if (work.key.item or '', work.key.task) == (hold.item, hold.task)
         ]
-        return found[-1] if found else []
+        return goal_lists[-1] if goal_lists else []

@@ -165,9 +165,9 @@ class Readers:
     def misled(self, journal: Sequence[dict[str, Any]]) -> Iterator[str]:
         """Say what followers were told that is not so, or twice, or not at all."""
         for follower in (self._of_file, self._of_node):
-            told = _records(follower.printed)
-            yield from misled(told, follower.name)
-            yield from vanished(journal, told, follower.name)
+            records = _records(follower.printed)
+            yield from misled(records, follower.name)
+            yield from vanished(journal, records, follower.name)
 
     # --- one after the other ------------------------------------------------------------------
 
@@ -177,8 +177,8 @@ class Readers:
 
     def _words(self, follower: Follower, *options: str) -> list[str]:
         """Return a command line with which one goes on where the one before ended."""
-        told = _records(follower.printed)
-        return ['events', '--since-seq', str(told[-1]['seq'] if told else 0), *options]
+        records = _records(follower.printed)
+        return ['events', '--since-seq', str(records[-1]['seq'] if records else 0), *options]
 
     def _look_once(self) -> None:
         if self._visitor is not None:

@@ -73,11 +73,11 @@ class Counts:
         for what, times in sorted(self.after_s.items()):
             median, most = statistics.median(times), max(times)
             yield f'{what}: median {median:.2f} s, at most {most:.2f} s ({len(times)})'
-        found = ', '.join(
+        summary = ', '.join(
             f'{name.replace("_", " ")} {len(faults)}'
             for name, faults in vars(self.verdict).items()
         )
-        yield found
+        yield summary
         yield from self.verdict.faults
 
 
@@ -181,7 +181,7 @@ class Succession:
     def _can_take_over(self, standby: ProgramProcess) -> bool:
         """Tell whether the leader has heard from a standby that it could."""
         known = self._cell.watch.status.leadership.standbys
-        return any(one.process == standby.pid and not one.trouble for one in known)
+        return any(entry.process == standby.pid and not entry.trouble for entry in known)
 
     def _note(self, when: str, died: float, led: float, goal: float | None) -> None:
         for what, moment in (('next leader', led), ('next goal', goal)):

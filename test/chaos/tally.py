@@ -87,10 +87,10 @@ def lines(total: Tally) -> Iterator[str]:
         f'readings; {figures["refused copies"] + figures["refused readings"]} were refused; '
         f'{figures["looks"]} verbs beside'
     )
-    found = ', '.join(
+    summary = ', '.join(
         f'{name.replace("_", " ")} {len(faults)}' for name, faults in vars(verdict).items()
     )
-    yield f'{found}, points without a kill {len(total.points_without_kill)}'
+    yield f'{summary}, points without a kill {len(total.points_without_kill)}'
     yield from total.faults
 
 

@@ -87,8 +87,8 @@ class Controllers:
 
     def time_of(self, goal: str, event: str) -> float | None:
         """Return when something happened to a goal first."""
-        found = (r['time'] for r in self.by_goal.get(goal, ()) if r['event'] == event)
-        return next(found, None)
+        times = (r['time'] for r in self.by_goal.get(goal, ()) if r['event'] == event)
+        return next(times, None)
 
     def _ended(self, goal: str, status: GoalStatus) -> bool:
         return any(
@@ -122,12 +122,12 @@ class Verdict:
     @property
     def faults(self) -> list[str]:
         """Everything, one sentence each."""
-        return [fault for found in vars(self).values() for fault in found]
+        return [fault for group in vars(self).values() for fault in group]
 
     def add(self, other: Verdict) -> None:
         """Take in what was found elsewhere."""
-        for name, found in vars(other).items():
-            getattr(self, name).extend(found)
+        for name, faults in vars(other).items():
+            getattr(self, name).extend(faults)
 
 
 def judge(
@@ -157,13 +157,13 @@ def judge(
 
 def attempts(events: Sequence[e.Event]) -> dict[Work, list[str]]:
     """Return the goals that were to do each work."""
-    found: dict[Work, list[str]] = defaultdict(list)
+    goals: dict[Work, list[str]] = defaultdict(list)
     moves = 0
     for event in events:
         if isinstance(event, e.TaskStarted):
-            found[_work(event.key, moves)].append(event.goal)
+            goals[_work(event.key, moves)].append(event.goal)
         moves += isinstance(event, e.BeltIndexed)
-    return found
+    return goals
 
 
 def _work(key: e.TaskKey, moves: int) -> Work:
@@ -174,8 +174,8 @@ def _unwritten(work: Work, goals: Sequence[str], heard: Sequence[e.Event]) -> li
     """Return goals for a task that the journal does not tell of."""
     if work.key == e.INDEX_KEY:
         return []  # of which move, nobody knows without the journal
-    told = {x.goal for x in heard if isinstance(x, e.TaskStarted) and x.key == work.key}
-    return sorted(told.difference(goals))
+    started = {x.goal for x in heard if isinstance(x, e.TaskStarted) and x.key == work.key}
+    return sorted(started.difference(goals))
 
 
 class _Answers:

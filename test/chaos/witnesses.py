@@ -32,13 +32,13 @@ def misled(delivered: Sequence[Record], who: str) -> Iterator[str]:
     last, history = -1, None
     for record in delivered:
         seq = record['seq']
-        told = record.get('history', history) if record['event'] == _STARTED else history
-        if last != -1 and (history is None or told == history):
+        current = record.get('history', history) if record['event'] == _STARTED else history
+        if last != -1 and (history is None or current == history):
             if seq <= last:
                 yield f'{who} was told of event {seq} after event {last}'
             elif seq > last + 1:
                 yield f'{who} was not told of the events {last + 1} to {seq - 1}'
-        last, history = seq, told
+        last, history = seq, current
 
 
 def bad_copies(rows: Sequence[tuple[int, str]], copies: Sequence[Record]) -> Iterator[str]:

@@ -67,9 +67,7 @@ class ClockContract(ABC):
         bench.run_for(0.1)
         assert calls.names == ['it']
 
-    def test_calls_in_the_order_of_time_and_ties_as_they_were_armed(
-        self, bench: ClockBench
-    ) -> None:
+    def test_calls_follow_time_then_arming_order(self, bench: ClockBench) -> None:
         calls = _Calls(bench)
         start = bench.clock.steady()
         drawn = random.Random(1)
@@ -88,7 +86,7 @@ class ClockContract(ABC):
         assert calls.names == ['early']
         late.cancel()
 
-    def test_the_past_is_soon_but_never_inside_the_call(self, bench: ClockBench) -> None:
+    def test_past_deadline_fires_soon_but_never_synchronously(self, bench: ClockBench) -> None:
         calls = _Calls(bench)
         bench.run_for(0.1)
         began = bench.clock.steady()

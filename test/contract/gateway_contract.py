@@ -68,7 +68,7 @@ class GatewayContract(ABC):
         assert end.status is GoalStatus.SUCCEEDED
         assert end.result == {'task_result': True, 'item_present': True, 'measurement': 1.5}
 
-    def test_a_prepared_goal_is_sent_once_and_not_before(self, bench: Bench) -> None:
+    def test_prepared_goal_goes_out_once_on_send(self, bench: Bench) -> None:
         request = goal_request('other')
         bench.gateway.prepare(request)
         bench.run_for(2 * TASK_S)
@@ -141,9 +141,9 @@ class GatewayContract(ABC):
         assert goal.feedback['current_sub_task'].startswith('TASK_A')
         later = _send(bench, 'good', 'TASK_B')
         # A quick server may have told something by now; it is about the later goal, or nothing.
-        told = later.feedback
+        early_feedback = later.feedback
         _run_to_end(bench, later)
-        assert told is None or told['current_sub_task'].startswith('TASK_B')
+        assert early_feedback is None or early_feedback['current_sub_task'].startswith('TASK_B')
 
     def test_goals_of_two_components_do_not_mix(self, bench: Bench) -> None:
         long, short = _send(bench, 'good', 'TASK_B'), _send(bench, 'other', 'TASK_A')
@@ -231,7 +231,7 @@ class GatewayContract(ABC):
         assert goal.accepted
         bench.run_until(lambda: not bench.gateway.available('mortal'), 'it to be gone', SLACK_S)
 
-    def test_server_that_dies_and_comes_back_at_once_is_lost(self, bench: Bench) -> None:
+    def test_server_that_restarts_at_once_loses_goal(self, bench: Bench) -> None:
         goal = _send(bench, 'reborn')
         began = bench.now
         assert _end_of(bench, goal).status is GoalStatus.LOST
@@ -263,7 +263,7 @@ class GatewayContract(ABC):
         assert _end_of(bench, adopted).status is GoalStatus.CANCELED
         _run_to_end(bench, goal)
 
-    def test_adopted_goal_that_the_server_does_not_know_is_lost(self, bench: Bench) -> None:
+    def test_adopted_goal_unknown_to_server_is_lost(self, bench: Bench) -> None:
         adopted = bench.gateway.adopt(goal_request('good'))
         end = _end_of(bench, adopted, RESULT_CHECK_S + SLACK_S)
         assert end.status is GoalStatus.LOST
@@ -292,7 +292,7 @@ class GatewayContract(ABC):
 
     # --- what is told -----------------------------------------------------------------------
 
-    def test_lists_a_goal_when_it_was_accepted_and_when_it_ended(self, bench: Bench) -> None:
+    def test_lists_goal_on_acceptance_and_on_end(self, bench: Bench) -> None:
         goal = _send(bench, 'good')
         bench.gateway.drain()
         bench.run_until(partial(_is_accepted, goal), 'the acceptance')
@@ -303,13 +303,13 @@ class GatewayContract(ABC):
         bench.run_for(0.5)
         assert _goals(bench) == ()
 
-    def test_lists_the_oldest_end_first_and_each_goal_once(self, bench: Bench) -> None:
+    def test_lists_each_goal_once_oldest_end_first(self, bench: Bench) -> None:
         bench.gateway.drain()
         slow, quick = _send(bench, 'good', 'TASK_B'), _send(bench, 'other', 'TASK_A')
         _run_to_end(bench, slow)
         assert _goals(bench) == (quick, slow)
 
-    def test_wakes_whoever_listens_at_an_end_and_not_at_an_acceptance(self) -> None:
+    def test_end_wakes_listeners_but_acceptance_does_not(self) -> None:
         bench = self.make_bench([component('good')])  # a state topic would wake it, too
         try:
             log = Log(bench.gateway)
@@ -325,7 +325,7 @@ class GatewayContract(ABC):
 
     # --- state topics (semantics 2.5) -------------------------------------------------------
 
-    def test_tells_the_state_from_the_start_and_its_changes_only(self) -> None:
+    def test_reports_initial_state_and_only_its_changes(self) -> None:
         bench = self.make_bench(
             [
                 component('ready', state=True),
@@ -347,8 +347,8 @@ class GatewayContract(ABC):
     def test_tells_a_change_of_state(self, bench: Bench) -> None:
         log = Log(bench.gateway)
         _run_to_end(bench, _send(bench, 'tired'))
-        told = ['NOT_READY', 'READY']
-        bench.run_until(lambda: log.readings('tired')[-2:] == told, 'not ready, and ready again')
+        states = ['NOT_READY', 'READY']
+        bench.run_until(lambda: log.readings('tired')[-2:] == states, 'not ready, and ready again')
 
     def test_tells_that_a_state_topic_lost_its_publisher(self) -> None:
         bench = self.make_bench([component('lost_state', '=die', state=True)])
@@ -360,14 +360,14 @@ class GatewayContract(ABC):
         finally:
             bench.close()
 
-    def test_tells_a_setup_before_the_state_and_before_the_end_that_changed_it(self) -> None:
+    def test_reports_setup_before_state_and_before_goal_end(self) -> None:
         bench = self.make_bench([component('told', tells=True), component('mute', tells=True)])
         try:
             log = Log(bench.gateway)
             bench.run_until(lambda: log.readings('told') and log.readings('mute'), 'the states')
             assert log.setups('told') == ['']
-            mine = [one for one in log.entries if vars(one).get('component') == 'told']
-            assert [type(one) for one in mine] == [SetupReading, StateReading]
+            mine = [entry for entry in log.entries if vars(entry).get('component') == 'told']
+            assert [type(entry) for entry in mine] == [SetupReading, StateReading]
             goal = bench.gateway.send(goal_request('told', 'TASK_A', special_argument_1='large'))
             bench.run_until(lambda: log.setups('told')[-1:] == ['large'], 'the new setup')
             _run_to_end(bench, goal)

@@ -70,7 +70,7 @@ class JournalContract(EventStoreContract):
         assert store.may_command()
         assert bool(store.epoch) is store.is_shared
 
-    def test_9_4_each_writer_of_a_shared_journal_has_a_higher_number(self, tmp_path: Path) -> None:
+    def test_9_4_shared_journal_gives_each_writer_higher_epoch(self, tmp_path: Path) -> None:
         epochs = []
         for _ in range(3):
             with closing(self.make(tmp_path)) as store:
@@ -109,7 +109,7 @@ class JournalContract(EventStoreContract):
 
     # --- retention --------------------------------------------------------------------------
 
-    def test_events_go_up_to_the_beginning_and_no_further(self, tmp_path: Path) -> None:
+    def test_events_are_removed_only_before_beginning_state(self, tmp_path: Path) -> None:
         with closing(self.make(tmp_path)) as store:
             store.append(events(1, 20))
             assert not store.remove_batch(before=15)
@@ -127,7 +127,7 @@ class JournalContract(EventStoreContract):
             store.append(events(21, 22))
             assert list(store.read()) == events(21, 22)
 
-    def test_events_are_needed_from_the_first_job_that_counts(self, store: Journal) -> None:
+    def test_live_and_kept_jobs_determine_first_needed_event(self, store: Journal) -> None:
         store.append([*_queued(1, 'A'), *_queued(2, 'B'), *_queued(3, 'C'), *events(4, 4)])
         assert store.first_needed(live=(), keep_jobs=3) == 0
         assert store.first_needed(live=(), keep_jobs=2) == 2
@@ -138,9 +138,7 @@ class JournalContract(EventStoreContract):
 
     # --- books --------------------------------------------------------------------------------
 
-    def test_books_are_kept_and_a_slot_takes_the_place_of_the_one_that_grew(
-        self, tmp_path: Path
-    ) -> None:
+    def test_books_persist_and_newer_slot_replaces_older(self, tmp_path: Path) -> None:
         with closing(self.make(tmp_path)) as store:
             store.append(events(1, 20))
             assert store.booked() == 0
@@ -189,7 +187,7 @@ class JournalContract(EventStoreContract):
             store.append(events(21, 22))
             assert list(store.read()) == events(21, 22)
 
-    def test_a_state_that_outlived_its_last_events_goes_on(self, tmp_path: Path) -> None:
+    def test_journal_continues_from_state_whose_events_are_lost(self, tmp_path: Path) -> None:
         with closing(self.make(tmp_path)) as store:
             store.append(events(1, 20))
             store.save(_state(20))

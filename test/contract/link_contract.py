@@ -25,7 +25,7 @@ from bt_orchestrator.ports import CellLink
 
 def breaker(link: CellLink) -> ComponentStatus:
     """Return the newest word of a component."""
-    return next(one for one in link.status().components if one.name == 'breaker')
+    return next(device for device in link.status().components if device.name == 'breaker')
 
 
 class LinkContract(FollowingContract):
@@ -33,7 +33,7 @@ class LinkContract(FollowingContract):
 
     # --- how it stands ----------------------------------------------------------------------
 
-    def test_the_status_says_which_cell_it_is_and_how_it_stands(self, link: CellLink) -> None:
+    def test_status_names_cell_and_its_state(self, link: CellLink) -> None:
         happen(link)
         status = link.status()
         assert link.name == '/bt_orchestrator'
@@ -45,12 +45,12 @@ class LinkContract(FollowingContract):
     def test_the_description_says_what_there_is(self, link: CellLink) -> None:
         cell = link.description()
         assert (cell.cell, cell.sections, cell.conveyor) == ('link_cell', 2, 'conveyor')
-        named = {one.name: one for one in cell.components}
+        named = {component.name: component for component in cell.components}
         assert set(named) == {'conveyor', 'feeder', 'breaker'}
         assert named['feeder'].durations_s == {'TASK_A': 0.2}
         assert named['breaker'].sections == (2,)
 
-    def test_a_moment_is_what_a_virtual_run_begins_with(
+    def test_moment_provides_initial_state_of_virtual_run(
         self, bench: LinkBench, link: CellLink
     ) -> None:
         name = new_id()
@@ -117,9 +117,9 @@ class LinkContract(FollowingContract):
         names: list[str] = []
         while page := link.jobs(names[-1] if names else '', most=3):
             assert len(page) <= 3
-            names += [one.status.id for one in page]
+            names += [entry.status.id for entry in page]
         assert names.index(first) < names.index(second), 'those that ended come first'
-        assert names == [one.status.id for one in link.jobs()]
+        assert names == [entry.status.id for entry in link.jobs()]
         assert {job.id for job in link.status().jobs} <= set(names)
 
         assert asked_of(link, 'job.clear', job=first).accepted
@@ -132,13 +132,13 @@ class LinkContract(FollowingContract):
 
     # --- asking -----------------------------------------------------------------------------
 
-    def test_what_was_asked_is_seen_in_the_events_after_its_answer(self, link: CellLink) -> None:
+    def test_events_after_answer_show_the_request(self, link: CellLink) -> None:
         before, name = happen(link), new_id()
         seen = Seen()
         link.follow(seen)
         answer = add(link, name)
         assert answer.accepted
-        assert [one.job for one in answer.orders] == [name]
+        assert [entry.job for entry in answer.orders] == [name]
         after = [event.event for event in link.events_after(before).events]
         assert 'job.queued' in after, 'it is on record when the answer comes'
         turn_until(link, lambda: seen.of('job.queued', job=name), 'event')
@@ -147,7 +147,7 @@ class LinkContract(FollowingContract):
         changed = asked_of(link, 'job.update', job=name, quantity=3, priority=2)
         assert changed.accepted, changed
         turn_until(link, lambda: seen.of('job.updated', job=name), 'event')
-        (job,) = (one for one in link.queue(most=1).jobs)
+        (job,) = (entry for entry in link.queue(most=1).jobs)
         assert (job.id, job.quantity, job.priority) == (name, 3, 2)
         assert asked_of(link, 'job.cancel', job=name).accepted
 
@@ -191,7 +191,7 @@ class LinkContract(FollowingContract):
             assert event.event == 'operator.refused'
             assert vars(event)['message'] == answer.message
 
-    def test_a_component_goes_out_of_service_and_comes_back(self, link: CellLink) -> None:
+    def test_component_leaves_service_and_returns(self, link: CellLink) -> None:
         name = new_id()
         assert add(link, name).accepted
         # The answer names the first jobs, and tests before may have left some.
@@ -242,9 +242,9 @@ class LinkContract(FollowingContract):
         assert add(link, name).accepted
         answer = add(link, name)
         assert not answer.accepted
-        (one,) = answer.orders
-        assert one.job == ''
-        assert name in one.message
+        (order,) = answer.orders
+        assert order.job == ''
+        assert name in order.message
 
     def test_a_hold_is_answered(self, link: CellLink) -> None:
         seen = Seen()

@@ -200,7 +200,7 @@ class FollowingContract(DoorTests):
         """Queue a job, wait until its branch is there, and take it out again."""
         name = new_id()
         assert add(link, name, held=False).accepted
-        turn_until(link, lambda: any(name in one for one in _names(trees[-1])), 'branch')
+        turn_until(link, lambda: any(name in label for label in _names(trees[-1])), 'branch')
         assert asked_of(link, 'job.cancel', job=name).accepted
 
     def test_silence_is_not_the_same_as_no_news(self, bench: LinkBench, link: CellLink) -> None:
@@ -214,7 +214,7 @@ class FollowingContract(DoorTests):
         bench.start(bench.journal)
         turn_until(link, lambda: link.silent_s < SILENT_S / 2, 'sign of life')
 
-    def test_nobody_waits_for_ever_for_a_node_that_is_away(self, bench: LinkBench) -> None:
+    def test_calls_to_killed_node_raise_node_unreachable(self, bench: LinkBench) -> None:
         link = bench.link(timeout_s=1.0)
         # The first look may take longer than this link waits.
         turn_until(link, lambda: _is_followed(link), 'node')

@@ -145,7 +145,7 @@ class RecordsContract(ABC):
         rest = written.records.page(Wanted(job='WO-1'), 3).rest
         assert written.records.page(rest, 3) == written.records.page(rest, 3)
 
-    def test_what_is_written_later_is_behind_the_last_page(self, written: Written) -> None:
+    def test_later_records_follow_the_last_page(self, written: Written) -> None:
         rests = [written.records.page(wanted).rest for wanted in OLDEST_FIRST]
         assert not any(written.records.page(rest).records for rest in rests)
         written.append(events(LAST + 1, LAST + 15))
@@ -160,8 +160,8 @@ class RecordsContract(ABC):
         assert _seqs(written.records.page(page.rest)) == [LAST + 11, LAST + 12]
 
     def test_summaries_of_nothing(self, written: Written) -> None:
-        found = written.records.summaries()
-        assert (list(found.jobs), list(found.damage), found.rest) == ([], [], None)
+        page = written.records.summaries()
+        assert (list(page.jobs), list(page.damage), page.rest) == ([], [], None)
 
 
 class KeptRecordsContract(RecordsContract):
@@ -199,13 +199,13 @@ class KeptRecordsContract(RecordsContract):
     def test_jobs_that_ended_come_as_they_were_queued(self, written: Kept) -> None:
         jobs = [_job('b', 1.0), _job('a', 2.0), _job('c', 2.0), _job('a', 0.5)]
         written.save(jobs)
-        found = written.records.summaries()
-        assert list(found.jobs) == [jobs[3], jobs[0], jobs[1], jobs[2]]
-        assert found.rest is None
+        page = written.records.summaries()
+        assert list(page.jobs) == [jobs[3], jobs[0], jobs[1], jobs[2]]
+        assert page.rest is None
         newest = written.records.summaries(newest_first=True)
-        assert list(newest.jobs) == list(reversed(found.jobs))
+        assert list(newest.jobs) == list(reversed(page.jobs))
 
-    def test_what_is_kept_of_a_job_is_the_last_that_was_said(self, written: Kept) -> None:
+    def test_last_saved_job_summary_is_kept(self, written: Kept) -> None:
         written.save([_job('a', 1.0)])
         written.save([replace(_job('a', 1.0), quantity=9)])
         assert [job.quantity for job in written.records.summaries().jobs] == [9]
@@ -214,34 +214,34 @@ class KeptRecordsContract(RecordsContract):
     @pytest.mark.parametrize('most', [1, 2, 5, 6])
     def test_summaries_come_in_pages(self, written: Kept, newest_first: bool, most: int) -> None:
         written.save([_job(f'J{n}', n / 2 // 1) for n in range(5)])
-        found: list[JobRecord] = []
+        jobs: list[JobRecord] = []
         after: JobPlace | None = None
         while True:
             page = written.records.summaries(after, most, newest_first=newest_first)
             assert len(page.jobs) <= most
-            found += page.jobs
+            jobs += page.jobs
             after = page.rest
             if after is None:
                 break
-        assert found == list(written.records.summaries(newest_first=newest_first).jobs)
-        assert len(found) == 5
+        assert jobs == list(written.records.summaries(newest_first=newest_first).jobs)
+        assert len(jobs) == 5
 
     def test_a_damaged_summary_is_told_and_left_out(self, written: Kept) -> None:
         written.save([_job(f'J{n}', float(n)) for n in range(3)])
         written.spoil_summary('J1')
-        found = written.records.summaries()
-        assert [job.job for job in found.jobs] == ['J0', 'J2']
-        (damage,) = found.damage
+        page = written.records.summaries()
+        assert [job.job for job in page.jobs] == ['J0', 'J2']
+        (damage,) = page.damage
         assert "the summary of job 'J1' is damaged" in damage.what
         assert damage.number == 1
 
-    def test_a_past_moment_begins_with_a_state_before_it(self, written: Kept) -> None:
+    def test_past_moment_starts_from_an_earlier_state(self, written: Kept) -> None:
         assert written.records.state_before(LAST) is None
         written.save([])
         written.append(events(LAST + 1, LAST + 5))
         for seq, expected in ((LAST - 1, None), (LAST, LAST), (LAST + 5, LAST)):
-            found = written.records.state_before(seq)
-            assert (found and found.seq) == expected
+            state = written.records.state_before(seq)
+            assert (state and state.seq) == expected
         written.remove(before=LAST + 4)
         kept = written.records.state_before(LAST + 5)
         assert kept is not None
@@ -250,11 +250,11 @@ class KeptRecordsContract(RecordsContract):
 
     # --- books --------------------------------------------------------------------------------
 
-    def test_slots_come_in_pages_and_those_that_touch_a_period(self, written: Kept) -> None:
+    def test_slots_come_in_pages_and_by_period(self, written: Kept) -> None:
         assert not written.records.booked(-(1 << 62), 1 << 62).slots
         written.book(_slots(5, 7), [_state(7, 70, stays=False)])
         first = written.records.booked(-(1 << 62), 1 << 62, 2)
-        assert [one.begin_us for one in first.slots] == [0, 10]
+        assert [slot.begin_us for slot in first.slots] == [0, 10]
         assert first.rest_us is not None
         rest = written.records.booked(first.rest_us, 1 << 62)
         assert (list(rest.slots), rest.rest_us) == (_slots(5, 7)[2:], None)
@@ -264,22 +264,22 @@ class KeptRecordsContract(RecordsContract):
             (20, 20, []),
             (55, 99, []),
         ):
-            found = written.records.booked(begin, end)
-            assert [one.begin_us for one in found.slots] == expected
+            page = written.records.booked(begin, end)
+            assert [slot.begin_us for slot in page.slots] == expected
         newest = written.records.booked(-(1 << 62), 1 << 62, 2, newest_first=True)
-        assert [one.begin_us for one in newest.slots] == [40, 30]
+        assert [slot.begin_us for slot in newest.slots] == [40, 30]
 
-    def test_the_last_state_stays_until_there_is_a_newer_one(self, written: Kept) -> None:
+    def test_last_state_stays_until_newer_state_comes(self, written: Kept) -> None:
         assert written.records.book_state(1 << 62) is None
         written.book([], [_state(3, 30, stays=True), _state(7, 70, stays=False)])
         written.book([], [_state(9, 90, stays=False)])
         expected = ((1 << 62, 9), (90, 9), (89, 3), (30, 3), (29, None))
         for moment, seq in expected:
-            found = written.records.book_state(moment)
-            assert (found and found.seq) == seq, moment
+            state = written.records.book_state(moment)
+            assert (state and state.seq) == seq, moment
         assert written.records.book_state(50, first_seq=4) is None
 
-    def test_books_outlive_the_events_that_they_were_made_of(self, written: Kept) -> None:
+    def test_books_outlive_their_source_events(self, written: Kept) -> None:
         states = [_state(3, 30, stays=True), _state(12, 70, stays=True)]
         written.book(_slots(5, 7), [*states, _state(20, 90, stays=False)])
         written.remove(before=10)
@@ -287,15 +287,15 @@ class KeptRecordsContract(RecordsContract):
         assert written.records.book_state(50) is None, 'nobody can go on from there'
         assert written.records.book_script('digest') == KeptScript('digest', '{}')
         written.remove(before=30)
-        found = written.records.book_state(1 << 62)
-        assert found == _state(20, 90, stays=False), 'the next books go on from it'
+        last_state = written.records.book_state(1 << 62)
+        assert last_state == _state(20, 90, stays=False), 'the next books go on from it'
 
     def test_damaged_books_are_told_and_left_out(self, written: Kept) -> None:
         written.book(_slots(5, 7), [_state(3, 30, stays=True), _state(7, 70, stays=False)])
         written.spoil_book(20)
-        found = written.records.booked(0, 50)
-        assert [one.begin_us for one in found.slots] == [0, 10, 30, 40]
-        (damage,) = found.damage
+        page = written.records.booked(0, 50)
+        assert [slot.begin_us for slot in page.slots] == [0, 10, 30, 40]
+        (damage,) = page.damage
         assert 'the account from 1970-01-01 00:00 UTC on is damaged' in damage.what
         state = written.records.book_state(1 << 62)
         assert state is not None
@@ -318,9 +318,9 @@ class KeptRecordsContract(RecordsContract):
         written.lose(first, last)
         for wanted, whole in zip(WANTED, wholes, strict=True):
             for most in (1, 1000):
-                found = _whole(written.records, wanted, most)
-                assert found.records == [one for one in whole if not first <= one.seq <= last]
-                (damage,) = found.damage
+                kept = _whole(written.records, wanted, most)
+                assert kept.records == [row for row in whole if not first <= row.seq <= last]
+                (damage,) = kept.damage
                 assert words in damage.what
                 assert damage.number == last + 1 - first
 
@@ -328,9 +328,9 @@ class KeptRecordsContract(RecordsContract):
         wholes = [_whole(written.records, wanted).records for wanted in WANTED]
         written.spoil(10)
         for wanted, whole in zip(WANTED, wholes, strict=True):
-            found = _whole(written.records, wanted)
-            assert found.records == [one for one in whole if one.seq != 10]
-            (damage,) = found.damage
+            kept = _whole(written.records, wanted)
+            assert kept.records == [record for record in whole if record.seq != 10]
+            (damage,) = kept.damage
             assert 'the record of event 10 is damaged' in damage.what
             assert damage.number == 1
 
@@ -342,9 +342,9 @@ class KeptRecordsContract(RecordsContract):
         self, written: Kept, newest_first: bool, first: int, last: int
     ) -> None:
         written.lose(first, last)
-        found = _whole(written.records, Wanted(newest_first=newest_first))
-        assert sum(damage.number for damage in found.damage) == 2
-        assert len(found.records) == LAST - 2
+        kept = _whole(written.records, Wanted(newest_first=newest_first))
+        assert sum(damage.number for damage in kept.damage) == 2
+        assert len(kept.records) == LAST - 2
 
 
 def _slots(number: int, seq: int) -> list[KeptSlot]:
@@ -360,7 +360,7 @@ class _Whole:
 
     def __init__(self, pages: Sequence[RecordPage]) -> None:
         self.records = [record for page in pages for record in page.records]
-        self.damage: Sequence[Damage] = [one for page in pages for one in page.damage]
+        self.damage: Sequence[Damage] = [damage for page in pages for damage in page.damage]
 
 
 def _whole(records: Records, wanted: Wanted, most: int = 1000) -> _Whole:

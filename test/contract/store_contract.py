@@ -42,9 +42,7 @@ class EventStoreContract(ABC):
         assert list(store.snapshots()) == []
         assert store.beginning() is None
 
-    def test_each_has_a_history_of_its_own_that_stays(
-        self, store: EventStore, tmp_path: Path
-    ) -> None:
+    def test_each_store_keeps_its_own_history(self, store: EventStore, tmp_path: Path) -> None:
         before = store.history
         store.append(events(1, 3))
         assert store.history == before != ''
@@ -76,9 +74,7 @@ class EventStoreContract(ABC):
         assert list(store.read(after=100, most=2500)) == events(101, 2600)
 
     @pytest.mark.parametrize('again', [1, 10])
-    def test_an_event_is_written_once_and_nothing_with_it(
-        self, store: EventStore, again: int
-    ) -> None:
+    def test_repeated_event_is_refused_with_its_batch(self, store: EventStore, again: int) -> None:
         """A second engine that goes on from the same event is stopped here."""
         store.append(events(1, 10))
         with pytest.raises(JournalFailed):
@@ -108,7 +104,7 @@ class EventStoreContract(ABC):
         store.append(events(1, 3))
         assert store.may_command()
 
-    def test_9_4_who_has_not_looked_before_knows_of_no_absence(self, store: EventStore) -> None:
+    def test_9_4_absence_is_unknown_before_first_look(self, store: EventStore) -> None:
         store.append(events(1, 3))
         assert store.absent_at(2) is None
         assert store.absent_at(9) is None

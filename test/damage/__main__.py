@@ -23,17 +23,17 @@ def main() -> int:
     """Judge the cases; 0 when none was silent or a fault."""
     args = _arguments()
     logging.disable(logging.CRITICAL)
-    found: Counter[tuple[str, Verdict]] = Counter()
+    counts: Counter[tuple[str, Verdict]] = Counter()
     with tempfile.TemporaryDirectory(prefix='damage_') as scratch:
         folder = (args.keep or Path(scratch)).resolve()
         for case in draw(make_scenes(folder), args.cases):
             judgement = judge(case, folder / f'case_{case.number}', args.seed)
-            found[case.kind, judgement.verdict] += 1
+            counts[case.kind, judgement.verdict] += 1
             if judgement.verdict in BAD or args.all:
                 print(f'{case.words}: {judgement.verdict.value}: {judgement.said}', flush=True)
     for kind in KINDS:
-        print(f'{kind:<6}', _listed(Counter({v: found[kind, v] for v in Verdict})))
-    total = Counter({v: sum(found[kind, v] for kind in KINDS) for v in Verdict})
+        print(f'{kind:<6}', _listed(Counter({v: counts[kind, v] for v in Verdict})))
+    total = Counter({v: sum(counts[kind, v] for kind in KINDS) for v in Verdict})
     print('all   ', _listed(total))
     return 1 if any(total[bad] for bad in BAD) else 0
 

@@ -72,15 +72,15 @@ def _started(case: Case, path: Path) -> Judgement:
         if _files(path) != before:
             return Judgement(Verdict.FAULT, f'refused, but files were changed: {refused}')
         return Judgement(Verdict.REFUSED, str(refused))
-    found = frozen(state)
+    restored = frozen(state)
     true = case.scene.state_at(state.seq)
     whole = state.seq == case.scene.events[-1].seq
-    said = _gone_on_with(store)
+    report = _gone_on_with(store)
     store.close()
-    if found != true:
-        return Judgement(Verdict.SILENT, f'a state that never was, at event {state.seq}: {said}')
-    if said:
-        return Judgement(Verdict.HELD, said)
+    if restored != true:
+        return Judgement(Verdict.SILENT, f'a state that never was, at event {state.seq}: {report}')
+    if report:
+        return Judgement(Verdict.HELD, report)
     if whole:
         return Judgement(Verdict.SAME, '')
     return Judgement(Verdict.SILENT, f'the state of event {state.seq}')
@@ -92,15 +92,15 @@ def _gone_on_with(store: SqliteStore) -> str:
     gateway = VirtualGateway(CELL, FakeActionTypes(), clock)
     orchestrator = Orchestrator(CELL, gateway, clock, store, auto_resume=True)
     state = orchestrator.state
-    found = orchestrator.kept_seq
+    kept = orchestrator.kept_seq
     orchestrator.settle()
-    said = [hold.message for hold in state.holds.values() if hold.reason == 'missing']
+    messages = [hold.message for hold in state.holds.values() if hold.reason == 'missing']
     started = len(state.running)
     for _ in range(MOST_STEPS):
         if _reason_to_stop(orchestrator):
             # Of a part that no start reads: the line is Held and says why, nothing more is sent.
             orchestrator.close()
-            return '; '.join([*said, _reason_to_stop(orchestrator)])
+            return '; '.join([*messages, _reason_to_stop(orchestrator)])
         for hold in list(state.holds.values()):
             by = ann('looked at it')
             offered = Resume(by, hold.id) if hold.is_pause else None
@@ -115,11 +115,11 @@ def _gone_on_with(store: SqliteStore) -> str:
         orchestrator.settle()
     assert not state.jobs, f'stuck with {list(state.jobs)}, {started} goals at the start'
     # Those before may be damaged: a newer snapshot led past them.
-    assert [event.seq for event in store.read(found)] == list(range(found + 1, state.seq + 1))
+    assert [event.seq for event in store.read(kept)] == list(range(kept + 1, state.seq + 1))
     again = restore(CELL, store)
     assert frozen(again) == frozen(state), 'the next start finds another state'
     orchestrator.close()
-    return '; '.join(said)
+    return '; '.join(messages)
 
 
 def _reason_to_stop(orchestrator: Orchestrator) -> str:
@@ -128,10 +128,10 @@ def _reason_to_stop(orchestrator: Orchestrator) -> str:
 
 def _misread(case: Case, path: Path) -> str:
     """Read the journal as the verbs do; returns what is wrong with what they show."""
-    told: list[str] = []
+    reports: list[str] = []
     true = {event.seq: event for event in case.scene.events}
     try:
-        with journal_reading(path, told.append) as reader:
+        with journal_reading(path, reports.append) as reader:
             list(reader.summaries())
             read = dict(reader.each(Wanted()))
     except OrchestratorError:
@@ -139,7 +139,7 @@ def _misread(case: Case, path: Path) -> str:
     wrong = [seq for seq, text in read.items() if from_record(json.loads(text)) != true.get(seq)]
     if wrong:
         return f'shown, but never written: {wrong}'
-    if len(read) < len(true) and not told and case.ending != '-mark':
+    if len(read) < len(true) and not reports and case.ending != '-mark':
         return f'{len(true) - len(read)} events are not shown, and nothing is said'
     return ''
 

@@ -128,7 +128,7 @@ class FakeActionTypes:
 
     def __init__(self, without: str = '') -> None:
         self._actions = {
-            one.name: one for one in ACTIONS if one.name.split('/', maxsplit=1)[0] != without
+            kind.name: kind for kind in ACTIONS if kind.name.split('/', maxsplit=1)[0] != without
         }
 
     def action(self, name: str) -> ActionType:
@@ -147,7 +147,7 @@ class FakeActionTypes:
 
 def _unknown(name: str, known: list[str]) -> UnknownActionType:
     package = name.split('/', maxsplit=1)[0]
-    if any(one.startswith(f'{package}/') for one in known):
+    if any(known_name.startswith(f'{package}/') for known_name in known):
         return UnknownActionType(name, f'{package} has no type {name}', 'check its spelling')
     what = f'the package {package} is not installed'
     return UnknownActionType(name, what, f'install {package} and source its workspace')

@@ -28,10 +28,10 @@ def tidy_after(orchestrator: Orchestrator) -> None:
 def check_board(space: str, state: CellState) -> None:
     """Fail unless the blackboard shows the state of this moment, and nothing else."""
     below = f'{space}/'
-    said = {key[len(below) :]: value for key, value in shown(below).items()}
+    board = {key[len(below) :]: value for key, value in shown(below).items()}
     # As flags do, zones stay when the last script that names them has gone; nobody is there then.
-    left = {key for key in said if key.startswith('zones/')}
-    assert said == dict.fromkeys(left, '') | expected(state)
+    left = {key for key in board if key.startswith('zones/')}
+    assert board == dict.fromkeys(left, '') | expected(state)
 
 
 def shown(below: str) -> dict[str, Any]:

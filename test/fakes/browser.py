@@ -28,8 +28,8 @@ class Answered:
     @property
     def message(self) -> str:
         """What an error says."""
-        found: str = self.json['message']
-        return found
+        text: str = self.json['message']
+        return text
 
 
 @dataclass

@@ -16,17 +16,17 @@ BY_HAND = ('pause', 'stop', 'abort', 'out_of_service')
 
 def with_codes(records: Sequence[Mapping[str, Any]], random: Random) -> list[dict[str, Any]]:
     """Return a run whose decisions have reasons, some of them, and stops that get one later."""
-    run = [dict(one) for one in records]
-    for one in run:
-        may_have = one['event'] == 'operator.decided' and (
-            one['answer'] in BY_HAND or ('hold' in one and not is_remark(one['answer']))
+    run = [dict(record) for record in records]
+    for record in run:
+        may_have = record['event'] == 'operator.decided' and (
+            record['answer'] in BY_HAND or ('hold' in record and not is_remark(record['answer']))
         )
         if may_have and random.random() < 0.6:
-            one['code'] = random.choice('ABC')
+            record['code'] = random.choice('ABC')
     stops = naive_stops(run, [(us_of(run[0]['time']), us_of(run[-1]['time']) + 1)])
     for stop in random.choices(stops, k=len(stops)) if stops else ():
         last = run[-1]
-        said = {'answer': 'classify', 'who': 'ann', 'reason': '', 'code': random.choice('ABC')}
+        answer = {'answer': 'classify', 'who': 'ann', 'reason': '', 'code': random.choice('ABC')}
         place = {'seq': last['seq'] + 1, 'time': last['time'], 'event': 'operator.decided'}
-        run.append({**place, **said, 'stop': f'x:{stop.seq}'})
+        run.append({**place, **answer, 'stop': f'x:{stop.seq}'})
     return run

@@ -81,8 +81,8 @@ class DotText:
 
 def attributes(text: str) -> dict[str, str]:
     """Return the attributes of a statement."""
-    found = re.findall(rf'(\w+)=({_VALUE})', text, re.DOTALL)
-    return {key: value.strip('"').replace('\\"', '"') for key, value in found}
+    pairs = re.findall(rf'(\w+)=({_VALUE})', text, re.DOTALL)
+    return {key: value.strip('"').replace('\\"', '"') for key, value in pairs}
 
 
 def words(label: str) -> list[str]:

@@ -81,7 +81,7 @@ class FlaggedLine:
     # --- flags ------------------------------------------------------------------------------
 
     def _flags(self) -> list[str]:
-        found = []
+        lines = []
         for number in range(self._random.randint(1, 4)):
             upstream, downstream = self._pair()
             ahead = self._places[downstream] - self._places[upstream]
@@ -92,11 +92,11 @@ class FlaggedLine:
             else:
                 initial = max(0, spare - ahead)
                 capacity = max(1, initial + self._random.choice([0, 0, 1]))
-            found.append(
+            lines.append(
                 f'  - {{flag: f{number}, upstream: {upstream}, downstream: {downstream}, '
                 f'capacity: {capacity}, initial: {initial}}}'
             )
-        return ['lateral_dependencies:', *found]
+        return ['lateral_dependencies:', *lines]
 
     def _pair(self) -> tuple[str, str]:
         """Draw two tasks, seldom of one section."""
@@ -137,11 +137,11 @@ class SharingScripts:
             first = random.randint(0, len(names) if random.random() < 0.5 else 0)
             ends = {1: ('place', 'qty_change: 1'), self.size: ('pack', 'qty_change: -1')}
             name, option = ends.get(number, (f'work{number}', 'timeout: none'))
-            free = {one for one in names if random.random() < 0.75}
+            free = {task_id for task_id in names if random.random() < 0.75}
             tasks = [
-                f'{{id: {one}, @{random.choice("ab")}{number}, '
-                f'requires_conveyor: {"false" if one in free else "true"}}}'
-                for one in names
+                f'{{id: {task_id}, @{random.choice("ab")}{number}, '
+                f'requires_conveyor: {"false" if task_id in free else "true"}}}'
+                for task_id in names
             ]
             tasks.insert(first, f'{{id: {name}, @a{number}, {option}}}')
             release = random.choice(['end_of_cycle', *['after_last_conveyor_task'] * 5])

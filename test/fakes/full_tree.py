@@ -49,8 +49,8 @@ class _Reader:
         return self._ledger.now
 
     def record(self, events: Iterable[Event]) -> None:
-        found = list(events)
-        assert not found, f'a part was left out that had something to do: {found}'
+        recorded = list(events)
+        assert not recorded, f'a part was left out that had something to do: {recorded}'
 
     def new_goal_id(self) -> str:
         raise AssertionError('a part was left out that had a goal to send')

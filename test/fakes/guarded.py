@@ -155,8 +155,8 @@ class Served:
         finally:
             for session in bench.server.inside.sessions:
                 await session.close_session(True)
-            for one in list(bench.server.bserver.clients):
-                one.transport.abort()
+            for client in list(bench.server.bserver.clients):
+                client.transport.abort()
             await becomes(lambda: not bench.server.bserver.clients)
             closing = bench.server.bserver.closing_tasks
             await becomes(lambda: all(task.done() for task in closing))

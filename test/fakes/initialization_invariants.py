@@ -90,10 +90,10 @@ class InitializationInvariants:
             self._since_stopped.clear()
 
     def _open_before(self, job: str) -> Iterator[Task]:
-        for one, tasks in self._open.items():
-            if one == job:
+        for other_job, tasks in self._open.items():
+            if other_job == job:
                 return
-            yield from (self._scripts[one].tasks[task] for task in tasks)
+            yield from (self._scripts[other_job].tasks[task] for task in tasks)
 
     def _places(self, task: Task) -> tuple[int, ...]:
         every = tuple(range(1, self._cell.conveyor.sections + 1))

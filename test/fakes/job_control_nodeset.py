@@ -18,8 +18,8 @@ AllowedToStartSubstates."""
 @lru_cache
 def nodes() -> dict[str, ET.Element]:
     """Return all nodes by their ids."""
-    found = files('o6_nodeset_compiler') / 'bundle' / 'isa95_jobcontrol_v2.xml.gz'
-    root = ET.fromstring(gzip.decompress(found.read_bytes()))
+    path = files('o6_nodeset_compiler') / 'bundle' / 'isa95_jobcontrol_v2.xml.gz'
+    root = ET.fromstring(gzip.decompress(path.read_bytes()))
     return {node.get('NodeId', ''): node for node in root if node.get('NodeId')}
 
 

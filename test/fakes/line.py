@@ -151,8 +151,8 @@ def _adapted(
         durations = dict.fromkeys(TASKS, time_s)
         components[name] = replace(components[name], durations_s=durations)
     for name, specs in faults.items():
-        found = tuple(parse_fault(spec) for spec in specs.split())
-        components[name] = replace(components[name], faults=found)
+        parsed = tuple(parse_fault(spec) for spec in specs.split())
+        components[name] = replace(components[name], faults=parsed)
     for name, fields in results.items():
         components[name] = replace(components[name], results=dict.fromkeys(TASKS, fields))
     conveyor = replace(cell.conveyor, component=components['conveyor'])

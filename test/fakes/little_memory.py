@@ -68,8 +68,8 @@ def main() -> None:
     limit = pages * resource.getpagesize() + MEMORY
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     for name, make in BOMBS.items():
-        found = 'read' if refusal(SCRIPTS[0], make()) is None else 'refused'
-        print(f'{name}: {found}', flush=True)  # noqa: T201 - for the test that started this
+        outcome = 'read' if refusal(SCRIPTS[0], make()) is None else 'refused'
+        print(f'{name}: {outcome}', flush=True)  # noqa: T201 - for the test that started this
 
 
 if __name__ == '__main__':

@@ -75,12 +75,12 @@ def naive_account(
         if record['event'] == 'hold.raised' and record['hold'] in failed:
             parts.failures[record['component']] += 1
     times['not_recorded'] += overlap(min(planned)[0], us(records[0]), planned)
-    out = [one for one in records if one['event'] == 'item.removed']
+    out = [item for item in records if item['event'] == 'item.removed']
     counts = [is_planned(left_at(records, number), planned) for number in range(len(records))]
-    counted = [one for one in out if counts[records.index(one)]]
-    good = [one for one in counted if is_good(one, records)]
+    counted = [item for item in out if counts[records.index(item)]]
+    good = [item for item in counted if is_good(item, records)]
     busy = sum(times.values()) - sum(times[name] for name in UNPLANNED)
-    value = sum((pace_us(one['job']) for one in good), start=Fraction(0))
+    value = sum((pace_us(item['job']) for item in good), start=Fraction(0))
     oee = value / busy if busy else None
     causes = naive_causes(records, counts)
     return NaiveAccount(times, len(good), len(counted), oee, loss_parts, parts, causes)
@@ -107,7 +107,7 @@ def of_components(
     if what in UNPLANNED:
         return
     if what != 'no_node':
-        for name in {one['component'] for one in in_flight(past)}:
+        for name in {task['component'] for task in in_flight(past)}:
             parts.operated[name] += took
     standing = holds(past)
     for hold in standing:
@@ -122,9 +122,9 @@ def of_components(
 
 def holds(past: Records) -> list[Mapping[str, Any]]:
     """Return those that stand, the oldest first."""
-    over = [one['hold'] for one in past if one['event'] == 'hold.released']
-    raised = [one for one in past if one['event'] == 'hold.raised']
-    return [one for one in raised if one['hold'] not in over]
+    over = [record['hold'] for record in past if record['event'] == 'hold.released']
+    raised = [record for record in past if record['event'] == 'hold.raised']
+    return [record for record in raised if record['hold'] not in over]
 
 
 def failing(records: Records, hold: Mapping[str, Any]) -> bool:
@@ -182,21 +182,21 @@ def naive_stops(records: Records, planned: Sequence[tuple[int, int]]) -> list[Na
             seq = records[number + 1]['seq'] - 1 if is_killed else records[first]['seq']
             stops.append(NaiveStop(seq, str(cause[0]), str(cause[-1]), begin, end, 0))
         before = cause
-    planned_us = [one._replace(us=overlap(one.begin, one.end, planned)) for one in stops]
-    return [one for one in planned_us if one.us and one.end - one.begin >= LEAST_STOP_US]
+    planned_us = [stop._replace(us=overlap(stop.begin, stop.end, planned)) for stop in stops]
+    return [stop for stop in planned_us if stop.us and stop.end - stop.begin >= LEAST_STOP_US]
 
 
 def naive_code(stop: NaiveStop, records: Records) -> str:
     """Return the reason of a stop; empty: it is not classified."""
-    said = [one for one in records if one['event'] == 'operator.decided' and one.get('code')]
-    named = [one for one in said if one.get('stop', '').endswith(f':{stop.seq}')]
-    answers = [one for one in said if stop.hold and one.get('hold') == stop.hold]
+    coded = [row for row in records if row['event'] == 'operator.decided' and row.get('code')]
+    named = [row for row in coded if row.get('stop', '').endswith(f':{stop.seq}')]
+    answers = [row for row in coded if stop.hold and row.get('hold') == stop.hold]
     if named or answers:
         return str((named or answers)[-1]['code'])
     codes = [
         code_now(records[: number + 1])
-        for number, one in enumerate(records[:-1])
-        if stop.begin <= us(one) < stop.end and us(one) < us(records[number + 1])
+        for number, row in enumerate(records[:-1])
+        if stop.begin <= us(row) < stop.end and us(row) < us(records[number + 1])
     ]
     return next(filter(None, reversed(codes)), '')
 
@@ -204,10 +204,10 @@ def naive_code(stop: NaiveStop, records: Records) -> str:
 def code_now(past: Records) -> str:
     """Return the reason of the decision for which the line stands after some records."""
     loss, *about = why_it_stands(past, '') or ('',)
-    decisions = [one for one in past if one['event'] == 'operator.decided']
-    of_cell = [one for one in decisions if not {'job', 'component'} & one.keys()]
+    decisions = [record for record in past if record['event'] == 'operator.decided']
+    of_cell = [record for record in decisions if not {'job', 'component'} & record.keys()]
     if loss in ('own_fault', 'operator') and about[-1] and not is_manual(past):
-        raised = next(n for n, one in enumerate(past) if one.get('hold') == about[-1] and n)
+        raised = next(n for n, record in enumerate(past) if record.get('hold') == about[-1] and n)
         is_pause = past[raised].get('reason') == 'paused'
         before = past[raised - 1]
         return str(before.get('code', '')) if is_pause and before.get('answer') == 'pause' else ''
@@ -215,18 +215,18 @@ def code_now(past: Records) -> str:
         return code_since(of_cell, ['abort'], ['start', 'clear'])
     if loss == 'waiting':
         first = next(iter((*out_of_service(past), *unready(past))), '')
-        of_it = [one for one in decisions if one.get('component') == first]
+        of_it = [record for record in decisions if record.get('component') == first]
         return code_since(of_it, ['out_of_service'], ['in_service'])
     works = last(past, 'cell.state_changed', 'state') in BEGINS
     if loss == 'operator' and works and not last(past, 'cell.stop_reason_changed', 'stop_reason'):
-        return code_since([one for one in decisions if 'job' in one], ['pause'], [])
+        return code_since([record for record in decisions if 'job' in record], ['pause'], [])
     return code_since(of_cell, ['stop'], ['start', 'clear']) if loss == 'operator' else ''
 
 
 def code_since(decisions: Records, words: Sequence[str], ends: Sequence[str]) -> str:
     """Return the reason that came with the last of some commands; empty: it is over."""
-    found = [one for one in decisions if one['answer'] in (*words, *ends)]
-    return str(found[-1].get('code', '')) if found and found[-1]['answer'] in words else ''
+    matches = [decision for decision in decisions if decision['answer'] in (*words, *ends)]
+    return str(matches[-1].get('code', '')) if matches and matches[-1]['answer'] in words else ''
 
 
 def why_it_stands(past: Records, next_event: str) -> tuple[Any, ...] | None:
@@ -234,10 +234,10 @@ def why_it_stands(past: Records, next_event: str) -> tuple[Any, ...] | None:
     loss = what_is_it(past, next_event)
     if loss not in STOPS:
         return None
-    holds = {one['hold']: one for one in past if one['event'] == 'hold.raised'}
-    for one in past:
-        if one['event'] == 'hold.released':
-            holds.pop(one['hold'], None)
+    holds = {record['hold']: record for record in past if record['event'] == 'hold.raised'}
+    for record in past:
+        if record['event'] == 'hold.released':
+            holds.pop(record['hold'], None)
     reason = last(past, 'cell.stop_reason_changed', 'stop_reason')
     if is_manual(past):
         return loss, 'manual'
@@ -254,24 +254,24 @@ def why_it_stands(past: Records, next_event: str) -> tuple[Any, ...] | None:
 
 def unready(past: Records) -> tuple[str, ...]:
     """Return the components that are not ready, the first first."""
-    found: dict[str, None] = {}
-    for one in past:
-        if one['event'] == 'component.state_changed':
-            if one.get('ready', False):
-                found.pop(one['component'], None)
+    components: dict[str, None] = {}
+    for record in past:
+        if record['event'] == 'component.state_changed':
+            if record.get('ready', False):
+                components.pop(record['component'], None)
             else:
-                found[one['component']] = None
-    return tuple(found)
+                components[record['component']] = None
+    return tuple(components)
 
 
 def out_of_service(past: Records) -> tuple[str, ...]:
-    found: dict[str, None] = {}
-    for one in past:
-        if one['event'] == 'component.out_of_service':
-            found[one['component']] = None
-        elif one['event'] == 'component.in_service':
-            found.pop(one['component'], None)
-    return tuple(found)
+    components: dict[str, None] = {}
+    for record in past:
+        if record['event'] == 'component.out_of_service':
+            components[record['component']] = None
+        elif record['event'] == 'component.in_service':
+            components.pop(record['component'], None)
+    return tuple(components)
 
 
 def us(record: Mapping[str, Any]) -> int:
@@ -287,10 +287,10 @@ def before_a_step(record: Mapping[str, Any]) -> int:
 def left_at(records: Records, number: int) -> int:
     """Return when an item left; at the moment of a step the clock is not set yet."""
     time = us(records[number])
-    for one in reversed(records[:number]):
-        if us(one) != time:
+    for record in reversed(records[:number]):
+        if us(record) != time:
             break
-        time = before_a_step(one)
+        time = before_a_step(record)
     return time
 
 
@@ -300,10 +300,10 @@ def overlap(begin: int, end: int, planned: Sequence[tuple[int, int]]) -> int:
 
 def is_good(out: Mapping[str, Any], records: Records) -> bool:
     let_pass = any(
-        one['item'] == out['item']
-        for one in records[: records.index(out)]  # a later mark changes no count
-        if one['event'] == 'item.nonconforming'
-        or (one['event'] == 'task.continued' and one['policy'] == 'continue' and one.get('item'))
+        row['item'] == out['item']
+        for row in records[: records.index(out)]  # a later mark changes no count
+        if row['event'] == 'item.nonconforming'
+        or (row['event'] == 'task.continued' and row['policy'] == 'continue' and row.get('item'))
     )
     return out['how'] == 'packed' and not let_pass
 
@@ -336,42 +336,42 @@ def what_is_it(past: Records, next_event: str) -> str:
         line = [job for job in jobs(past) if is_on_the_line(past, job)]
         paused = [job for job in line if is_paused(past, job)]
         return 'operator' if line and paused == line else 'waiting'
-    if all('job' in one and 'section' not in one for one in flying):
+    if all('job' in task and 'section' not in task for task in flying):
         return 'setup'
-    if any(one['attempt'] > 1 or one.get('round', 0) > 0 for one in flying):
+    if any(task['attempt'] > 1 or task.get('round', 0) > 0 for task in flying):
         return 'rework'
     return 'production'
 
 
 def last(past: Records, event: str, field: str) -> Any:
-    found = [one.get(field) for one in past if one['event'] == event]
-    return found[-1] if found else None
+    values = [record.get(field) for record in past if record['event'] == event]
+    return values[-1] if values else None
 
 
 def has_stopped(past: Records) -> bool:
-    ends = [one for one in past if one['event'].startswith('orchestrator.')]
+    ends = [record for record in past if record['event'].startswith('orchestrator.')]
     return bool(ends) and ends[-1]['event'] == 'orchestrator.stopping'
 
 
 def in_flight(past: Records) -> list[Mapping[str, Any]]:
     begun: dict[Any, Mapping[str, Any]] = {}
-    for one in past:
-        key = tuple(one.get(name) for name in ('job', 'section', 'item', 'task'))
-        if one['event'] == 'task.started':
-            begun[key] = one
-        elif one['event'] in ('task.succeeded', 'task.failed'):
+    for record in past:
+        key = tuple(record.get(name) for name in ('job', 'section', 'item', 'task'))
+        if record['event'] == 'task.started':
+            begun[key] = record
+        elif record['event'] in ('task.succeeded', 'task.failed'):
             begun.pop(key, None)
     return list(begun.values())
 
 
 def jobs(past: Records) -> list[str]:
-    named = [one['job'] for one in past if one['event'] == 'job.queued']
-    ended = [one['job'] for one in past if one['event'] in JOB_ENDS]
+    named = [record['job'] for record in past if record['event'] == 'job.queued']
+    ended = [record['job'] for record in past if record['event'] in JOB_ENDS]
     return [job for job in named if job not in ended]
 
 
 def of_job(past: Records, job: str, *events: str) -> list[str]:
-    return [one['event'] for one in past if one.get('job') == job and one['event'] in events]
+    return [row['event'] for row in past if row.get('job') == job and row['event'] in events]
 
 
 def is_on_the_line(past: Records, job: str) -> bool:
@@ -387,20 +387,20 @@ def has_work(past: Records, job: str) -> bool:
     """Tell whether a job is on the line, or may start."""
     if is_on_the_line(past, job):
         return True
-    (queued,) = (one for one in past if one['event'] == 'job.queued' and one['job'] == job)
-    told = [one for one in past if one['event'] == 'job.updated' and one['job'] == job]
-    newest = told[-1] if told else queued
+    (queued,) = (row for row in past if row['event'] == 'job.queued' and row['job'] == job)
+    updates = [row for row in past if row['event'] == 'job.updated' and row['job'] == job]
+    newest = updates[-1] if updates else queued
     since = past.index(newest)
     held = of_job(past, job, 'job.held', 'job.released')[-1:]
     is_held = held == ['job.held'] if held else queued.get('held', False)
     may = of_job(past[since:], job, 'job.may_start')
     awaits = newest.get('awaits_start', False) and not may
     lacks = set(newest.get('unavailable', ()))
-    for one in past[since:]:
-        if one['event'] == 'component.out_of_service' and job in one.get('jobs', ()):
-            lacks.add(one['component'])
-        elif one['event'] == 'component.in_service':
-            lacks.discard(one['component'])
-    released = [one['digest'] for one in past[since:] if one['event'] == 'script.released']
+    for row in past[since:]:
+        if row['event'] == 'component.out_of_service' and job in row.get('jobs', ()):
+            lacks.add(row['component'])
+        elif row['event'] == 'component.in_service':
+            lacks.discard(row['component'])
+    released = [row['digest'] for row in past[since:] if row['event'] == 'script.released']
     unreleased = newest.get('awaits_release', False) and newest['digest'] not in released
     return not (is_held or awaits or lacks or unreleased)

@@ -67,29 +67,29 @@ def naive_causes(records: Records, counts: Sequence[bool]) -> NaiveCauses:
     rows: Counter[Row] = Counter()
     made: dict[str, Counter[str]] = {}
     values: dict[tuple[Any, ...], list[float]] = {}
-    for number, one in enumerate(records):
+    for number, record in enumerate(records):
         if not counts[number]:
             continue
         past = records[:number]
-        if one['event'] == 'item.removed':
-            kind, row = what_became(past, one)
-            of_job = made.setdefault(one['job'], Counter())
+        if record['event'] == 'item.removed':
+            kind, row = what_became(past, record)
+            of_job = made.setdefault(record['job'], Counter())
             of_job[kind] += 1
-            of_job['first_pass'] += kind == 'good' and is_first_pass(past, one)
+            of_job['first_pass'] += kind == 'good' and is_first_pass(past, record)
             rows.update([row] if row else [])
-        elif again := done_again(past, one):
+        elif again := done_again(past, record):
             rows[again] += 1
-            made.setdefault(one['job'], Counter())[f'{again.effect}s'] += 1
-        for key, value in measured(past, one):
+            made.setdefault(record['job'], Counter())[f'{again.effect}s'] += 1
+        for key, value in measured(past, record):
             values.setdefault(key, []).append(value)
-    return NaiveCauses(rows, made, {key: beside(key, found) for key, found in values.items()})
+    return NaiveCauses(rows, made, {key: beside(key, series) for key, series in values.items()})
 
 
 # --- items ------------------------------------------------------------------------------------
 
 
 def of_item(past: Records, item: Any) -> list[Record]:
-    return [one for one in past if one.get('item') == item]
+    return [record for record in past if record.get('item') == item]
 
 
 def what_became(past: Records, out: Record) -> tuple[str, Row | None]:
@@ -99,46 +99,46 @@ def what_became(past: Records, out: Record) -> tuple[str, Row | None]:
         return 'by_hand', Row('by_hand', 'remove_item', product)
     if out['how'] == 'rejected':
         return 'rejected', why_rejected(past, out, product)
-    for one in about:
-        number = past.index(one)
-        if one['event'] == 'item.nonconforming':
-            answers = [said['answer'] for said in past[:number] if is_decision(said)]
+    for record in about:
+        number = past.index(record)
+        if record['event'] == 'item.nonconforming':
+            answers = [earlier['answer'] for earlier in past[:number] if is_decision(earlier)]
             decision = 'skip' if answers[-1:] == ['skip'] else 'mark_done'
-        elif one['event'] == 'task.continued' and one['policy'] == 'continue':
+        elif record['event'] == 'task.continued' and record['policy'] == 'continue':
             decision = 'on_failure'
         else:
             continue
-        return 'nonconforming', failed(past[:number], one, 'nonconforming', decision, product)
+        return 'nonconforming', failed(past[:number], record, 'nonconforming', decision, product)
     return 'good', None
 
 
 def why_rejected(past: Records, out: Record, product: str) -> Row:
-    said = [one for one in of_item(past, out['item']) if one['event'] == 'item.rejected']
-    first = past.index(said[0]) if said else len(past)
-    if any(one['event'] == 'job.aborting' and one['job'] == out['job'] for one in past[:first]):
+    rejections = [row for row in of_item(past, out['item']) if row['event'] == 'item.rejected']
+    first = past.index(rejections[0]) if rejections else len(past)
+    if any(row['event'] == 'job.aborting' and row['job'] == out['job'] for row in past[:first]):
         return Row('rejected', 'abort_job', product)
-    for one in of_item(past[first:], out['item']):
-        if one['event'] == 'task.continued' and one['policy'] == 'reject':
-            before = past[: past.index(one)]
-            decision = 'reject' if was_held(before, one) else 'on_failure'
-            return failed(before, one, 'rejected', decision, product)
+    for row in of_item(past[first:], out['item']):
+        if row['event'] == 'task.continued' and row['policy'] == 'reject':
+            before = past[: past.index(row)]
+            decision = 'reject' if was_held(before, row) else 'on_failure'
+            return failed(before, row, 'rejected', decision, product)
     return Row('rejected', 'on_failure', product)
 
 
 def is_first_pass(past: Records, out: Record) -> bool:
     about = of_item(past, out['item'])
-    holds = [one['hold'] for one in about if one['event'] == 'hold.raised']
-    for one in past:
+    holds = [row['hold'] for row in about if row['event'] == 'hold.raised']
+    for row in past:
         if (
-            is_decision(one)
-            and one['answer'] in ('mark_done', 'skip')
-            and one.get('hold') in holds
+            is_decision(row)
+            and row['answer'] in ('mark_done', 'skip')
+            and row.get('hold') in holds
         ):
             return False
     return not any(
-        one['event'] == 'round.begun'
-        or (one['event'] == 'task.started' and (one['attempt'] > 1 or one.get('round', 0) > 0))
-        for one in about
+        row['event'] == 'round.begun'
+        or (row['event'] == 'task.started' and (row['attempt'] > 1 or row.get('round', 0) > 0))
+        for row in about
     )
 
 
@@ -147,8 +147,8 @@ def is_decision(one: Record) -> bool:
 
 
 def product_of(past: Records, job: str) -> str:
-    orders = [one for one in past if one['event'] in ('job.queued', 'job.updated')]
-    newest = [one for one in orders if one['job'] == job][-1]
+    orders = [record for record in past if record['event'] in ('job.queued', 'job.updated')]
+    newest = [record for record in orders if record['job'] == job][-1]
     return str(newest.get('recipe') or newest['script'])
 
 
@@ -178,19 +178,19 @@ def same_task(one: Record, other: Record) -> bool:
 
 def last_failure(past: Records, about: Record) -> Record | None:
     """Return the last failed attempt of a task; a round begins anew."""
-    found = None
-    for one in past:
-        if one['event'] == 'task.failed' and same_task(one, about):
-            found = one
-        elif one['event'] == 'round.begun' and one['item'] == about.get('item'):
-            found = None if about['task'] in one['tasks'] else found
-    return found
+    failure = None
+    for record in past:
+        if record['event'] == 'task.failed' and same_task(record, about):
+            failure = record
+        elif record['event'] == 'round.begun' and record['item'] == about.get('item'):
+            failure = None if about['task'] in record['tasks'] else failure
+    return failure
 
 
 def was_held(past: Records, about: Record) -> bool:
     failure = last_failure(past, about)
     since = past[past.index(failure) :] if failure is not None else []
-    return any(one['event'] == 'hold.raised' and same_task(one, about) for one in since)
+    return any(record['event'] == 'hold.raised' and same_task(record, about) for record in since)
 
 
 def failed(past: Records, about: Record, effect: str, decision: str, product: str) -> Row:
@@ -209,11 +209,11 @@ def failed(past: Records, about: Record, effect: str, decision: str, product: st
 
 def component_of(past: Records, end: Record) -> str:
     """Return the component of the attempt that ended; nothing may have been sent."""
-    for one in reversed(past):
-        if one['event'] in ('task.succeeded', 'task.failed') and same_task(one, end):
+    for record in reversed(past):
+        if record['event'] in ('task.succeeded', 'task.failed') and same_task(record, end):
             return ''
-        if one['event'] == 'task.started' and same_task(one, end):
-            return str(one['component'])
+        if record['event'] == 'task.started' and same_task(record, end):
+            return str(record['component'])
     return ''
 
 
@@ -222,10 +222,10 @@ def component_of(past: Records, end: Record) -> str:
 
 def comparisons(past: Records, end: Record) -> Iterator[tuple[str, bool, Record]]:
     """Yield each comparison of a field of the own result: its words, and whether it is met."""
-    orders = [one for one in past if one['event'] in ('job.queued', 'job.updated')]
-    order = [one for one in orders if one['job'] == end['job']][-1]
-    loaded = [one for one in past if one['event'] == 'script.loaded']
-    script = [one for one in loaded if one['digest'] == order['digest']][-1]['definition']
+    orders = [record for record in past if record['event'] in ('job.queued', 'job.updated')]
+    order = [record for record in orders if record['job'] == end['job']][-1]
+    loaded = [record for record in past if record['event'] == 'script.loaded']
+    script = [record for record in loaded if record['digest'] == order['digest']][-1]['definition']
     for task in tasks_in(script):
         if task.get('id') == end['task'] and 'fails_unless' in task:
             for part in parts_of(task['fails_unless']):
@@ -263,14 +263,14 @@ def own_field(part: Record, task: str) -> list[str] | None:
 
 
 def bounds(part: Record, params: Record) -> Record:
-    found = {}
+    limits = {}
     for name in ('at_least', 'at_most'):
         bound = part.get(name)
         if isinstance(bound, Mapping):
             bound = params[bound['$'][0]['name']]
         if bound is not None:
-            found[name] = bound
-    return found
+            limits[name] = bound
+    return limits
 
 
 def words_of(part: Record) -> str:
@@ -278,7 +278,7 @@ def words_of(part: Record) -> str:
     named = '.'.join((reference['source'], reference['name'], *reference.get('fields', ())))
     low, high = part.get('at_least'), part.get('at_most')
     if part.get('one_of'):
-        compared = f' one of {", ".join(str(one) for one in part["one_of"])}'
+        compared = f' one of {", ".join(str(choice) for choice in part["one_of"])}'
     elif part.get('not_equals') is not None:
         compared = f' is not {part["not_equals"]}'
     elif low is not None and high is not None:
@@ -332,7 +332,7 @@ def measured(past: Records, end: Record) -> Iterator[tuple[tuple[Any, ...], floa
 
 def beside(key: tuple[Any, ...], found: Sequence[float]) -> Values:
     low, high = key[-2:]
-    below = sum(low is not None and one < low for one in found)
-    above = sum(high is not None and one > high for one in found)
-    mean = sum((Fraction(one) for one in found), start=Fraction(0)) / len(found)
+    below = sum(low is not None and value < low for value in found)
+    above = sum(high is not None and value > high for value in found)
+    mean = sum((Fraction(value) for value in found), start=Fraction(0)) / len(found)
     return Values(len(found), below, above, min(found), mean, max(found))

@@ -39,7 +39,7 @@ class NaiveCell(NaiveQueue):
         return number in item.job.plan.lists and not self.said('cycle.started', item.at(number))
 
     def before(self, job: Job) -> list[Job]:
-        return [one for one in self.jobs[: self.jobs.index(job)] if self.is_able(one)]
+        return [earlier for earlier in self.jobs[: self.jobs.index(job)] if self.is_able(earlier)]
 
     def done_with(self, number: int, job: Job) -> bool:
         """Tell whether a section is done with a job (6.1)."""
@@ -49,7 +49,7 @@ class NaiveCell(NaiveQueue):
         return not (job.left or to_come or here or in_hand)
 
     def done_with_earlier(self, number: int, job: Job) -> bool:
-        return all(self.done_with(number, one) for one in self.before(job))
+        return all(self.done_with(number, earlier) for earlier in self.before(job))
 
     def end_job(self, job: Job) -> None:
         """End a job of which nothing remains (6.1)."""
@@ -70,9 +70,9 @@ class NaiveCell(NaiveQueue):
             self.carry_out(task, 'skip')
         is_set = self.is_change_needless(task)
         done = is_set or (task.given.get('once') and self.done.get(task.does) == task.args)
-        first = [t for one in self.before(job) for t in one.first.values()]
-        there = [one for one in first if one.device is task.device]
-        ordered = all(one.state == 'done' for one in [*there, *task.after])
+        first = [t for entry in self.before(job) for t in entry.first.values()]
+        there = [entry for entry in first if entry.device is task.device]
+        ordered = all(entry.state == 'done' for entry in [*there, *task.after])
         turn = ordered and all(self.done_with_earlier(n, job) for n in task.device.places)
         stays = self.stays_set if is_set else self.stays_done
         begins = self.may_begin() and (turn or (done and stays(task)))
@@ -86,9 +86,9 @@ class NaiveCell(NaiveQueue):
     def stays_done(self, task: Task) -> bool:
         """Tell whether a job could begin and nobody before it does a task again (5.1)."""
         before = self.before(task.job)
-        again = [one for job in [*before, task.job] for one in job.first.values()]
-        to_come = [one for one in again if one is not task and one.state != 'done']
-        does = [one.does for one in to_come]
+        again = [other for job in [*before, task.job] for other in job.first.values()]
+        to_come = [other for other in again if other is not task and other.state != 'done']
+        does = [other.does for other in to_come]
         for job in before:
             for number in [n for n in job.plan.lists if not self.done_with(n, job)]:
                 steps = job.plan.lists[number]
@@ -98,7 +98,7 @@ class NaiveCell(NaiveQueue):
 
     def prepared(self, number: int, job: Job) -> bool:
         """Tell whether a section may begin a cycle of a job (5.2)."""
-        first = [task for one in self.before(job) for task in one.first.values()]
+        first = [task for earlier in self.before(job) for task in earlier.first.values()]
         if any(number in task.device.places and task.state != 'done' for task in first):
             return False
         for task in [task for task in job.first.values() if task.state != 'done']:

@@ -41,40 +41,40 @@ def can_be_made(recipe: Recipe, overrides: Overrides, cell: Cell) -> bool | None
         [
             (section, name, component.capabilities[can])
             for name, component in cell.components.items()
-            for can in one.do
-            if can in component.capabilities and overrides.bind.get(one.id, name) == name
+            for can in op.do
+            if can in component.capabilities and overrides.bind.get(op.id, name) == name
             for section in component.sections or range(1, cell.conveyor.sections + 1)
         ]
-        for one in recipe.operations
+        for op in recipe.operations
     ]
     if prod(map(len, ways)) > MOST_BINDINGS:
         return None
-    names = [one.id for one in recipe.operations]
+    names = [op.id for op in recipe.operations]
     return any(
-        _keeps_order(dict(zip(names, found, strict=True)), recipe) for found in product(*ways)
+        _keeps_order(dict(zip(names, binding, strict=True)), recipe) for binding in product(*ways)
     )
 
 
 def _keeps_order(bound: dict[str, tuple[int, str, Capability]], recipe: Recipe) -> bool:
     """Tell whether items move down the belt only, and devices keep what they can."""
-    together = {one for rework in recipe.reworks for one in rework.operations}
+    together = {op for rework in recipe.reworks for op in rework.operations}
     kept = set()
-    for one in recipe.operations:
-        here = bound[one.id][0]
+    for op in recipe.operations:
+        here = bound[op.id][0]
         if not bound['put'][0] <= here <= bound['take'][0]:
             return False
-        named = {r.name for r in _named(one) if r.source == 'results' and r.name != one.id}
-        if any(bound[before][0] > here for before in {*one.after, *one.needs.values(), *named}):
+        named = {r.name for r in _named(op) if r.source == 'results' and r.name != op.id}
+        if any(bound[before][0] > here for before in {*op.after, *op.needs.values(), *named}):
             return False
-        for name, giver in one.needs.items():
+        for name, giver in op.needs.items():
             section, device, can = bound[giver]
             if name in can.holds:
-                if here - section > can.holds[name] or {one.id, giver} & together:
+                if here - section > can.holds[name] or {op.id, giver} & together:
                     return False
                 kept.add((device, name, giver))
     if len({(device, name) for device, name, _ in kept}) < len(kept):
         return False
-    return all(len({bound[one][0] for one in rework.operations}) == 1 for rework in recipe.reworks)
+    return all(len({bound[op][0] for op in rework.operations}) == 1 for rework in recipe.reworks)
 
 
 def _named(one: Operation) -> Iterator[Reference]:
@@ -91,8 +91,8 @@ def _places(script: Script) -> dict[str, _Place]:
     return {
         task.id: (number, step, track, place)
         for number, section in script.sections.items()
-        for step, one in enumerate(section.steps)
-        for track, members in enumerate(one.tracks)
+        for step, group in enumerate(section.steps)
+        for track, members in enumerate(group.tracks)
         for place, task in enumerate(members)
     }
 
@@ -105,20 +105,20 @@ def _is_before(one: _Place, other: _Place) -> bool:
 
 def _not_once(script: Script, recipe: Recipe) -> Iterator[str]:
     listed = [task.id for section in script.sections.values() for task in section.tasks]
-    if sorted(listed) != sorted(one.id for one in recipe.operations):
+    if sorted(listed) != sorted(op.id for op in recipe.operations):
         yield f'operations {sorted(listed)}'
 
 
 def _not_able(script: Script, recipe: Recipe, overrides: Overrides, cell: Cell) -> Iterator[str]:
-    for one in recipe.operations:
-        task, section = script.tasks[one.id], script.section_of(one.id)
+    for op in recipe.operations:
+        task, section = script.tasks[op.id], script.section_of(op.id)
         component = cell.components[task.component]
         if component.sections and section not in component.sections:
-            yield f'{one.id}: {component.name} is not in section {section}'
-        if task.name not in {can.task for n, can in component.capabilities.items() if n in one.do}:
-            yield f'{one.id}: {component.name} cannot'
-        if overrides.bind.get(one.id, component.name) != component.name:
-            yield f'{one.id} is not where it is bound'
+            yield f'{op.id}: {component.name} is not in section {section}'
+        if task.name not in {can.task for n, can in component.capabilities.items() if n in op.do}:
+            yield f'{op.id}: {component.name} cannot'
+        if overrides.bind.get(op.id, component.name) != component.name:
+            yield f'{op.id} is not where it is bound'
 
 
 def _befores(one: Operation, script: Script) -> set[str]:
@@ -129,10 +129,10 @@ def _befores(one: Operation, script: Script) -> set[str]:
 def _out_of_order(
     script: Script, recipe: Recipe, overrides: Overrides, places: dict[str, _Place]
 ) -> Iterator[str]:
-    for one in recipe.operations:
-        for before in _befores(one, script):
-            if not _is_before(places[before], places[one.id]):
-                yield f'{one.id} does not come behind {before}'
+    for op in recipe.operations:
+        for before in _befores(op, script):
+            if not _is_before(places[before], places[op.id]):
+                yield f'{op.id} does not come behind {before}'
     for listed in overrides.order:
         for before, after in pairwise(listed):
             if not _is_before(places[before], places[after]):
@@ -153,17 +153,17 @@ def _trailing(script: Script, recipe: Recipe) -> Iterator[str]:
         for task in _trail(section):
             if task.on_failure is OnFailure.REJECT:
                 yield f'{task.id} may reject, and trails'
-            for one in recipe.operations:
-                if task.id in _befores(one, script) and script.section_of(one.id) != number:
-                    yield f'{one.id} builds on {task.id}, which trails'
+            for op in recipe.operations:
+                if task.id in _befores(op, script) and script.section_of(op.id) != number:
+                    yield f'{op.id} builds on {task.id}, which trails'
 
 
 def _at_once(script: Script, cell: Cell) -> Iterator[str]:
     """Side by side run only components that say where, and in different places."""
     steps = (step for section in script.sections.values() for step in section.steps)
     for step in steps:
-        for one, other in combinations(step.tracks, 2):
-            for a, b in ((a, b) for a in one for b in other):
+        for track, other in combinations(step.tracks, 2):
+            for a, b in ((a, b) for a in track for b in other):
                 spaces = [{*cell.components[task.component].workspaces} for task in (a, b)]
                 if not all(spaces) or spaces[0] & spaces[1] or a.component == b.component:
                     yield f'{a.id} and {b.id} run at the same time'
@@ -175,7 +175,7 @@ def _unguarded(script: Script, cell: Cell) -> Iterator[str]:
         spaces = [{*cell.components[task.component].workspaces} for task in (a, b)]
         apart = script.section_of(a.id) != script.section_of(b.id)
         for name in spaces[0] & spaces[1]:
-            zones = [one for one in script.zones if one.name == name]
+            zones = [area for area in script.zones if area.name == name]
             if apart and not any({a.id, b.id} <= {*zone.tasks} for zone in zones):
                 yield f'{a.id} and {b.id} may meet in {name}'
 
@@ -184,14 +184,14 @@ def _not_taken_out(script: Script, places: dict[str, _Place]) -> Iterator[str]:
     listed = [task for section in script.sections.values() for task in section.tasks]
     (put,) = (task for task in listed if task.qty_change == 1)
     takes = [task for task in listed if task.qty_change == -1]
-    if sum(one.runs_for.includes(rejected=False) for one in takes) != 1:
+    if sum(out.runs_for.includes(rejected=False) for out in takes) != 1:
         yield 'good items are not taken out once'
     for task in listed:
         if task.on_failure is OnFailure.REJECT and _is_before(places[put.id], places[task.id]):
             takers = [
-                one
-                for one in takes
-                if one.runs_for is not RunsFor.GOOD and _is_before(places[task.id], places[one.id])
+                out
+                for out in takes
+                if out.runs_for is not RunsFor.GOOD and _is_before(places[task.id], places[out.id])
             ]
             if len(takers) != 1:
                 yield f'an item that {task.id} rejects is taken out {len(takers)} times'
@@ -200,13 +200,13 @@ def _not_taken_out(script: Script, places: dict[str, _Place]) -> Iterator[str]:
 
 
 def _not_together(script: Script, recipe: Recipe) -> Iterator[str]:
-    told = {one.tasks: one.times for one in script.repeats}
-    if told != {one.operations: one.times for one in recipe.reworks}:
-        yield f'repeats {told}'
-    for one in recipe.reworks:
-        (track,) = script.step_of(one.operations[0]).tracks
-        if tuple(task.id for task in track) != one.operations:
-            yield f'{one.operations} are no step'
+    repeats = {rework.tasks: rework.times for rework in script.repeats}
+    if repeats != {rework.operations: rework.times for rework in recipe.reworks}:
+        yield f'repeats {repeats}'
+    for rework in recipe.reworks:
+        (track,) = script.step_of(rework.operations[0]).tracks
+        if tuple(task.id for task in track) != rework.operations:
+            yield f'{rework.operations} are no step'
 
 
 def _not_prepared(script: Script, cell: Cell) -> Iterator[str]:
@@ -221,7 +221,7 @@ def _not_prepared(script: Script, cell: Cell) -> Iterator[str]:
         for other in prepare.after:
             first = cell.components[other].prepare
             if first is not None and not any(
-                (one.upstream, one.downstream) == (first.id, prepare.id)
-                for one in script.initialization_dependencies
+                (dependency.upstream, dependency.downstream) == (first.id, prepare.id)
+                for dependency in script.initialization_dependencies
             ):
                 yield f'{name} is prepared before {other}'

@@ -62,10 +62,10 @@ class NaiveDevice:
         if task == 'READ':
             number = self.goals if self.read is None or isnan(self.read) else int(self.read)
             return {'serial': own['serial'].replace('{n}', str(number))}
-        found = {'item_present': True, 'measurement': 0.0, **own}
+        fields = {'item_present': True, 'measurement': 0.0, **own}
         if self.read is not None:
-            found['measurement'] = self.read
-        return {} if self.name == 'conveyor' else found
+            fields['measurement'] = self.read
+        return {} if self.name == 'conveyor' else fields
 
 
 def requires_conveyor(task: Row) -> bool:
@@ -132,7 +132,7 @@ def imply(plan: SimpleNamespace, devices: dict[str, NaiveDevice]) -> None:
             if changed:
                 touched.add((device.name, changed[0]))
     for change in implied.values():
-        first = [one['id'] for one in own if one['action'] == change['action']]
+        first = [task['id'] for task in own if task['action'] == change['action']]
         plan.order = [*plan.order, *({'upstream': u, 'downstream': change['id']} for u in first)]
     plan.first = [*own, *implied.values()]
 

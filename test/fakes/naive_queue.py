@@ -19,7 +19,7 @@ class NaiveQueue(NaiveTasks):
     @property
     def queue(self) -> list[Job]:
         """The jobs that have not started, in order."""
-        return [one for one in self.jobs if not self.has_begun(one)]
+        return [job for job in self.jobs if not self.has_begun(job)]
 
     def submit(
         self,
@@ -46,7 +46,7 @@ class NaiveQueue(NaiveTasks):
 
     def taken(self, id_: str, script: str, quantity: int) -> Job:
         """Return a new job; flags that no other one has begin anew (4.1)."""
-        known = [link['flag'] for one in self.jobs for link in one.plan.flags]
+        known = [link['flag'] for live_job in self.jobs for link in live_job.plan.flags]
         job = self.new_job(id_, script, quantity)
         self.flags |= {f['flag']: f['initial'] for f in job.plan.flags if f['flag'] not in known}
         return job
@@ -70,7 +70,7 @@ class NaiveQueue(NaiveTasks):
         """Put a job of the queue where its rank says; None: that is the end (6.7)."""
         self.jobs.remove(job)
         rank, queue = rank_of(*job.terms), self.queue
-        less_urgent = (n for n, one in enumerate(queue, 1) if one.rank and one.rank > rank)
+        less_urgent = (n for n, other in enumerate(queue, 1) if other.rank and other.rank > rank)
         place = next(less_urgent, None)
         self.put(job, len(queue) + 1 if place is None else place)
         return place
@@ -118,7 +118,7 @@ class NaiveQueue(NaiveTasks):
 
         :param number: for its new place, or its new terms
         """
-        job = next(one for one in self.jobs if one.id == name)
+        job = next(candidate for candidate in self.jobs if candidate.id == name)
         self.say('operator.decided', {}, answer=what, job=job)
         getattr(self, f'_{what}')(job, number)
         self.settle()
@@ -206,8 +206,8 @@ class NaiveQueue(NaiveTasks):
         rest.values = {**job.values, 'order.id': rest.id}
         self._stop(job, 0)
         self.put(rest, 1)
-        told = {**self.told(rest), 'position': 1, 'rest_of': job}
-        self.say('job.queued', {'job': rest}, **told)
+        fields = {**self.told(rest), 'position': 1, 'rest_of': job}
+        self.say('job.queued', {'job': rest}, **fields)
         self.had_work |= self.is_able(rest)
 
     def _abort(self, job: Job, _: int) -> None:

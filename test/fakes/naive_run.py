@@ -29,10 +29,10 @@ class Named:
 
         KeyError: it stands for nothing, or for no finite number (6.3).
         """
-        found = self.values[text[2:-1]] if str(text).startswith('${') else text
-        if isinstance(found, float) and not isfinite(found):
+        result = self.values[text[2:-1]] if str(text).startswith('${') else text
+        if isinstance(result, float) and not isfinite(result):
             raise KeyError(text)
-        return found
+        return result
 
 
 @dataclass(eq=False)
@@ -141,7 +141,7 @@ class Task:
     @property
     def waits_for(self) -> set[int]:
         """The sections that it waits for, itself or through dependencies (5.2)."""
-        return set(self.device.places).union(*(one.waits_for for one in self.after))
+        return set(self.device.places).union(*(task.waits_for for task in self.after))
 
     @property
     def does(self) -> tuple[str, str]:
@@ -165,8 +165,8 @@ class NaiveRun(ABC):
         self, cell: Row, scripts: Sequence[Row], duration: Callable[[str, int], float | None]
     ) -> None:
         self.sections = range(1, cell['conveyor']['sections'] + 1)
-        found = {**cell['components'], 'conveyor': cell['conveyor']}.items()
-        devices = [NaiveDevice(name, given, self.sections, duration) for name, given in found]
+        parts = {**cell['components'], 'conveyor': cell['conveyor']}.items()
+        devices = [NaiveDevice(name, given, self.sections, duration) for name, given in parts]
         self.devices = {device.given['action']: device for device in devices}
         self.plans = {script['script']: plan_of(script) for script in scripts}
         for plan in self.plans.values():
@@ -188,7 +188,7 @@ class NaiveRun(ABC):
         self.out: list[str] = []
         """Components out of service (7.5)."""
         has_to_be = cell.get('release') != 'automatic'
-        self.generated = {one['script'] for one in scripts if has_to_be and 'made_from' in one}
+        self.generated = {row['script'] for row in scripts if has_to_be and 'made_from' in row}
         """Names of scripts that nobody has released yet (6.10)."""
         self.started: list[Task] = []
         """Those that are not done, the one started last at the end."""
@@ -240,7 +240,7 @@ class NaiveRun(ABC):
         job.asks = job.plan.asks
         job.first = {given['id']: self.new_task(given, job) for given in job.plan.first}
         tasks = [t for steps in job.plan.lists.values() for step in steps for m in step for t in m]
-        given = [one['action'] for one in [*tasks, *job.plan.first]]
+        given = [task['action'] for task in [*tasks, *job.plan.first]]
         job.needs = {'conveyor', *(self.devices[action].name for action in given)}
         for link in job.plan.order:
             job.first[link['downstream']].after.append(job.first[link['upstream']])

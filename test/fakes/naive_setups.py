@@ -34,10 +34,10 @@ class NaiveSetups(NaiveState):
                 given += [t for step in job.plan.lists[number] for m in step for t in m]
         setup = change_of(task.device, task.given)
         assert setup
-        there = [one for one in given if one['action'] == task.given['action']]
-        changed = [change_of(task.device, one) for one in there]
+        there = [entry for entry in given if entry['action'] == task.given['action']]
+        changed = [change_of(task.device, entry) for entry in there]
         source = self.done_with_earlier(task.job.plan.source, task.job)
-        return source and setup[0] not in [one[0] for one in changed if one]
+        return source and setup[0] not in [entry[0] for entry in changed if entry]
 
     def lacking(self, task: Task) -> Iterator[Task]:
         """Yield the implied changes to what a task asks for and its component is not (5.3.5)."""
@@ -53,7 +53,7 @@ class NaiveSetups(NaiveState):
     def is_untold(self, task: Task) -> bool:
         """Tell whether a task waits for a topic to tell its setup (5.3.9)."""
         asked = task.given.get('setup', {}).items()
-        if all(self.set_up(task, one) == value for one, value in asked if is_read(task, one)):
+        if all(self.set_up(task, name) == value for name, value in asked if is_read(task, name)):
             return False
         if task.asked != (task.attempt, task.round):
             task.asked, task.told_by = (task.attempt, task.round), round(self.now + TOLD_S, 6)
@@ -76,12 +76,12 @@ class NaiveSetups(NaiveState):
     def evaluate_again(self, task: Task) -> None:
         """Let a change be evaluated again, if the sections have not begun its job (5.3.7)."""
         places = task.device.places
-        begun = [self.said('cycle.started', one.at(n)) for one in task.job.items for n in places]
+        begun = [self.said('cycle.started', item.at(n)) for item in task.job.items for n in places]
         if task.state == 'done' and not any(begun):
             task.state, task.attempt, task.not_before = 'new', 0, 0.0
 
     def is_changing(self, task: Task) -> bool:
-        return any(one.state not in ('new', 'done') for one in self.lacking(task))
+        return any(change.state not in ('new', 'done') for change in self.lacking(task))
 
     def note_change(self, task: Task, *, done: bool) -> None:
         """Note that a change has begun, or was done (5.3.1)."""

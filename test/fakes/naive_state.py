@@ -35,11 +35,11 @@ class NaiveState(NaiveRun):
 
     def commands(self) -> list[str]:
         """Return the commands to the cell that are possible now (7.2)."""
-        found = GOES_ON.get(self.state, [])
+        possible = GOES_ON.get(self.state, [])
         if any(hold.task is self.move for hold in self.holds):
-            found = [one for one in found if one != 'clear']
+            possible = [command for command in possible if command != 'clear']
         stop = [] if self.state in ('Stopping', 'Stopped', *ABORTED) else ['stop']
-        return [*found, *stop, *([] if self.state in ABORTED else ['abort'])]
+        return [*possible, *stop, *([] if self.state in ABORTED else ['abort'])]
 
     def command(self, what: str) -> None:
         """Let an operator command the cell; no order undoes what stopped it (7.2)."""
@@ -47,7 +47,7 @@ class NaiveState(NaiveRun):
         self.stopped_by_hand = what != 'start' and (what != 'reset' or self.stopped_by_hand)
         self.enter(LEADS_TO[what])
         if what == 'abort':
-            for task in [one for one in self.started if one.state == 'running']:
+            for task in [candidate for candidate in self.started if candidate.state == 'running']:
                 self.cancel(task, 'abort')
 
     def service(self, component: str) -> None:
@@ -55,9 +55,13 @@ class NaiveState(NaiveRun):
         is_out = component not in self.out
         what, concerned = ('out_of' if is_out else 'in') + '_service', {'component': component}
         self.say('operator.decided', {}, answer=what, **concerned)
-        jobs = [one.id for one in self.jobs if component in one.needs and not self.has_begun(one)]
+        jobs = [
+            entry.id
+            for entry in self.jobs
+            if component in entry.needs and not self.has_begun(entry)
+        ]
         self.say(f'component.{what}', {}, **concerned, jobs=jobs if is_out and jobs else None)
-        self.out = [one for one in (*self.out, component) if is_out or one != component]
+        self.out = [entry for entry in (*self.out, component) if is_out or entry != component]
         if is_out:
             self.forget_setups(component)
         self.had_work |= bool(self.able())

@@ -62,7 +62,7 @@ class NaiveTasks(NaiveSetups):
         task.state, task.cancelled, task.busy = 'running', '', True
         task.needs = task.needs | {task.device.name}
         task.goals, task.sent = task.goals + 1, (self.deliveries, next(self.numbers))
-        others = [one for one in self.started if one.state != 'done' and one is not task]
+        others = [other for other in self.started if other.state != 'done' and other is not task]
         self.started = [*others, task]
         action, name = task.does
         self.done.pop(task.does, None)
@@ -179,7 +179,7 @@ class NaiveTasks(NaiveSetups):
             times = {'attempt': task.attempt + 1, 'not_before': task.not_before}
             self.say('task.retrying', task.where, **times)
         elif what == 'change':
-            for change in [one for one in self.lacking(task) if one.state == 'done']:
+            for change in [entry for entry in self.lacking(task) if entry.state == 'done']:
                 self.carry_out(change, 'retry')
             self.carry_out(task, 'retry')
         elif what == 'again':
@@ -205,9 +205,9 @@ class NaiveTasks(NaiveSetups):
         count.rejects.append(item)
         for place, first in enumerate(count.items):
             in_a_row = count.items[place : place + limit['of']]
-            run = [one for one in in_a_row if one in count.rejects]
+            run = [piece for piece in in_a_row if piece in count.rejects]
             if first in run and len(run) >= limit['rejects'] and not count.hold:
-                ids = [one.id for one in run]
+                ids = [piece.id for piece in run]
                 self.hold('too_many_rejects', {'job': item.job}, ['resume'], items=ids)
                 count.hold = self.holds[-1]
 
@@ -224,7 +224,7 @@ class NaiveTasks(NaiveSetups):
     def offered(self, task: Task) -> list[str]:
         """Return what makes sense as an answer about a held task now (7.1)."""
         needless = bool(task.job) and not task.item and self.is_needless(task)
-        return answers(task, [one.job for one in self.slots().values()], needless=needless)
+        return answers(task, [item.job for item in self.slots().values()], needless=needless)
 
     def operate(self, answer: str, hold: Any = None, item: Item | None = None) -> None:
         """Do what an operator says; jobs on the belt are aborted and the move stays held (3.5)."""
@@ -232,14 +232,14 @@ class NaiveTasks(NaiveSetups):
         self.say('operator.decided', {}, answer=answer, hold=answered, item=item)
         if item:
             self.take_out(item, 'by_hand')
-        for one in list(self.holds):
-            meant = one.answers == [answer] and one.where.get('item') is item
-            meant = meant and one.reason != 'too_many_rejects'  # only its number releases it
-            if meant or (one is hold and (one.task is not self.move or answer != 'abort_job')):
-                self.holds.remove(one)
-                self.say('hold.released', {}, hold=one)
+        for entry in list(self.holds):
+            meant = entry.answers == [answer] and entry.where.get('item') is item
+            meant = meant and entry.reason != 'too_many_rejects'  # only its number releases it
+            if meant or (entry is hold and (entry.task is not self.move or answer != 'abort_job')):
+                self.holds.remove(entry)
+                self.say('hold.released', {}, hold=entry)
                 for count in self.counts.values():
-                    if count.hold is one:
+                    if count.hold is entry:
                         count.hold, count.rejects = None, []
         if hold and hold.task:
             self.carry_out(hold.task, answer)
@@ -251,7 +251,7 @@ class NaiveTasks(NaiveSetups):
     def begin_job(self, job: Job) -> None:
         """Let a job leave the queue, behind those that have started (6.1)."""
         if not self.has_begun(job):
-            started = [one for one in self.jobs if self.has_begun(one)]
+            started = [other for other in self.jobs if self.has_begun(other)]
             self.jobs.remove(job)
             self.jobs.insert(len(started), job)
             self.say('job.started', {'job': job})
@@ -263,7 +263,7 @@ class NaiveTasks(NaiveSetups):
             self.say('job.aborting', {'job': job})
             for item in [item for item in job.items if item.place and not item.empty]:
                 self.reject(item)
-            for task in [one for one in self.started if one.job is job]:
+            for task in [candidate for candidate in self.started if candidate.job is job]:
                 self.cancel(task, 'abort_job')
 
     def reject(self, item: Item) -> None:

@@ -21,7 +21,7 @@ def is_skipped(given: Row, item: Item) -> bool:
         if test is not None and holds(test, item) != needed:
             return True
     judged = named(given.get('fails_unless', []))
-    others = [one for one in judged if f'results.{given["id"]}.' not in str(one)]
+    others = [term for term in judged if f'results.{given["id"]}.' not in str(term)]
     for value in (*given.get('args', {}).values(), *others):
         item.value(value)
     return False
@@ -48,7 +48,7 @@ def named(test: Any) -> list[Any]:
     """Return what a condition names."""
     if isinstance(test, dict):
         return named([test.get('value', ''), *test.get('all', []), *test.get('any', [])])
-    return [one for part in test for one in named(part)] if isinstance(test, list) else [test]
+    return [name for part in test for name in named(part)] if isinstance(test, list) else [test]
 
 
 def holds(test: Any, item: Item) -> bool:
@@ -136,6 +136,6 @@ def answers(task: Task, on_the_belt: Iterable[Job], *, needless: bool) -> list[s
         'mark_done': True,
         'skip': job and not (again and task.given.get('qty_change') == -1),
         'reject': good and not slot_in_doubt and task.id not in job.plan.trailing,
-        'abort_job': not slot_in_doubt and not all(one.aborting for one in jobs),
+        'abort_job': not slot_in_doubt and not all(live_job.aborting for live_job in jobs),
     }
     return [answer for answer, fits in sensible.items() if fits]

@@ -57,27 +57,27 @@ class Obstacles:
             self._look(state, subject)
 
     def _look(self, state: CellState, subject: Subject) -> None:
-        found: list[Wait] = []
+        waits: list[Wait] = []
         free = _copied(state)
         while (wait := _told(free, subject)) is not None:
-            assert wait not in found, (subject, found, wait)
-            assert len(found) < MOST, (subject, found)
+            assert wait not in waits, (subject, waits, wait)
+            assert len(waits) < MOST, (subject, waits)
             if wait.kind in (WaitKind.ITEM, WaitKind.JOB) or (
                 wait.kind is WaitKind.BELT and isinstance(subject, int)
             ):
                 return  # it has no work now
-            found.append(wait)
+            waits.append(wait)
             _remove(free, wait, subject)
         ticked, events = _ticked(free)
         is_begun = any(_begins(event, subject) for event in events)
-        assert is_begun or _told(ticked, subject) not in (None, *found), (subject, found)
-        self.kinds.update(wait.kind for wait in found)
-        for only in found if len(found) > 1 else ():  # else it is the run itself that shows it
+        assert is_begun or _told(ticked, subject) not in (None, *waits), (subject, waits)
+        self.kinds.update(wait.kind for wait in waits)
+        for only in waits if len(waits) > 1 else ():  # else it is the run itself that shows it
             left = _copied(state)
-            for wait in found:
+            for wait in waits:
                 if wait is not only:
                     _remove(left, wait, subject)
-            assert _told(left, subject) is not None, (subject, only, found)
+            assert _told(left, subject) is not None, (subject, only, waits)
             _check_order(left, subject)
 
 
@@ -91,24 +91,24 @@ def _check_order(state: CellState, subject: Subject) -> None:
 
 def _subjects(state: CellState) -> Sequence[Subject]:
     """Return what waits: next tasks, sections whose item is still to do, and the belt."""
-    found: list[Subject] = []
+    subjects: list[Subject] = []
     for part, waiting in by_part(state, _Unseen(state)).items():
-        for one in waiting:
+        for entry in waiting:
             section = state.sections.get(part) if isinstance(part, int) else None
-            if one.tasks and one.tasks != (e.INDEX_KEY,):
-                found += one.tasks
+            if entry.tasks and entry.tasks != (e.INDEX_KEY,):
+                subjects += entry.tasks
             elif part == BELT or (section and section.slot and section.turn_beat < state.beat):
-                found.append(part)
-    return [one for one in found if one != BELT or not state.indexing]
+                subjects.append(part)
+    return [entry for entry in subjects if entry != BELT or not state.indexing]
 
 
 def _told(state: CellState, subject: Subject) -> Wait | None:
     """Return what something waits for."""
     parts = by_part(state, _Unseen(state))
     if isinstance(subject, e.TaskKey):
-        waiting = (one for part in parts.values() for one in part if subject in one.tasks)
-        return next((one.wait for one in waiting), None)
-    return next((one.wait for one in parts[subject]), None)
+        waiting = (entry for part in parts.values() for entry in part if subject in entry.tasks)
+        return next((entry.wait for entry in waiting), None)
+    return next((entry.wait for entry in parts[subject]), None)
 
 
 def _begins(event: e.Event, subject: Subject) -> bool:

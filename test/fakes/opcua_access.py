@@ -100,7 +100,7 @@ def certificate(
     key = key or client_key()
     subject = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, name)])
     now = datetime.datetime.now(datetime.timezone.utc)
-    first, last = (now + datetime.timedelta(days=one) for one in days)
+    first, last = (now + datetime.timedelta(days=day) for day in days)
     builder = (
         x509.CertificateBuilder()
         .subject_name(subject)

@@ -120,7 +120,7 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
                 bench.remove(item)
             else:
                 if moment is None:  # somebody has to let the job end
-                    answers = [one for one in answers if one != 'again']
+                    answers = [word for word in answers if word != 'again']
                 if moment is None and 'change' in answers:
                     answers = ['change']
                 bench.answer(hold, answers[choice % len(answers)])
@@ -138,13 +138,13 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
 
 def _kept(possible: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
     """Return what lets jobs go on that somebody holds or has paused."""
-    found = [one for one in possible if one[0] in ('release', 'resume', 'another')]
-    return sorted(found, key=lambda one: one[0] == 'another')
+    requests = [request for request in possible if request[0] in ('release', 'resume', 'another')]
+    return sorted(requests, key=lambda request: request[0] == 'another')
 
 
 def _command(bench: Bench, meant: Sequence[str]) -> bool:
     """Give one of these commands to the cell; tell whether one is possible."""
-    fitting = [one for one in bench.commands() if one in meant]
-    for one in fitting:
-        bench.command(one)
+    fitting = [verb for verb in bench.commands() if verb in meant]
+    for verb in fitting:
+        bench.command(verb)
     return bool(fitting)

@@ -119,7 +119,7 @@ class NaiveBench:
         self.cell.service(component)
 
     def unreleased(self) -> Sequence[str]:
-        waited = [one.plan.name for one in self.cell.jobs if self.cell.is_unreleased(one)]
+        waited = [job.plan.name for job in self.cell.jobs if self.cell.is_unreleased(job)]
         return sorted(waited)
 
     def release(self, script: str) -> None:
@@ -127,7 +127,7 @@ class NaiveBench:
 
     def telling(self) -> Sequence[str]:
         given = self.cell.devices.values()
-        return sorted(one.name for one in given if 'reads' in str(one.given.get('changes')))
+        return sorted(part.name for part in given if 'reads' in str(part.given.get('changes')))
 
     def set_up(self, component: str, value: str) -> None:
         self.cell.note_told(component, 'tool', value)
@@ -221,9 +221,9 @@ class ProductBench:
 
     def commands(self) -> Sequence[str]:
         state = self.run.state
-        found = [VERBS[cause] for cause in possible_in(state.packml)]
+        verbs = [VERBS[cause] for cause in possible_in(state.packml)]
         is_open = any(hold.key == INDEX_KEY for hold in state.holds.values())
-        return [one for one in found if one in COMMANDS and not (is_open and one == 'clear')]
+        return [verb for verb in verbs if verb in COMMANDS and not (is_open and verb == 'clear')]
 
     def command(self, what: str) -> None:
         more: Row = {}
@@ -249,8 +249,8 @@ class ProductBench:
 
     def telling(self) -> Sequence[str]:
         components = self.cell.components.values()
-        told = (one.name for one in components for made in one.setups.values() if made.reads)
-        return sorted(told)
+        names = (part.name for part in components for made in part.setups.values() if made.reads)
+        return sorted(names)
 
     def set_up(self, component: str, value: str) -> None:
         self.run.sim.gateway.set_up(component, 'tool', value)
@@ -272,7 +272,7 @@ class ProductBench:
 
     def possible(self) -> list[tuple[str, str]]:
         state = self.run.state
-        found = []
+        pairs = []
         for job in state.jobs.values():
             facts = JobFacts(
                 job_word(state, job),
@@ -289,8 +289,8 @@ class ProductBench:
             words = {request.word for request in of_job(facts)}
             if not job.paused:  # the whole cell is
                 words.discard('resume')
-            found += [(word, job.job.id) for word in sorted(words)]
-        return found
+            pairs += [(word, job.job.id) for word in sorted(words)]
+        return pairs
 
     def ways_to_empty(self) -> Sequence[str]:
         state = self.run.state
@@ -301,11 +301,11 @@ class ProductBench:
         assert self.run.ask(StopAfter(after, BY)).accepted
 
     def free(self) -> list[str]:
-        return [one.job.id for one in self.run.state.queue if one.ranked]
+        return [job.job.id for job in self.run.state.queue if job.ranked]
 
     def arrange(self, jobs: Sequence[str]) -> None:
         live, others = self.run.state.jobs, iter(jobs)
-        wanted = [next(others) if one.ranked else one.job.id for one in live.queue()]
+        wanted = [next(others) if job.ranked else job.job.id for job in live.queue()]
         assert self.run.ask(Arrange(wanted, queue_digest(live), BY)).accepted
 
     def ask(self, what: str, job: str, number: int) -> None:
@@ -414,7 +414,7 @@ WORDED = {
 
 def comparable(records: Sequence[Row]) -> list[Row]:
     """Leave out what is for people only: messages, and reasons that are sentences."""
-    found = []
+    rows = []
     for record in records:
         if record['event'] not in UNSEEN:
             kept = {name: value for name, value in record.items() if name not in WORDS}
@@ -425,5 +425,5 @@ def comparable(records: Sequence[Row]) -> list[Row]:
             for name in ('time', 'not_before'):
                 if name in kept:
                     kept[name] = round(kept[name], 6)
-            found.append(kept)
-    return found
+            rows.append(kept)
+    return rows

@@ -67,11 +67,11 @@ def made_of(
     """Generate a script."""
     cell = cell_of(components, sections)
     recipe = recipe_of(cell, operations)
-    found = parse_overrides(overrides, 'o.yaml', recipe, cell) if overrides else Overrides()
+    parsed = parse_overrides(overrides, 'o.yaml', recipe, cell) if overrides else Overrides()
     return generate(
         cell,
         recipe,
-        found,
+        parsed,
         without=frozenset(without.split()),
         keep=keep,
         judge=judge or PaceJudge(cell, TYPES, MemoryStore),

@@ -105,7 +105,9 @@ class QueueInvariants:
     def _script_released(self, event: e.ScriptReleased) -> None:
         assert event.digest not in self._releases, event
         self._releases.add(event.digest)
-        self._generated = {n: one for n, one in self._generated.items() if one != event.digest}
+        self._generated = {
+            n: digest for n, digest in self._generated.items() if digest != event.digest
+        }
 
     def _out_of_service(self, event: e.ComponentOutOfService) -> None:
         for job in event.jobs:
@@ -139,7 +141,7 @@ class QueueInvariants:
         """Places that a person chose stay, and nobody comes or goes (6.7)."""
         arranged = [*event.jobs, *self._queue[len(event.jobs) :]]
         assert sorted(arranged) == sorted(self._queue) != [], event
-        changed = {one for one, old in zip(arranged, self._queue, strict=True) if one != old}
+        changed = {job for job, old in zip(arranged, self._queue, strict=True) if job != old}
         assert changed.isdisjoint(self._by_hand), (event, self._queue)
         self._queue = arranged
 

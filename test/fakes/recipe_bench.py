@@ -42,7 +42,7 @@ class Appends(MemoryStore):
 
     def append(self, events: Sequence[Event]) -> None:
         super().append(events)
-        jobs = [one.job for one in events if isinstance(one, JobQueued)]
+        jobs = [event.job for event in events if isinstance(event, JobQueued)]
         self.together += [jobs] if jobs else []
 
 

@@ -110,11 +110,11 @@ class RequestBench:
         """Make a request, and note what comes of it."""
         before = self.sim.state.seq
         answer = begin(self.handler.carry_out(ask(name, by, **given))).value
-        said = 'accepted' if answer.accepted else 'refused'
+        outcome = 'accepted' if answer.accepted else 'refused'
         if name != CLASSIFY.name:  # here a stop has no history to name
             check_answer(answer.message)
         given = {key: value for key, value in given.items() if key != 'orders'}
-        self.told.append(f'> {name} {given} by {by.role.value}: {said}: {answer.message}')
+        self.told.append(f'> {name} {given} by {by.role.value}: {outcome}: {answer.message}')
         self.told += map(to_text, self.store.read(after=before))
         return answer.accepted
 
@@ -127,4 +127,4 @@ class RequestBench:
 
     def records(self, event: str) -> list[Any]:
         """Return the events of a name."""
-        return [one for one in self.store.read() if one.event == event]
+        return [record for record in self.store.read() if record.event == event]

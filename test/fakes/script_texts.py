@@ -61,5 +61,5 @@ def mistakes(read: Callable[[], object]) -> list[str]:
     try:
         read()
     except Refused as refused:
-        return [str(one).removeprefix(f'{one.file}:') for one in refused.findings]
+        return [str(finding).removeprefix(f'{finding.file}:') for finding in refused.findings]
     return []

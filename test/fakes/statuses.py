@@ -62,12 +62,12 @@ def section(
 
     :param of_item: see `item`
     """
-    found = item(slot, **of_item) if slot else None
+    item_status = item(slot, **of_item) if slot else None
     return SectionStatus(
         number=number,
-        slot=found,
-        job=job if found else '',
-        item=found,
+        slot=item_status,
+        job=job if item_status else '',
+        item=item_status,
         running=tuple(running),
         waits=tuple(map(wait, waiting)),
     )

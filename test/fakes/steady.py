@@ -59,9 +59,9 @@ def steady(cell: Cell, script: Script, items: int = 60, *, at_most: int = 480) -
     simulation.close()
     if outcome is not Outcome.FINISHED or not packed.all_good:
         return None
-    found = _of(packed.times_s[: items - script.sink + script.source])
-    if found.repeats or items >= at_most:
-        return found
+    pace = _of(packed.times_s[: items - script.sink + script.source])
+    if pace.repeats or items >= at_most:
+        return pace
     return steady(cell, script, at_most, at_most=at_most)
 
 

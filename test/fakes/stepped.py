@@ -19,7 +19,7 @@ ANY = st.floats(1.0, 5000.0).map(lambda seconds: round(seconds, 3))
 
 def drawn_steps(seconds: st.SearchStrategy[float] = ANY) -> st.SearchStrategy[Steps]:
     """Draw steps, forward and back."""
-    signed = st.tuples(seconds, st.sampled_from([-1, -1, 1])).map(lambda one: one[0] * one[1])
+    signed = st.tuples(seconds, st.sampled_from([-1, -1, 1])).map(lambda pair: pair[0] * pair[1])
     return st.lists(st.tuples(SHARES, signed), min_size=1, max_size=4)
 
 
@@ -33,16 +33,16 @@ def stepped(events: Iterable[e.Event], steps: Steps) -> list[e.Event]:
     """Return events as a node records them whose clock is set; each step is an event more."""
     events = list(events)
     due = sorted((max(1, share * len(events) // 100), seconds) for share, seconds in steps)
-    found: list[e.Event] = []
+    result: list[e.Event] = []
     ahead_s = 0.0
     for number, event in enumerate(events):
         while due and due[0][0] <= number:
             _, seconds = due.pop(0)
             ahead_s += seconds
             step = e.ClockStepped(seconds=seconds)
-            found.append(step.stamped(len(found) + 1, event.time + ahead_s))
-        found.append(_by_the_clock(event, ahead_s).stamped(len(found) + 1, event.time + ahead_s))
-    return found
+            result.append(step.stamped(len(result) + 1, event.time + ahead_s))
+        result.append(_by_the_clock(event, ahead_s).stamped(len(result) + 1, event.time + ahead_s))
+    return result
 
 
 def _by_the_clock(event: e.Event, ahead_s: float) -> e.Event:

@@ -49,7 +49,7 @@ class ToldItem:
             seconds={'b2': 3.0},
         )
         parts = self.line.cell.components
-        remembering = {name: replace(one, result_timeout_s=60.0) for name, one in parts.items()}
+        remembering = {name: replace(part, result_timeout_s=60.0) for name, part in parts.items()}
         self.line.cell = replace(self.line.cell, components=remembering)
         self.world = World(self.line.cell)
         self.world.clock.sleep(1.0)

@@ -27,8 +27,8 @@ LEAST_S = 1e-6
 
 def told_of(state: CellState, item: ItemState, seen: Seen) -> Told:
     """Return what is told of an item now."""
-    found = tuple(of_item(state, item, seen))
-    return [(at_bottom(state, one.wait, seen), one.tasks) for one in found]
+    waiting = tuple(of_item(state, item, seen))
+    return [(at_bottom(state, entry.wait, seen), entry.tasks) for entry in waiting]
 
 
 class _Collected(ItemWaits):
@@ -39,7 +39,7 @@ class _Collected(ItemWaits):
         self.stretches: list[tuple[float, float, Told]] = []
 
     def _note(self, start: float, end: float, waits: Iterable[Waiting]) -> None:
-        self.stretches.append((start, end, [(one.wait, one.tasks) for one in waits]))
+        self.stretches.append((start, end, [(entry.wait, entry.tasks) for entry in waits]))
 
 
 def recorded_as_told(run: VirtualRun) -> int:
@@ -49,7 +49,7 @@ def recorded_as_told(run: VirtualRun) -> int:
     """
     number, events = 0, list(run.store.read())
     times = sorted(run.told_waits)
-    for item in sorted({item for told in run.told_waits.values() for item in told}):
+    for item in sorted({item for by_item in run.told_waits.values() for item in by_item}):
         collected = _Collected(item, CellState(run.sim.orchestrator.state.cell))
         for event in events:
             collected.follow(event)
@@ -62,7 +62,7 @@ def recorded_as_told(run: VirtualRun) -> int:
                 continue
             while middle > end:
                 _, end, waits = next(stretches)
-            said = run.told_waits[since].get(item, [])
-            assert waits == said, (item, since, until)
-            number += len(said)
+            expected = run.told_waits[since].get(item, [])
+            assert waits == expected, (item, since, until)
+            number += len(expected)
     return number

@@ -35,14 +35,14 @@ def main(path: Path, largest: int) -> None:
         if orchestrator.broken:
             break
     refused = orchestrator.ask(Pause(ann()))
-    said = {
+    report = {
         'broken': orchestrator.broken,
         'seq': orchestrator.state.seq,
         'accepted': answer.accepted,
         'pause': refused.accepted,
         'live': list(orchestrator.state.jobs),
     }
-    print(json.dumps(said))  # noqa: T201 - for the test that started this
+    print(json.dumps(report))  # noqa: T201 - for the test that started this
     run.kill()
 
 

@@ -116,8 +116,8 @@ class VirtualRun:
     def _check_messages(self) -> None:
         """Check that the facts of each hold's message say what the message says."""
         for hold in self.state.holds.values():
-            said = '; '.join(words.text() for words in hold.message_words)
-            assert said in ('', hold.message), f'hold {hold.id}'
+            sentences = '; '.join(words.text() for words in hold.message_words)
+            assert sentences in ('', hold.message), f'hold {hold.id}'
 
     def ask(self, command: Command) -> Answer:
         """Give a command now; everything due at this moment has happened."""
@@ -225,11 +225,11 @@ class VirtualRun:
 
     def waits(self) -> dict[str, str]:
         """Return what each part of the cell waits for now."""
-        found: dict[str, str] = {}
+        reasons: dict[str, str] = {}
         for wait in self.sim.waits():
-            before = found.get(wait.part)
-            found[wait.part] = wait.reason if before is None else f'{before}; {wait.reason}'
-        return found
+            before = reasons.get(wait.part)
+            reasons[wait.part] = wait.reason if before is None else f'{before}; {wait.reason}'
+        return reasons
 
     def counts(self, name: str = 'J') -> dict[str, int]:
         """Return a job's counts that are not 0 (semantics 6.2)."""
@@ -277,14 +277,14 @@ class VirtualRun:
         pairs = [
             (tree.initialization, of_initialization(state, seen)),
             *(
-                (tree.sections[n], of_section(state, one, seen))
-                for n, one in state.sections.items()
+                (tree.sections[n], of_section(state, section, seen))
+                for n, section in state.sections.items()
             ),
             (tree.belt, of_belt(state, seen)),
         ]
         for part, waiting in pairs:
-            told = tuple(dict.fromkeys(changed(wait, components=()) for wait in together(waiting)))
-            assert told == waits_of(part), (part.name, self.now)
+            view = tuple(dict.fromkeys(changed(wait, components=()) for wait in together(waiting)))
+            assert view == waits_of(part), (part.name, self.now)
 
     def _check(self) -> None:
         check_board(self.sim.orchestrator._projection.space, self.state)

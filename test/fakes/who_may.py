@@ -61,7 +61,7 @@ _VALUES: Mapping[Kind, Any] = {
 
 def arguments(request: str) -> dict[str, Any]:
     """Return arguments with which a request can be asked; its subject is not there."""
-    return {one.name: _VALUES[one.kind] for one in REQUESTS[request].parameters if one.is_required}
+    return {arg.name: _VALUES[arg.kind] for arg in REQUESTS[request].parameters if arg.is_required}
 
 
 _SAID = {
@@ -94,8 +94,8 @@ def differences(
     for where in Where:
         if where is Where.MANUAL:
             hand_over('local')
-            said = ask('cell.manual', {}, Role.ENGINEER, True)
-            assert 'the cell is in manual mode: it stands' in said, said
+            answer = ask('cell.manual', {}, Role.ENGINEER, True)
+            assert 'the cell is in manual mode: it stands' in answer, answer
         if where is Where.UNSAFE:
             lose()
         for row in rows():
@@ -103,10 +103,10 @@ def differences(
                 if where is not Where.MANUAL:
                     hand_over('remote' if where is Where.REMOTE else 'local')
                 is_panel = where.value.startswith('panel')
-                said = ask(row.request, arguments(row.request), role, is_panel)
-                expected, found = row.expected(role, where), outcome(said)
-                if found != expected:
-                    yield f'{row.request} {role.value} {where.value}: {expected}, found {said}'
+                answer = ask(row.request, arguments(row.request), role, is_panel)
+                expected, actual = row.expected(role, where), outcome(answer)
+                if actual != expected:
+                    yield f'{row.request} {role.value} {where.value}: {expected}, found {answer}'
         if where is Where.MANUAL:
-            said = ask('cell.production', {'as_shown': 1}, Role.ENGINEER, True)
-            assert 'manual mode has ended' in said, said
+            answer = ask('cell.production', {'as_shown': 1}, Role.ENGINEER, True)
+            assert 'manual mode has ended' in answer, answer

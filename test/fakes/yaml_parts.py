@@ -17,5 +17,5 @@ def laid_over(script: str, part: str) -> str:
 
 def _entries(text: str, indent: str) -> dict[str, str]:
     """Return the lines of each key that stands at an indent."""
-    found = re.finditer(rf'^{indent}(\w+):.*\n(?:(?!{indent}\w).*\n)*', text, re.MULTILINE)
-    return {entry[1]: entry[0] for entry in found}
+    matches = re.finditer(rf'^{indent}(\w+):.*\n(?:(?!{indent}\w).*\n)*', text, re.MULTILINE)
+    return {entry[1]: entry[0] for entry in matches}

@@ -35,9 +35,9 @@ def test_the_shipped_scripts_fit_the_shipped_cell(script: str, tmp_path: Path) -
     by_name = program('check', script, *CELL, cwd=tmp_path)
 
     assert (by_path.returncode, by_path.stderr) == (0, '')
-    told, pace, *_ = by_path.stdout.splitlines()
-    assert told.startswith(f'{script}: ')
-    assert told.endswith('fits cell reference_cell')
+    summary, pace, *_ = by_path.stdout.splitlines()
+    assert summary.startswith(f'{script}: ')
+    assert summary.endswith('fits cell reference_cell')
     assert pace.startswith('  pace: ')
     assert (by_name.returncode, by_name.stdout) == (0, by_path.stdout)
 
@@ -113,7 +113,7 @@ def test_the_shipped_order_is_predicted() -> None:
     assert (job['job'], job['packed'], job['finished_s']) == ('WO-1001', 3, 39.0)
 
 
-def test_a_stuck_line_names_the_circle_and_leaves_a_whole_trace(tmp_path: Path) -> None:
+def test_stuck_line_names_cycle_and_writes_full_trace(tmp_path: Path) -> None:
     order = tmp_path / 'order.yaml'
     order.write_text(f'script: {STUCK}\nquantity: 10\n')
     trace = tmp_path / 'trace.jsonl'

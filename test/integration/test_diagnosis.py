@@ -72,22 +72,22 @@ def test_a_cell_that_is_complete(servers: ThreadServers) -> None:
     }
 
 
-def test_a_cell_of_which_nothing_is_as_it_should_be(servers: ThreadServers) -> None:
+def test_wholly_wrong_cell_fails_every_check(servers: ThreadServers) -> None:
     serve(servers, 'arm', 'arm')
     servers.node.create_publisher(Bool, 'arm/state', 10)
     checks = looked(SHORT_S, elsewhere='there are nodes in 42')
     assert {check.verdict for check in checks.values()} == {Verdict.FAIL}
     assert checks['conveyor: action server'].found == 'none at /belt'
     assert checks['conveyor: action server'].remedy.startswith('there are nodes in 42; start')
-    found = checks['arm: action server'].found
-    assert found.startswith('2 servers at /arm: /thread_servers (id ')
-    assert found.count('/thread_servers (id ') == 2, 'equal names are told apart'
+    finding = checks['arm: action server'].found
+    assert finding.startswith('2 servers at /arm: /thread_servers (id ')
+    assert finding.count('/thread_servers (id ') == 2, 'equal names are told apart'
     assert checks['arm: state topic'].found == (
         '/arm/state is std_msgs/msg/Bool (/thread_servers), not std_msgs/msg/String'
     )
 
 
-def test_who_only_publishes_a_status_is_no_server_and_stops_it(servers: ThreadServers) -> None:
+def test_status_publisher_without_server_fails_the_check(servers: ThreadServers) -> None:
     serve(servers, 'belt', 'arm')
     servers.node.create_publisher(String, 'arm/state', LATCHED)
     context = Context()
@@ -109,9 +109,9 @@ def test_a_server_of_another_type(servers: ThreadServers) -> None:
     serve(servers, 'belt')
     servers.serve('arm', Component, lambda goal: Component.Result())
     checks = looked(SHORT_S)
-    found = checks['arm: action server']
-    assert found.verdict is Verdict.FAIL
-    assert 'is bt_orchestrator_interfaces/action/Component (/thread_servers), not' in found.found
+    check = checks['arm: action server']
+    assert check.verdict is Verdict.FAIL
+    assert 'is bt_orchestrator_interfaces/action/Component (/thread_servers), not' in check.found
     assert checks['arm: state topic'].found == 'no node publishes /arm/state'
 
 
@@ -232,9 +232,9 @@ def run_doctor(*words: str | Path, **environment: str) -> subprocess.CompletedPr
 def test_a_machine_without_a_cell_is_fine(tmp_path: Path) -> None:
     done = run_doctor('--json', '--journal', tmp_path / 'journal.db')
     assert done.returncode == 0, done.stdout + done.stderr
-    found = json.loads(done.stdout)
-    verdicts = {check['name']: check['verdict'] for check in found['checks']}
-    assert found['verdict'] in ('ok', 'warn')
+    report = json.loads(done.stdout)
+    verdicts = {check['name']: check['verdict'] for check in report['checks']}
+    assert report['verdict'] in ('ok', 'warn')
     assert {'rclpy', 'middleware', 'discovery', 'tree node', 'journal folder'} <= set(verdicts)
     assert verdicts['discovery'] == 'ok'
 

@@ -122,7 +122,7 @@ class TestLeanExecutor:
         thread.join()
         assert time.monotonic() < began + PATIENCE_S
 
-    def test_a_task_made_in_a_callback_comes_before_the_next_wait(
+    def test_task_from_callback_runs_before_next_wait(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         seen: list[int] = []
@@ -138,7 +138,7 @@ class TestLeanExecutor:
         spin_until(executor, lambda: seen, 'the task')
         assert seen == [0]
 
-    def test_a_soon_call_of_a_callback_runs_once_before_the_next_wait(
+    def test_soon_call_from_callback_runs_once_before_wait(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         seen: list[int] = []
@@ -155,9 +155,7 @@ class TestLeanExecutor:
         spin_once(executor, 0.02)
         assert seen == [0]
 
-    def test_a_soon_call_of_a_soon_call_runs_after_a_look_without_waiting(
-        self, executor: LeanExecutor, node: Node
-    ) -> None:
+    def test_nested_soon_call_runs_after_a_poll(self, executor: LeanExecutor, node: Node) -> None:
         seen: list[int] = []
         counter = WaitCounter(node)
         executor.add_node(node)
@@ -168,7 +166,7 @@ class TestLeanExecutor:
         assert seen == [1]
         assert time.monotonic() < began + PATIENCE_S
 
-    def test_a_call_that_asks_for_itself_again_keeps_nobody_waiting(
+    def test_self_rescheduling_call_does_not_starve_timers(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         calls: list[int] = []
@@ -200,7 +198,7 @@ class TestLeanExecutor:
         assert ended == [True]
         assert time.monotonic() < began + PATIENCE_S
 
-    def test_a_destroyed_entity_leaves_the_graph_at_the_next_wait_or_end(
+    def test_destroyed_entity_leaves_graph_at_wait_or_shutdown(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         subscriptions = [node.create_subscription(Empty, f'topic{n}', print, 1) for n in (1, 2)]
@@ -216,7 +214,7 @@ class TestLeanExecutor:
                 executor.shutdown()
             assert there() == 0
 
-    def test_a_task_made_in_a_task_comes_before_the_next_wait(
+    def test_task_from_task_runs_before_next_wait(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         seen: list[int] = []
@@ -232,7 +230,7 @@ class TestLeanExecutor:
         spin_until(executor, lambda: seen, 'the task')
         assert seen == [0]
 
-    def test_entities_are_waited_for_while_the_node_has_them(
+    def test_executor_waits_only_for_existing_entities(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         executor.add_node(node)
@@ -245,7 +243,7 @@ class TestLeanExecutor:
         spin_until(executor, lambda: len(called) > 2, 'the second timer')
         assert set(called) == {'second'}
 
-    def test_one_that_changes_the_entities_each_time_keeps_no_other_one_waiting(
+    def test_timer_that_adds_entities_does_not_starve_others(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         calls: list[int] = []
@@ -264,7 +262,7 @@ class TestLeanExecutor:
         assert served
         assert served[0] == 1
 
-    def test_what_is_destroyed_while_it_is_ready_does_not_run(
+    def test_timer_destroyed_while_ready_does_not_run(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         called: list[Any] = []
@@ -282,7 +280,7 @@ class TestLeanExecutor:
         spin_until(executor, lambda: 'later' in called, 'the last timer')
         assert called == [1, 'later']
 
-    def test_a_callback_that_awaits_keeps_its_group_to_itself_and_does_not_spin(
+    def test_awaiting_callback_blocks_its_group_without_spinning(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         future: Future[str] = Future(executor=executor)
@@ -309,7 +307,7 @@ class TestLeanExecutor:
         assert called == ['begins', 'others', 'others', 'others', 'ends', 'same group']
         assert counter.waits < 10
 
-    def test_a_guard_condition_runs_once_whenever_it_is_triggered(
+    def test_guard_condition_runs_once_per_trigger(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         called: list[int] = []
@@ -321,7 +319,7 @@ class TestLeanExecutor:
             spin_once(executor, 0.02)
             assert len(called) == times
 
-    def test_a_guard_condition_is_not_lost_when_entities_change(
+    def test_guard_trigger_survives_entity_changes(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         called: list[int] = []
@@ -363,7 +361,7 @@ class TestLeanExecutor:
         spin_until(executor, lambda: done, 'the task')
 
 
-def test_a_quiet_node_has_no_handlers_of_events_and_can_be_destroyed(context: Context) -> None:
+def test_quiet_node_without_event_handlers_can_be_destroyed(context: Context) -> None:
     node = Node('quiet', context=context)
     assert list(node.waitables), 'rclpy makes none any more: there is nothing to take away'
     quieten(node)
@@ -394,7 +392,7 @@ class TestServices:
         spin_until(executor, client.is_served, 'the service')
         return client
 
-    def test_each_request_of_many_is_answered_once_in_the_thread_of_the_executor(
+    def test_executor_thread_answers_each_request_once(
         self, executor: LeanExecutor, node: Node, client: LeanQuestions
     ) -> None:
         called: list[bool] = []
@@ -414,7 +412,7 @@ class TestServices:
             spin_until(executor, lambda: len(answers) == before + burst, 'the answers')  # noqa: B023
         assert called == [True] * 10
 
-    def test_each_is_heard_while_the_executor_has_long_turns_of_their_group(
+    def test_requests_are_answered_despite_long_timer_callbacks(
         self, executor: LeanExecutor, node: Node, served: LeanQuestions
     ) -> None:
         answers: list[Any] = []
@@ -432,7 +430,7 @@ class TestServices:
         assert counter.waits <= 2
         assert SERVICE not in {member.kind for member in executor._wait_list._members}
 
-    def test_one_that_awaits_keeps_its_group_to_itself_and_does_not_spin(
+    def test_awaiting_service_blocks_its_group_without_spinning(
         self, executor: LeanExecutor, node: Node, client: LeanQuestions
     ) -> None:
         future: Future[None] = Future(executor=executor)
@@ -460,7 +458,7 @@ class TestServices:
         future.set_result(None)
         spin_until(executor, lambda: len(answers) == 2, 'both answers')
 
-    def test_one_has_its_turn_beside_what_changes_the_entities_each_time(
+    def test_service_answers_while_entities_keep_changing(
         self, executor: LeanExecutor, node: Node, served: LeanQuestions
     ) -> None:
         answers: list[Any] = []
@@ -472,7 +470,7 @@ class TestServices:
         served.ask(CancelGoal.Request(), answers.append)
         spin_until(executor, lambda: answers, 'the answer')
 
-    def test_one_that_is_destroyed_leaves_the_graph_at_the_next_wait(
+    def test_destroyed_service_leaves_graph_at_next_wait(
         self, executor: LeanExecutor, node: Node
     ) -> None:
         service = node.create_service(CancelGoal, 'cancel', print)
@@ -497,9 +495,7 @@ class TestServices:
         assert threading.active_count() == before
 
 
-def test_a_service_client_is_waited_for_while_it_awaits_an_answer(
-    context: Context, node: Node
-) -> None:
+def test_client_is_waited_for_only_while_awaiting_answer(context: Context, node: Node) -> None:
     """A node has many, most of which await nothing; the middleware looks at each in each wait."""
     asked: list[Any] = []
 
@@ -524,9 +520,7 @@ def test_a_service_client_is_waited_for_while_it_awaits_an_answer(
     executor.shutdown()
 
 
-def test_a_soon_call_of_an_answer_runs_in_its_turn_its_own_later(
-    context: Context, node: Node
-) -> None:
+def test_soon_call_from_answer_runs_in_same_turn(context: Context, node: Node) -> None:
     node.create_service(CancelGoal, 'cancel', lambda _, response: response)
     client = LeanQuestions(node, Service(CancelGoal, 'cancel'))
     PartedWaitable(node, node.get_logger(), [client])

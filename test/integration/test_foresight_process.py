@@ -53,7 +53,7 @@ def test_questions_are_answered_and_the_process_ends(begun: Simulation) -> None:
     assert process.ends_s == {}
 
 
-def test_a_process_that_dies_takes_the_forecasts_with_it_and_nothing_else(
+def test_killed_process_loses_forecasts_and_nothing_else(
     begun: Simulation,
 ) -> None:
     process = ForesightProcess(begun.state.cell)
@@ -67,7 +67,7 @@ def test_a_process_that_dies_takes_the_forecasts_with_it_and_nothing_else(
     process.close()
 
 
-def test_it_loads_before_the_first_question_and_need_not_get_one(begun: Simulation) -> None:
+def test_process_loads_before_first_question_and_closes_unasked(begun: Simulation) -> None:
     process = ForesightProcess(begun.state.cell)
     until(lambda: process._process.pid, 'the process')
     child = process._process.pid
@@ -77,7 +77,7 @@ def test_it_loads_before_the_first_question_and_need_not_get_one(begun: Simulati
         os.kill(child, 0)
 
 
-def test_nobody_left_to_hear_the_answer_is_no_error(begun: Simulation) -> None:
+def test_closed_output_pipe_is_no_error(begun: Simulation) -> None:
     words = [sys.executable, '-m', 'bt_orchestrator.cli.processes.foresight_process']
     pipe = subprocess.PIPE
     child = subprocess.Popen(words, stdin=pipe, stdout=pipe, stderr=pipe)
@@ -88,7 +88,7 @@ def test_nobody_left_to_hear_the_answer_is_no_error(begun: Simulation) -> None:
         'state': state_to_plain(begun.state),
         'known': {'observed_s': {}, 'now_s': EPOCH_S},
     }
-    for one in (to_plain(begun.state.cell), question):
-        child.stdin.write(framed(json.dumps(one).encode()))
+    for message in (to_plain(begun.state.cell), question):
+        child.stdin.write(framed(json.dumps(message).encode()))
     _, errors = child.communicate(timeout=PATIENCE_S)
     assert (child.returncode, errors) == (0, b'')

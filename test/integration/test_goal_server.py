@@ -72,7 +72,7 @@ class Served:
 
         def is_said() -> bool:
             last = self._told[-1].status_list if self._told else []
-            return tuple(one.status for one in last) == statuses
+            return tuple(goal.status for goal in last) == statuses
 
         self.ros.spin_until(is_said, f'the status {statuses}')
 
@@ -114,7 +114,7 @@ def test_a_goal_that_is_not_admitted_leaves_nothing(served: Served) -> None:
     assert served.goals == []
 
 
-def test_a_goal_with_the_name_of_another_is_rejected(served: Served) -> None:
+def test_goal_with_duplicate_uuid_is_rejected(served: Served) -> None:
     name = UUID(uuid=list(range(16)))
     client = served.ros.client(NAME, RunJob)
     served.start()
@@ -128,7 +128,7 @@ def test_a_goal_with_the_name_of_another_is_rejected(served: Served) -> None:
     assert len(served.goals) == 2
 
 
-def test_a_result_is_kept_for_a_time_and_a_running_goal_for_ever(served: Served) -> None:
+def test_result_expires_but_running_goal_stays(served: Served) -> None:
     ended, running = served.start(), served.start()
     served.end(0, SUCCEEDED, job='A')
     served.now_s = RESULT_KEPT_S - 1
@@ -146,7 +146,7 @@ def test_one_goal_is_cancelled(served: Served) -> None:
     handle = served.start()
     answer = served.cancel(handle.goal_id)
     assert answer.return_code == ANSWER.ERROR_NONE
-    assert [one.goal_id for one in answer.goals_canceling] == [handle.goal_id]
+    assert [info.goal_id for info in answer.goals_canceling] == [handle.goal_id]
     assert [goal.is_cancel_requested for goal in served.goals] == [False, True]
     served.await_status(EXECUTING, CANCELING)
     assert served.cancel(handle.goal_id).return_code == ANSWER.ERROR_GOAL_TERMINATED, 'once'
@@ -154,7 +154,7 @@ def test_one_goal_is_cancelled(served: Served) -> None:
     assert served.ros.result(handle).status == CANCELED
 
 
-def test_all_or_those_up_to_a_time_are_cancelled(served: Served) -> None:
+def test_cancel_stops_all_goals_or_those_until_stamp(served: Served) -> None:
     for _ in range(3):
         served.start()
     answer = served.cancel(until=served.goals[1].info.stamp)
@@ -175,7 +175,7 @@ def test_who_cannot_be_cancelled_goes_on(served: Served) -> None:
     assert served.cancel(handle.goal_id).return_code == ANSWER.ERROR_GOAL_TERMINATED
 
 
-def test_a_goal_that_ends_while_its_cancelling_is_decided_on_knows_of_it(served: Served) -> None:
+def test_goal_ending_during_cancel_decision_sees_the_request(served: Served) -> None:
     async def ends(goal: ServedGoal) -> bool:
         assert goal.is_cancel_requested
         served.server.end(goal, CANCELED, RunJob.Result())

@@ -61,11 +61,11 @@ def test_every_kind_of_behaviour_has_its_words() -> None:
     messages = TreeMessages()
     messages.refresh(root)
 
-    found = {
+    actual = {
         b.name: (b.type, b.additional_detail, b.status, b.blackbox_level)
         for b in snapshot_of(messages).message.behaviours
     }
-    assert found == {
+    assert actual == {
         'root': (4, 'OnAll', 2, 4),
         'line': (2, 'WithMemory', 3, 2),
         'reader': (1, '', 3, 4),
@@ -94,7 +94,7 @@ def test_tips_are_those_of_py_trees() -> None:
         assert tips(snapshot_of(messages)) == {b.name: tip_of(b) for b in root.iterate()}
 
 
-def test_a_change_of_status_or_of_the_tree_is_a_new_version() -> None:
+def test_status_or_tree_change_makes_new_version() -> None:
     root, branch = sample_tree()
     messages = TreeMessages()
     versions = []
@@ -143,7 +143,7 @@ def start_on_node(context: Context, kind: str = 'builtin') -> list[str]:
         node.destroy_node()
 
 
-def test_without_the_message_types_the_node_runs_and_warns_once(
+def test_node_without_message_types_runs_and_warns_once(
     context: Context, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(start, 'INTERFACES', 'no_such_interfaces')
@@ -155,7 +155,7 @@ def test_without_the_message_types_the_node_runs_and_warns_once(
     assert 'the package no_such_interfaces is not installed' in warning
 
 
-def test_a_library_that_is_missing_is_named_with_how_to_get_it(
+def test_missing_library_is_named_with_install_hint(
     context: Context, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(start, 'LIBRARY', 'no_such_library')
@@ -203,7 +203,7 @@ class SlowWords:
         return 'words'
 
 
-def test_a_change_after_a_delayed_turn_is_still_shown(
+def test_change_after_delayed_turn_is_published(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     words, beats = SlowWords(), iter(range(1_000_000))

@@ -38,7 +38,7 @@ def call(name: str, by: By = ANN, **given: Any) -> Call:
 
 
 @pytest.mark.parametrize('request_', TABLE, ids=lambda request: request.name)
-def test_a_request_with_all_its_arguments_is_a_call(request_: Any) -> None:
+def test_call_carries_all_arguments_of_request(request_: Any) -> None:
     given: dict[str, Any] = {p.name: value(p) for p in request_.parameters}
     sent = call(request_.name, **given).request
     assert (sent.who, sent.origin, sent.reason) == ('Ann', 'test', 'because')
@@ -73,7 +73,7 @@ def test_what_no_message_can_carry_is_refused_here(orders: list[WorkOrder], told
         call('queue.add', orders=orders)
 
 
-def test_half_a_character_is_sent_as_json_for_the_node_to_refuse() -> None:
+def test_lone_surrogate_is_sent_and_node_refuses_it() -> None:
     sent = call('job.hold', job='\udfff').request
     assert sent.arguments == '{"job": "\\udfff"}'
     with pytest.raises(CommandRefused, match='the arguments are not a valid text'):

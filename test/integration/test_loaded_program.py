@@ -40,7 +40,7 @@ def test_it_says_the_same_and_ends_alike(
 
 
 @pytest.mark.parametrize(('number', 'status'), [(signal.SIGINT, 0), (signal.SIGKILL, -9)])
-def test_a_node_of_ros_has_its_own_folder_and_session_and_ends_by_a_signal(
+def test_ros_node_has_own_session_and_obeys_signal(
     number: signal.Signals,
     status: int,
     loaded: LoadedProgram,
@@ -57,7 +57,7 @@ def test_a_node_of_ros_has_its_own_folder_and_session_and_ends_by_a_signal(
     process.assert_clean()
 
 
-def test_a_node_forks_its_processes_which_end_with_it(
+def test_node_forks_processes_that_end_with_it(
     loaded: LoadedProgram, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / 'cell.yaml').write_text(SMALL_CELL)

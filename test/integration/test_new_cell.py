@@ -43,12 +43,12 @@ def test_the_servers_that_run_are_filled_in(tmp_path: Path) -> None:
     assert '8 of 8 devices found on the ROS graph' in output
 
     types = InstalledActionTypes()
-    found = read_cell(folder / 'cell.yaml', types)
+    new_cell = read_cell(folder / 'cell.yaml', types)
     real = read_cell(REFERENCE_CELL, types)
-    assert {one.action: one.type for one in found.components.values()} == {
-        one.action: one.type for one in real.components.values()
+    assert {component.action: component.type for component in new_cell.components.values()} == {
+        component.action: component.type for component in real.components.values()
     }
-    assert found.components['component_3c'].sections == (4,)
+    assert new_cell.components['component_3c'].sections == (4,)
     assert '# state: {topic: /unpacking/state,' in (folder / 'cell.yaml').read_text()
     cell = ['--cell', str(folder / 'cell.yaml'), '--trees', str(folder / 'trees')]
     assert run_verb(tmp_path, 'check', 'first_product', *cell)[0] == 0

@@ -48,7 +48,7 @@ def test_a_past_moment_in_words(journal: Path, capsys: pytest.CaptureFixture[str
     assert not any('bt-orchestrator' in line for line in lines), 'nothing can be done about it'
 
 
-def test_a_past_moment_by_its_time_and_as_json(
+def test_past_status_accepts_time_and_prints_json(
     journal: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     by_number = json.loads(said(capsys, journal, '60', '--json'))
@@ -59,18 +59,18 @@ def test_a_past_moment_by_its_time_and_as_json(
     assert by_time['stamp'] == by_number['stamp']
 
 
-def test_7_4_a_moment_between_events_tells_why_the_cell_stands(
+def test_7_4_moment_between_events_tells_stop_cause(
     journal: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """All orders have ended, and the cell waits for the next one."""
-    found = json.loads(said(capsys, journal, '2000-01-01', '--json'))
-    assert found['stands']['cause'] == 'order'
-    when = datetime.fromtimestamp(found['stamp'], timezone.utc)
+    status = json.loads(said(capsys, journal, '2000-01-01', '--json'))
+    assert status['stands']['cause'] == 'order'
+    when = datetime.fromtimestamp(status['stamp'], timezone.utc)
     assert when.astimezone().isoformat().startswith('2000-01-01T00:00')
     words = said(capsys, journal, '2000-01-01').splitlines()
-    assert words[0].endswith(f', after event {found["seq"]}, the last of the journal:')
-    last = json.loads(said(capsys, journal, str(found['seq']), '--json'))
-    assert last['stands'] == found['stands'], 'nothing has happened since'
+    assert words[0].endswith(f', after event {status["seq"]}, the last of the journal:')
+    last = json.loads(said(capsys, journal, str(status['seq']), '--json'))
+    assert last['stands'] == status['stands'], 'nothing has happened since'
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,7 @@ def serve_and_find(
 ) -> list[Any]:
     """Offer `/ask`, and return a client for each of those that ask."""
     create_patient_service(serving.node, GetParameters, '/ask', answer)
-    clients: list[Any] = [create_client(one.node, GetParameters, '/ask') for one in asking]
+    clients: list[Any] = [create_client(caller.node, GetParameters, '/ask') for caller in asking]
     for client in clients:
         serving.spin_until(client.service_is_ready, 'the service')
     return clients
@@ -107,7 +107,7 @@ def test_the_services_for_parameters_are_patient_too(
     assert len(tried) == 2
 
 
-def test_an_answer_that_nobody_hears_keeps_the_thread_for_a_moment() -> None:
+def test_unheard_answer_blocks_thread_only_briefly() -> None:
     quickest = subprocess.run(
         [sys.executable, str(UNHEARD)], capture_output=True, text=True, check=True
     )
@@ -120,7 +120,7 @@ def test_requests_that_came_at_once_are_all_answered(ros: ActionCaller) -> None:
     ros.spin_until(lambda: all_answered(futures), 'all answers')
 
 
-def test_answers_to_others_displace_no_answer_that_was_not_taken_yet(
+def test_answers_to_others_displace_no_pending_answer(
     ros: ActionCaller, elsewhere: ActionCaller
 ) -> None:
     asked: list[Any] = []
@@ -138,12 +138,12 @@ def test_answers_to_others_displace_no_answer_that_was_not_taken_yet(
     elsewhere.wait(waits, 'the answer that came before those to the other one')
 
 
-def test_an_answer_that_a_client_cannot_hear_is_told_in_the_log(
+def test_answer_lost_to_qos_mismatch_is_logged(
     ros: ActionCaller, elsewhere: ActionCaller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    said: list[str] = []
+    lines: list[str] = []
     monkeypatch.setattr(patient_service, 'AGAIN_AFTER_S', (0.1,))
-    monkeypatch.setattr(SpareLog, 'warning', lambda log, line: said.append(line))
+    monkeypatch.setattr(SpareLog, 'warning', lambda log, line: lines.append(line))
     (client,) = serve_and_find(ros, ros)
     ros.wait(client.call_async(GetParameters.Request()), 'an answer')
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -153,10 +153,10 @@ def test_an_answer_that_a_client_cannot_hear_is_told_in_the_log(
     def is_told() -> bool:  # it is never ready, so that it asks until the service hears it
         if time.monotonic() > began + ASK_EVERY_S * len(asked):
             asked.append(deaf.call_async(GetParameters.Request()))
-        return bool(said)
+        return bool(lines)
 
     began = time.monotonic()
     ros.spin_until(is_told, 'a line in the log')
-    assert 'wants another QoS' in said[0]
-    assert not elsewhere.spin_for(0.1, lambda: any(one.done() for one in asked))
+    assert 'wants another QoS' in lines[0]
+    assert not elsewhere.spin_for(0.1, lambda: any(future.done() for future in asked))
     ros.wait(client.call_async(GetParameters.Request()), 'an answer to who hears')

@@ -42,9 +42,9 @@ class Handle:
 
 @pytest.fixture
 def handle(monkeypatch: pytest.MonkeyPatch) -> Handle:
-    one = Handle()
-    monkeypatch.setattr(lean_parts, '_client', lambda *_: one)
-    return one
+    fake = Handle()
+    monkeypatch.setattr(lean_parts, '_client', lambda *_: fake)
+    return fake
 
 
 def make() -> LeanQuestions:
@@ -61,7 +61,7 @@ def told(service: LeanQuestions) -> list[str]:
     return heard
 
 
-def test_the_last_answer_that_is_awaited_is_the_last_one_that_is_taken(handle: Handle) -> None:
+def test_taking_stops_after_last_awaited_answer(handle: Handle) -> None:
     service = make()
     service.ask('one', lambda _: None)
     handle.answers.append(1)
@@ -69,7 +69,7 @@ def test_the_last_answer_that_is_awaited_is_the_last_one_that_is_taken(handle: H
     assert handle.asked == 1
 
 
-def test_all_that_is_awaited_and_there_is_taken_at_once(handle: Handle) -> None:
+def test_all_ready_awaited_answers_are_taken_at_once(handle: Handle) -> None:
     service = make()
     for question in ('one', 'two', 'three'):
         service.ask(question, lambda _: None)
@@ -77,7 +77,7 @@ def test_all_that_is_awaited_and_there_is_taken_at_once(handle: Handle) -> None:
     assert told(service) == ['answer 1', 'answer 2']
 
 
-def test_what_nobody_awaits_goes_one_by_one_and_is_told_to_nobody(handle: Handle) -> None:
+def test_unawaited_answers_are_dropped_one_by_one(handle: Handle) -> None:
     service = make()
     handle.answers.extend([service._send('cancel'), service._send('cancel again')])
     assert (told(service), len(handle.answers)) == ([], 1)

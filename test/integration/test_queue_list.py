@@ -39,7 +39,7 @@ def long_queue(number: int) -> VirtualRun:
     return run
 
 
-def test_a_status_lists_the_first_jobs_of_a_long_queue_and_counts_them() -> None:
+def test_status_lists_first_jobs_and_counts_long_queue() -> None:
     message, short = long_queue(250).sim.status(), long_queue(3).sim.status()
     assert [job.id for job in message.jobs] == ['J', *(f'Q-{n}' for n in range(1, 101))]
     assert [job.position for job in message.jobs] == list(range(101))
@@ -80,9 +80,9 @@ def test_the_others_are_asked_for_page_by_page(cancelled: tuple[str, ...]) -> No
     run = long_queue(1300)
     message = run.sim.status()
     node = Asked(run, *cancelled)
-    found = [job.id for job in (*message.jobs, *others(node, message))]
-    assert sorted(set(found), key=found.index) == found
-    assert {'J', *(job.job.id for job in run.state.queue)} <= set(found)
+    ids = [job.id for job in (*message.jobs, *others(node, message))]
+    assert sorted(set(ids), key=ids.index) == ids
+    assert {'J', *(job.job.id for job in run.state.queue)} <= set(ids)
     assert node.asked <= 7
 
 
@@ -93,7 +93,7 @@ def test_of_a_short_queue_nobody_asks_for_more() -> None:
     assert node.asked == 0
 
 
-def test_a_page_begins_behind_a_job_and_has_an_end() -> None:
+def test_page_starts_after_job_and_is_limited() -> None:
     run = long_queue(20)
     response = list_page(run, QueueList.Request(after='Q-5', most=3))
     assert [job.id for job in response.jobs] == ['Q-6', 'Q-7', 'Q-8']
@@ -102,7 +102,7 @@ def test_a_page_begins_behind_a_job_and_has_an_end() -> None:
     assert (response.accepted, response.message) == (False, 'J is not in the queue')
 
 
-def test_a_job_tells_its_priority_and_times_and_the_queue_its_details() -> None:
+def test_status_tells_priority_and_times_queue_tells_details() -> None:
     line = Line()
     run, script = line.begin(quantity=2).go(until=1.5), line.script(THREE)
     terms = Terms(7, 1779084000.0, 1779090000.5, {'customer': 'ACME'})
@@ -114,17 +114,17 @@ def test_a_job_tells_its_priority_and_times_and_the_queue_its_details() -> None:
     assert (b.priority, b.start, b.due) == (0, None, None)
     assert 'ACME' not in str(status)
     times = [datetime.fromtimestamp(time) for time in (terms.start, terms.due) if time]
-    told = ', priority 7, waits for its start {:%Y-%m-%d %H:%M}, due {:%Y-%m-%d %H:%M}'.format(
+    phrase = ', priority 7, waits for its start {:%Y-%m-%d %H:%M}, due {:%Y-%m-%d %H:%M}'.format(
         *times
     )
-    assert [words.job_terms(job) for job in (a, b)] == [told, '']
-    assert any(told in text for text in words.status_lines(status, Shell()))
+    assert [words.job_terms(job) for job in (a, b)] == [phrase, '']
+    assert any(phrase in text for text in words.status_lines(status, Shell()))
 
     response = list_page(run, QueueList.Request())
     assert [json.loads(text or '{}') for text in response.details] == [terms.details, {}]
 
 
-def test_a_job_has_the_digest_of_its_script_in_every_state() -> None:
+def test_job_shows_script_digest_in_every_state() -> None:
     line = Line()
     run = line.begin(quantity=2).go(until=1.5)
     other = line.script(THREE.replace('id: pack', 'id: out'), 'other')
@@ -138,7 +138,7 @@ def test_a_job_has_the_digest_of_its_script_in_every_state() -> None:
     assert [job.digest for job in run.sim.status().jobs] == [digests['test']] * 2
 
 
-def test_a_job_tells_when_it_was_queued_and_started_and_ended() -> None:
+def test_job_tells_queue_start_and_end_times() -> None:
     line = Line()
     run = line.begin(quantity=2).go(until=1.5)
     run.submit('A', line.script(THREE))
@@ -154,7 +154,7 @@ def test_a_job_tells_when_it_was_queued_and_started_and_ended() -> None:
         assert 0.0 <= seen.queued_at <= started['time'] < ended['time']
 
 
-def test_a_page_of_jobs_is_shorter_where_params_and_details_are_long() -> None:
+def test_job_page_shrinks_with_long_params_and_details() -> None:
     line = Line()
     run, script = line.begin(quantity=2).go(until=1.5), line.script(THREE)
     terms = Terms(details={'a': 'x' * 7_000})
@@ -164,14 +164,14 @@ def test_a_page_of_jobs_is_shorter_where_params_and_details_are_long() -> None:
     for _ in range(2):
         request, response = ListJobs.Request(after=names[-1] if names else ''), ListJobs.Response()
         list_jobs(run.state, Overview(run.sim.orchestrator), request, response)
-        told = list(map(listed_job, response.jobs))
-        assert 1 <= len(told) < 150
-        assert all(one.details == terms.details for one in told if one.status.id != 'J')
-        names += [one.status.id for one in told]
+        page = list(map(listed_job, response.jobs))
+        assert 1 <= len(page) < 150
+        assert all(entry.details == terms.details for entry in page if entry.status.id != 'J')
+        names += [entry.status.id for entry in page]
     assert names == ['J', *(job.id for job in jobs)]
 
 
-def test_a_page_of_the_queue_is_shorter_where_details_are_long() -> None:
+def test_queue_page_shrinks_with_long_details() -> None:
     line = Line()
     run, script = line.begin(quantity=2).go(until=1.5), line.script(THREE)
     terms = Terms(details={'a': 'x' * 7_900})
@@ -202,8 +202,8 @@ def test_what_is_changed_of_priority_times_and_details(tmp_path: Path) -> None:
         'details': {'a': 1},
     }
     assert changed('--details', str(tmp_path / 'details.json')) == {'details': {'lot': 7}}
-    said = changed('--details', 'none', '--start', 'none', '--due', '2026-05-18T06:00Z')
-    assert said == {'details': {}, 'start': 'none', 'due': '2026-05-18T06:00Z'}
+    update = changed('--details', 'none', '--start', 'none', '--due', '2026-05-18T06:00Z')
+    assert update == {'details': {}, 'start': 'none', 'due': '2026-05-18T06:00Z'}
 
 
 def test_a_forecast_is_asked_about_the_first_jobs() -> None:

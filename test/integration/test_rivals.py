@@ -74,8 +74,8 @@ def test_2_5_a_request_waits_while_there_are_two_servers(
     assert goal.end is not None
     assert goal.end.message.startswith('2 servers of /arm/task: ')
     assert both == ([], [])
-    told = [new for new in bench.gateway.drain() if isinstance(new, SeenContest)]
-    assert {len(new.contest.servers) for new in told} == {2}
+    contests = [new for new in bench.gateway.drain() if isinstance(new, SeenContest)]
+    assert {len(new.contest.servers) for new in contests} == {2}
 
     second.close_servers()
     bench.run_until(lambda: not bench.gateway.rivals('arm'), 'one server')
@@ -84,7 +84,7 @@ def test_2_5_a_request_waits_while_there_are_two_servers(
     bench.run_until(lambda: SeenContest('arm', Contest()) in bench.gateway.drain(), 'to be told')
 
 
-def test_2_5_a_server_that_publishes_no_status_is_one_too(
+def test_2_5_server_without_status_counts_as_rival(
     bench: RosBench, servers: ThreadServers, second: ThreadServers
 ) -> None:
     serve(servers)
@@ -103,7 +103,7 @@ def test_2_5_a_server_that_publishes_no_status_is_one_too(
     )
 
 
-def test_2_5_who_only_publishes_a_status_is_told_as_what_it_is_and_where(
+def test_2_5_status_only_publisher_is_named_with_process(
     bench: RosBench, servers: ThreadServers
 ) -> None:
     serve(servers)
@@ -116,18 +116,18 @@ def test_2_5_who_only_publishes_a_status_is_told_as_what_it_is_and_where(
             GoalStatusArray, '/arm/task/_action/status', qos_profile_action_status_default
         )
         here = f'process {os.getpid()} on this computer'
-        said = {
+        expected = {
             f'/intruder (publishes its status and takes no goals, {here})',
             f'/thread_servers ({here})',
         }
-        bench.run_until(lambda: set(bench.gateway.rivals('arm')) == said, 'words about it')
+        bench.run_until(lambda: set(bench.gateway.rivals('arm')) == expected, 'words about it')
     finally:
         node.destroy_node()
         context.try_shutdown()
 
 
 @pytest.mark.filterwarnings('ignore:Deprecated in favor of:DeprecationWarning')
-def test_9_3_a_second_server_that_does_not_know_a_goal_loses_it_not(
+def test_9_3_denial_by_second_server_does_not_lose_goal(
     bench: RosBench, servers: ThreadServers, second: ThreadServers
 ) -> None:
     ends = threading.Event()
@@ -147,7 +147,7 @@ def test_9_3_a_second_server_that_does_not_know_a_goal_loses_it_not(
     assert len(executed) == 1
 
 
-def test_9_3_a_refusal_of_the_second_server_does_not_hide_the_end_of_the_first(
+def test_9_3_second_server_refusal_hides_no_goal_end(
     bench: RosBench, servers: ThreadServers, second: ThreadServers
 ) -> None:
     ends = threading.Event()
@@ -163,7 +163,7 @@ def test_9_3_a_refusal_of_the_second_server_does_not_hide_the_end_of_the_first(
     assert end_of(bench, adopted) is GoalStatus.SUCCEEDED
 
 
-def test_2_5_a_fresh_look_that_finds_nobody_yet_decides_nothing(
+def test_2_5_fresh_look_without_servers_decides_nothing(
     bench: RosBench, servers: ThreadServers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # On a busy machine discovery takes longer than it should.
@@ -184,7 +184,7 @@ def test_2_5_a_fresh_look_that_finds_nobody_yet_decides_nothing(
     bench.run_until(lambda: not bench.gateway.rivals('arm'), 'one server')
 
 
-def test_2_5_before_a_goal_and_not_before_a_decision_the_graph_is_gone_through(
+def test_2_5_graph_is_searched_before_goal_not_before_decision(
     bench: RosBench, servers: ThreadServers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     serve(servers)

@@ -83,7 +83,7 @@ def test_setting_the_wall_clock_moves_no_deadline(
     assert world.called == ['soon']
 
 
-def test_the_timer_of_the_deadlines_is_on_the_steady_clock(world: World) -> None:
+def test_deadline_timer_uses_the_steady_clock(world: World) -> None:
     (timer,) = world.node.timers
     assert timer.clock.clock_type is ClockType.STEADY_TIME
 

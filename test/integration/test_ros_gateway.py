@@ -129,7 +129,7 @@ class TestRequest:
         assert message in goal.end.message
         assert cell.server.records(component='good', event='accepted') == []
 
-    def test_a_server_that_is_busy_for_another_client_is_told_so(self, cell: RosBench) -> None:
+    def test_rejection_by_busy_server_names_foreign_goal(self, cell: RosBench) -> None:
         another = cell.make_gateway()
         foreign = another.send(goal_request('hanging', 'TASK_B'))
         cell.run_until(lambda: foreign.accepted, 'the other client to be served')
@@ -173,15 +173,13 @@ class TestRequest:
         assert lost.end is end
         assert not lost.accepted
 
-    def test_lost_answer_to_the_request_does_not_lose_the_goal(self, cell: RosBench) -> None:
+    def test_goal_survives_lost_answer_to_its_request(self, cell: RosBench) -> None:
         lose_answers(client(cell, 'good'))
         goal = cell.gateway.send(goal_request('good', 'TASK_B'))
         assert ended(cell, goal) is GoalStatus.SUCCEEDED
         assert goal.accepted
 
-    def test_status_topic_tells_of_an_acceptance_whose_answer_was_lost(
-        self, cell: RosBench
-    ) -> None:
+    def test_status_topic_reveals_acceptance_with_lost_answer(self, cell: RosBench) -> None:
         lose_answers(client(cell, 'hanging'))
         goal = cell.gateway.send(goal_request('hanging'))
         cell.run_until(lambda: goal.accepted, 'the acceptance', RESULT_CHECK_S)
@@ -199,19 +197,17 @@ def test_the_graph_knows_it_as_an_action_client(bench: RosBench) -> None:
     node = bench.node
 
     def clients() -> set[str]:
-        found = get_action_client_names_and_types_by_node(
+        pairs = get_action_client_names_and_types_by_node(
             node, node.get_name(), node.get_namespace()
         )
-        return {name for name, _ in found}
+        return {name for name, _ in pairs}
 
     bench.run_until(clients, 'the graph')
     assert clients() == {'/conveyor/index', '/fibonacci', '/nested', '/slow/task'}
 
 
 class TestStatus:
-    def test_status_and_feedback_wake_nobody_and_are_there_for_who_asks(
-        self, cell: RosBench
-    ) -> None:
+    def test_status_and_feedback_are_kept_without_waking(self, cell: RosBench) -> None:
         goal = cell.gateway.send(goal_request('good', 'TASK_A'))
         assert ended(cell, goal) is GoalStatus.SUCCEEDED
         listening, sending = client(cell, 'good'), cell.make_gateway()
@@ -238,7 +234,7 @@ class TestKilledServer:
         cell.run_until(lambda: not cell.gateway.available('good'), 'it to be gone')
         assert nothing_left(client(cell, 'hanging')) == {}
 
-    def test_that_is_back_at_once_does_not_know_the_goal(self, cell: RosBench) -> None:
+    def test_server_back_at_once_loses_the_goal(self, cell: RosBench) -> None:
         goal = cell.gateway.send(goal_request('hanging'))
         cell.run_until(lambda: goal.accepted, 'the acceptance')
         cell.kill_server()
@@ -248,9 +244,7 @@ class TestKilledServer:
         assert ended(cell, again) is GoalStatus.SUCCEEDED
 
     @pytest.mark.long
-    def test_that_was_there_for_long_and_is_back_at_once_has_another_id(
-        self, cell: RosBench
-    ) -> None:
+    def test_long_lived_server_gets_new_id_after_restart(self, cell: RosBench) -> None:
         status = client(cell, 'good').status
         cell.run_until(lambda: status.publisher_id() and status._is_told, 'a graph at rest')
         before = status.publisher_id()
@@ -302,7 +296,7 @@ class TestErrors:
             assert 'unreadable' in goal.end.message
         assert ended(cell, cell.gateway.send(goal_request('good'))) is GoalStatus.SUCCEEDED
 
-    def test_request_sent_again_after_a_crash_is_not_rejected(self, cell: RosBench) -> None:
+    def test_resent_request_after_crash_is_not_rejected(self, cell: RosBench) -> None:
         goal = cell.gateway.send(goal_request('good', 'TASK_B'))
         cell.run_until(lambda: goal.accepted, 'the acceptance')
         again = cell.gateway.send(goal.request)
@@ -395,7 +389,7 @@ class TestLeave:
         goal.cancel()
         assert ended(cell, goal) is GoalStatus.CANCELED
 
-    def test_9_4_a_goal_that_waits_is_withdrawn_by_its_cancel(self, cell: RosBench) -> None:
+    def test_9_4_cancel_withdraws_a_waiting_goal(self, cell: RosBench) -> None:
         cell.gateway.obey(lambda: False, 0.0)
         goal = cell.gateway.send(goal_request('good'))
         goal.cancel()

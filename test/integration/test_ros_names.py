@@ -32,8 +32,8 @@ def test_rclpy_agrees(name: str) -> None:
     assert check_topic_name(name, START, Report('a.yaml')) is is_legal
 
 
-def test_clients_of_one_process_have_names_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_clients_in_same_process_have_distinct_names(monkeypatch: pytest.MonkeyPatch) -> None:
     """A launch file renames each node of a process, with `__node` for the global arguments."""
     monkeypatch.setattr(sys, 'argv', ['page', '--ros-args', '-r', '__node:=page'])
-    with NodeClient('/cell', 1.0) as one, NodeClient('/cell', 1.0) as other:
-        assert one.node.get_fully_qualified_name() != other.node.get_fully_qualified_name()
+    with NodeClient('/cell', 1.0) as first, NodeClient('/cell', 1.0) as other:
+        assert first.node.get_fully_qualified_name() != other.node.get_fully_qualified_name()

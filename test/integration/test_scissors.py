@@ -17,7 +17,7 @@ CORE = ('test/unit/rules/test_3_belt.py', 'test/unit/model/test_fold.py')
 LONGEST_S = 150
 
 
-@pytest.mark.parametrize('extension', EXTENSIONS, ids=lambda one: one.name)
+@pytest.mark.parametrize('extension', EXTENSIONS, ids=lambda add_on: add_on.name)
 def test_the_core_works_without(extension: Extension, tmp_path: Path) -> None:
     """Check, render, simulate, run, watch, history; its verbs answer with what to install."""
     path = [str(SCISSORS / 'blocker'), os.environ.get('PYTHONPATH', '')]

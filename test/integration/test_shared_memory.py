@@ -49,7 +49,7 @@ def run_with_leftovers(**environment: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason='needs root, for a shared memory of its own')
-def test_processes_hear_each_other_beside_the_ports_of_killed_ones() -> None:
+def test_processes_communicate_despite_ports_of_killed_processes() -> None:
     run = run_with_leftovers()
     assert run.returncode == 0, run.stdout + run.stderr
     assert 'RTPS_TRANSPORT_SHM' not in run.stderr

@@ -49,7 +49,7 @@ def cell() -> Iterator[RosBench]:
     bench.close()
 
 
-def test_9_3_a_goal_that_ended_without_a_result_is_in_doubt(
+def test_9_3_ended_goal_without_result_is_in_doubt(
     bench: RosBench, servers: ThreadServers
 ) -> None:
     serve(servers, 'mute')
@@ -60,7 +60,7 @@ def test_9_3_a_goal_that_ended_without_a_result_is_in_doubt(
     assert end.topic_says == 'succeeded'
 
 
-def test_9_3_a_request_that_nobody_answers_is_in_doubt_and_a_late_yes_cancelled(
+def test_9_3_unanswered_request_is_in_doubt_late_acceptance_cancelled(
     bench: RosBench, servers: ThreadServers
 ) -> None:
     yes = LateYes()
@@ -74,7 +74,7 @@ def test_9_3_a_request_that_nobody_answers_is_in_doubt_and_a_late_yes_cancelled(
     assert not goal.accepted
 
 
-def test_9_2_an_adopted_goal_of_which_nobody_speaks_is_in_doubt(
+def test_9_2_adopted_goal_of_silent_server_is_in_doubt(
     bench: RosBench, servers: ThreadServers
 ) -> None:
     serve(servers, 'mute')
@@ -84,7 +84,7 @@ def test_9_2_an_adopted_goal_of_which_nobody_speaks_is_in_doubt(
 
 
 @pytest.mark.filterwarnings('ignore:Deprecated in favor of:DeprecationWarning')
-def test_9_2_an_adopted_goal_that_was_forgotten_is_lost_though_the_status_lists_it(
+def test_9_2_forgotten_adopted_goal_is_lost_despite_status(
     bench: RosBench, servers: ThreadServers
 ) -> None:
     serve(servers, 'mute', kind=partial(ActionServer, result_timeout=0))

@@ -74,7 +74,7 @@ def until_there_are(ros: ActionCaller, names: set[str]) -> None:
 
 
 @pytest.mark.parametrize('with_signal', [signal.SIGTERM, signal.SIGINT])
-def test_a_stop_signal_aborts_the_goals_and_ends_with_status_0(
+def test_stop_signal_aborts_goals_and_exits_cleanly(
     start: Start, ros: ActionCaller, with_signal: signal.Signals
 ) -> None:
     cell = start()
@@ -141,7 +141,7 @@ def test_simulated_time_is_obeyed(start: Start, ros: ActionCaller) -> None:
     assert stamps[0] in {0, 1000}
 
 
-def test_a_server_forgets_a_goal_after_the_result_timeout(start: Start, ros: ActionCaller) -> None:
+def test_server_forgets_goal_after_result_timeout(start: Start, ros: ActionCaller) -> None:
     start('--only=near', '--result-timeout=1.0').wait_until_ready()
     handle = ros.start('/near/task', Component, a_goal())
     ended = ros.result(handle)
@@ -154,7 +154,7 @@ def test_a_server_forgets_a_goal_after_the_result_timeout(start: Start, ros: Act
     assert ended.status == at_once.status == GoalStatus.STATUS_SUCCEEDED
 
 
-def test_an_error_in_a_callback_does_not_end_the_process(
+def test_callback_error_does_not_end_the_process(
     start: Start, ros: ActionCaller, tmp_path: Path
 ) -> None:
     """The error is a log that can be written no more: a pipe that nobody reads."""
@@ -206,9 +206,7 @@ def test_a_wrong_cell_file_is_refused_with_status_1(start: Start) -> None:
 
 
 @pytest.mark.parametrize('verb', ['sim-cell', 'run'])
-def test_a_middleware_that_never_lets_go_does_not_keep_the_process(
-    tmp_path: Path, verb: str
-) -> None:
+def test_stuck_middleware_does_not_keep_process_alive(tmp_path: Path, verb: str) -> None:
     (tmp_path / 'cell.yaml').write_text(CELL)
     process = ProgramProcess(
         [verb, '--cell', str(tmp_path / 'cell.yaml')], tmp_path, verb, [stuck_leaving.__file__]

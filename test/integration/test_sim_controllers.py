@@ -104,7 +104,7 @@ def text_id(handle: Any) -> str:
     return str(uuid.UUID(bytes=bytes(handle.goal_id.uuid)))
 
 
-def test_a_task_succeeds_with_the_results_of_the_cell_file(ros: ActionCaller) -> None:
+def test_task_succeeds_with_results_from_cell_file(ros: ActionCaller) -> None:
     end = do(ros, 'good', 'TASK_B')
 
     assert end.status == GoalStatus.STATUS_SUCCEEDED
@@ -167,7 +167,7 @@ def test_the_conveyor_moves(ros: ActionCaller) -> None:
     assert end.result.task_result
 
 
-def test_any_action_type_works_by_name_and_type_alone(ros: ActionCaller) -> None:
+def test_any_action_type_works_by_name_and_type(ros: ActionCaller) -> None:
     until_feedback(ros, '/counter/count', Fibonacci, Fibonacci.Goal(order=1))
     seen: list[Any] = []
     end = ros.call('/counter/count', Fibonacci, Fibonacci.Goal(order=5), on_feedback=seen.append)
@@ -253,9 +253,7 @@ def test_a_request_can_stay_without_an_answer(ros: ActionCaller, cell: SimCellPr
     assert not request.done()
 
 
-def test_a_server_can_die_and_come_back_knowing_nothing(
-    ros: ActionCaller, cell: SimCellProcess
-) -> None:
+def test_restarted_server_knows_no_earlier_goal(ros: ActionCaller, cell: SimCellProcess) -> None:
     client = ros.client('/mortal/task', Component)
     handle = start(ros, 'mortal', 'TASK_A')
     result = handle.get_result_async()
@@ -299,9 +297,7 @@ class States:
 
 
 @pytest.mark.parametrize('latched', [True, False])
-def test_the_state_topic_says_ready_to_every_kind_of_subscriber(
-    ros: ActionCaller, latched: bool
-) -> None:
+def test_state_topic_tells_ready_to_any_subscriber(ros: ActionCaller, latched: bool) -> None:
     with States(ros, 'good', latched) as states:
         ros.spin_until(lambda: states.values, 'the state')
 

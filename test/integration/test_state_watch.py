@@ -82,7 +82,7 @@ def test_hears_every_publisher(world: World, reliability: Any, durability: Any) 
     world.hears('READY', 'BUSY', saying=String(data='BUSY'), publisher=publisher)
 
 
-def test_gets_the_latched_value_that_was_said_once_before(world: World) -> None:
+def test_receives_latched_value_published_earlier(world: World) -> None:
     world.bench.gateway.close()
     world.publisher(String, profile(RELIABLE, LATCHED)).publish(String(data='READY'))
     world.bench.run_for(0.2)
@@ -109,7 +109,7 @@ def test_tells_none_when_the_last_publisher_is_gone(world: World) -> None:
     world.hears_no_more('READY', None)
 
 
-def test_follows_a_publisher_that_comes_back_with_another_profile(world: World) -> None:
+def test_follows_publisher_returning_with_another_profile(world: World) -> None:
     latched = world.publisher(String, profile(RELIABLE, LATCHED))
     latched.publish(String(data='READY'))
     world.hears('READY')
@@ -146,7 +146,7 @@ def test_best_profile_matches_all_offers(offers: Any, best: QoSProfile) -> None:
     assert best_profile([profile(*offer) for offer in offers]) == best
 
 
-def test_a_topic_that_changes_without_end_is_told_so_often_only(world: World) -> None:
+def test_endlessly_changing_topic_is_reported_at_limited_rate(world: World) -> None:
     publisher = world.publisher(String, profile(RELIABLE, LATCHED))
     numbers = itertools.count()
 

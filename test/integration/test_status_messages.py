@@ -99,8 +99,8 @@ def facts(kind: Any) -> st.SearchStrategy[Any]:
     if origin is Mapping:
         return st.dictionaries(facts(arguments[0]), facts(arguments[1]), max_size=3)
     if type(None) in arguments:
-        (one,) = (argument for argument in arguments if argument is not type(None))
-        return st.none() | facts(one)
+        (inner_type,) = (argument for argument in arguments if argument is not type(None))
+        return st.none() | facts(inner_type)
     if hasattr(kind, '__members__'):
         return st.sampled_from(kind)
     fields = {name: facts(hint) for name, hint in hints_of(kind).items()}
@@ -111,10 +111,10 @@ def named_once(status: CellStatus) -> CellStatus:
     """Return a status in which no two sections, components, jobs or holds have one name."""
     return changed(
         status,
-        sections=tuple({one.number: one for one in status.sections}.values()),
-        components=tuple({one.name: one for one in status.components}.values()),
-        jobs=tuple({one.id: one for one in status.jobs}.values()),
-        holds=tuple({one.id: one for one in status.holds}.values()),
+        sections=tuple({entry.number: entry for entry in status.sections}.values()),
+        components=tuple({entry.name: entry for entry in status.components}.values()),
+        jobs=tuple({entry.id: entry for entry in status.jobs}.values()),
+        holds=tuple({entry.id: entry for entry in status.holds}.values()),
     )
 
 
@@ -140,9 +140,7 @@ def test_a_status_comes_back_from_json(status: CellStatus) -> None:
 
 @given(STATUSES, STATUSES)
 @settings(max_examples=50, deadline=None)
-def test_a_writer_that_wrote_others_before_writes_the_same(
-    one: CellStatus, other: CellStatus
-) -> None:
+def test_reused_writer_writes_the_same_status(one: CellStatus, other: CellStatus) -> None:
     writer = StatusWriter()
     mixed = changed(other, sections=one.sections, jobs=one.jobs[:1] + other.jobs)
     for status in (one, named_once(mixed), one, other):
@@ -151,7 +149,7 @@ def test_a_writer_that_wrote_others_before_writes_the_same(
 
 @given(STATUSES)
 @settings(max_examples=50, deadline=None)
-def test_jobs_that_move_up_are_written_and_leave_what_was_written(status: CellStatus) -> None:
+def test_moved_jobs_leave_earlier_message_unchanged(status: CellStatus) -> None:
     places = ((job, n) for n, job in enumerate(status.jobs, 1))
     moved = changed(status, jobs=tuple(changed(job, position=n) for job, n in places))
     writer = StatusWriter()
@@ -217,13 +215,13 @@ def test_every_message_is_mapped_or_named() -> None:
         name for name in vars(msg) if hasattr(getattr(msg, name), '_fields_and_field_types')
     }
     services = {name for name in vars(srv) if hasattr(getattr(srv, name), 'Request')}
-    named = {one.__name__ for one in MAPPED}
+    named = {kind.__name__ for kind in MAPPED}
     assert messages - UNMAPPED.keys() == named & messages
     assert services - DOORS.keys() == {'QueueUpdate'}, 'its request is mapped'
     assert srv.QueueUpdate.Request in MAPPED
 
 
-def test_reports_of_items_and_failures_tell_what_a_record_does() -> None:
+def test_item_and_failure_reports_match_records() -> None:
     item = ItemRecord('J/1', 3.0, nonconforming=['weigh'], results={'weigh': {'grams': 3.5}})
     report = sent(item_message(item))
     assert (report.id, report.outcome, report.nonconforming) == ('J/1', 'on_the_line', ['weigh'])

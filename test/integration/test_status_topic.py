@@ -44,10 +44,10 @@ class Clock:
 
 @pytest.fixture
 def node(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    one = Clock()
-    monkeypatch.setattr(outputs, 'publisher', lambda *_: one)
-    monkeypatch.setattr(outputs, 'steady_timer', lambda *_: one.timer)
-    return one
+    clock = Clock()
+    monkeypatch.setattr(outputs, 'publisher', lambda *_: clock)
+    monkeypatch.setattr(outputs, 'steady_timer', lambda *_: clock.timer)
+    return clock
 
 
 def make(node: Clock, engine: Any, beats: list[Callable[[], None]]) -> StatusTopic:
@@ -78,7 +78,7 @@ WORK, ORDER = e.BeltIndexed(beat=2), e.JobRemoved(job='WO-1')
     ('listeners', 'events', 'is_soon'),
     [(0, [WORK], False), (1, [WORK], True), (0, [WORK, ORDER], True)],
 )
-def test_ordinary_work_that_nobody_hears_waits_for_the_next_second(
+def test_ordinary_work_without_listeners_waits_for_next_second(
     node: Clock, listeners: int, events: list[e.Event], is_soon: bool
 ) -> None:
     beats: list[Callable[[], None]] = []

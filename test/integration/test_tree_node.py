@@ -120,7 +120,7 @@ def test_no_timer_goes_by_the_wall_clock(tree_node: TreeNode) -> None:
     assert kinds == {ClockType.STEADY_TIME}
 
 
-def test_2_4_nobody_changes_the_clock_or_any_parameter_while_it_runs(tree_node: TreeNode) -> None:
+def test_2_4_running_node_refuses_clock_and_parameter_changes(tree_node: TreeNode) -> None:
     node = tree_node.node
     [result] = node.set_parameters([Parameter('use_sim_time', value=True)])
     assert not result.successful
@@ -137,7 +137,7 @@ def test_2_4_nobody_changes_the_clock_or_any_parameter_while_it_runs(tree_node: 
     )
 
 
-def test_a_parameter_of_a_type_that_nobody_knows_is_refused(tree_node: TreeNode) -> None:
+def test_parameter_of_unknown_type_is_refused(tree_node: TreeNode) -> None:
     strange = ParameterMessage(name='cell', value=ParameterValue(type=255))
     known = Parameter('executor', value='single').to_parameter_msg()
     both = [strange, known]
@@ -145,7 +145,7 @@ def test_a_parameter_of_a_type_that_nobody_knows_is_refused(tree_node: TreeNode)
     each = answer(
         tree_node, SetParameters, 'set_parameters', SetParameters.Request(parameters=both)
     )
-    assert [one.successful for one in each.results] == [False, False]
+    assert [outcome.successful for outcome in each.results] == [False, False]
     why = each.results[0].reason
     assert why == (
         'cell has a value of type 255; expected one of rcl_interfaces/msg/ParameterType, 0 to 9'
@@ -164,7 +164,7 @@ def test_an_unknown_parameter_is_refused_with_the_nearest(tree_node: TreeNode) -
     each = answer(
         tree_node, SetParameters, 'set_parameters', SetParameters.Request(parameters=wrong)
     )
-    near, unlike = (one.reason for one in each.results)
+    near, unlike = (outcome.reason for outcome in each.results)
     assert near == "there is no parameter 'tick_rate'; did you mean `tick_rate_hz`?"
     assert unlike.startswith("there is no parameter 'zzz'; the parameters are auto_resume, ")
     kind = SetParametersAtomically
@@ -172,7 +172,7 @@ def test_an_unknown_parameter_is_refused_with_the_nearest(tree_node: TreeNode) -
     assert together.result.reason == near
 
 
-def test_a_callback_that_raises_does_not_stop_the_node(tree_node: TreeNode) -> None:
+def test_raising_callback_does_not_stop_node(tree_node: TreeNode) -> None:
     failing = Failing()
     tree_node.node.create_timer(0.02, failing)
     tree_node.serve(StopWhen(lambda: failing.calls >= 3))
@@ -180,7 +180,7 @@ def test_a_callback_that_raises_does_not_stop_the_node(tree_node: TreeNode) -> N
     assert 'nothing' in ask(tree_node).message
 
 
-def test_a_settle_that_raises_is_counted_and_tried_again(
+def test_raising_settle_is_counted_and_retried(
     tree_node: TreeNode, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     failing = Failing()
@@ -192,19 +192,19 @@ def test_a_settle_that_raises_is_counted_and_tried_again(
     assert 'nothing' in ask(tree_node).message
 
 
-def test_the_first_status_tells_of_nothing_that_is_not_kept(
+def test_first_status_shows_only_durable_events(
     tree_node: TreeNode, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     kept = Kept()
     tree_node.orchestrator.add_sink(kept)
-    told: list[tuple[int, int]] = []
+    published: list[tuple[int, int]] = []
 
     def tell(_: StatusTopic) -> None:
-        told.append((tree_node.orchestrator.state.seq, kept.seq))
+        published.append((tree_node.orchestrator.state.seq, kept.seq))
 
     monkeypatch.setattr(StatusTopic, 'publish_now', tell)
-    tree_node.serve(StopWhen(lambda: told))
-    (shown, durable) = told[0]
+    tree_node.serve(StopWhen(lambda: published))
+    (shown, durable) = published[0]
     assert 0 < shown <= durable
 
 

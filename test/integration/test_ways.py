@@ -56,14 +56,14 @@ def warned(node: Node, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def test_the_inside_of_this_rclpy_is_known(node: Node, warned: list[str]) -> None:
     digests = {name: lean_parts.digest(source) for name, source in lean_parts.sources().items()}
-    strange = {name: one for name, one in digests.items() if one not in lean_parts.KNOWN[name]}
+    strange = {name: sha for name, sha in digests.items() if sha not in lean_parts.KNOWN[name]}
     assert strange == {}, 'read what has changed, run test_executors.py, and add it to KNOWN'
     assert choose_way(AUTO, node).executor is LeanExecutor
     assert warned == []
 
 
 @pytest.mark.parametrize('client', [AUTO, PLAIN])
-def test_the_servers_of_a_service_are_counted_by_its_full_name(client: str, node: Node) -> None:
+def test_service_servers_are_counted_by_full_name(client: str, node: Node) -> None:
     (asked,), end = choose_way(client, node).clients(
         node, node.get_logger(), [Service(CancelGoal, '~/cancel')]
     )
@@ -74,9 +74,7 @@ def test_the_servers_of_a_service_are_counted_by_its_full_name(client: str, node
     end()
 
 
-def test_plain_is_taken_without_a_word_where_it_is_asked_for(
-    node: Node, warned: list[str]
-) -> None:
+def test_plain_way_is_taken_silently_on_request(node: Node, warned: list[str]) -> None:
     assert choose_way(PLAIN, node) == PLAIN_WAY
     assert warned == []
 
@@ -124,11 +122,11 @@ def test_another_inside_is_left_alone_with_one_warning(
     with monkeypatch.context() as patch:
         what = change(node, patch)
         assert choose_way(AUTO, node) == PLAIN_WAY
-    [said] = warned
-    assert f'than the one that is known ({what})' in said
+    [warning] = warned
+    assert f'than the one that is known ({what})' in warning
 
 
-def test_an_inside_that_cannot_be_imported_is_another_one(
+def test_failed_import_of_lean_parts_selects_plain_way(
     node: Node, warned: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def import_module(name: str) -> None:
@@ -136,5 +134,5 @@ def test_an_inside_that_cannot_be_imported_is_another_one(
 
     monkeypatch.setattr(importlib, 'import_module', import_module)
     assert choose_way(AUTO, node) == PLAIN_WAY
-    [said] = warned
-    assert 'ImportError: no bt_orchestrator.ros.executor.lean_parts' in said
+    [warning] = warned
+    assert 'ImportError: no bt_orchestrator.ros.executor.lean_parts' in warning

@@ -43,7 +43,7 @@ class Mix:
         """As a recipe."""
         names = [f'op{number}' for number in range(len(self.ways))]
         listed = [
-            Operation(name, (name,), tuple(names[one] for one in before))
+            Operation(name, (name,), tuple(names[index] for index in before))
             for name, before in zip(names, self.before, strict=True)
         ]
         return Recipe('mix', 1, 'mix', tuple(listed))

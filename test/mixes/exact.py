@@ -43,7 +43,7 @@ class _Line:
         self._together: dict[tuple[int, int], cp_model.IntVar] = {}
         for done, section in zip(self._done, self._section, strict=True):
             model.add_exactly_one(done.values())
-            model.add(section == sum(number * one for number, one in done.items()))
+            model.add(section == sum(number * literal for number, literal in done.items()))
         for ways, states in zip(mix.ways, self._states, strict=True):
             model.add_exactly_one(states)
             if ways[0].needs_belt:
@@ -54,7 +54,7 @@ class _Line:
         """What comes before what: what needs the belt comes before the item leaves."""
         belt = {n for n, ways in enumerate(self._mix.ways) if ways[0].needs_belt}
         written = {(early, n) for n, before in enumerate(self._mix.before) for early in before}
-        return written | {(one, self._last) for one in belt - {self._last}}
+        return written | {(task, self._last) for task in belt - {self._last}}
 
     def order(self) -> None:
         """Items move down the belt only, and each section has leads, then rests, then trails."""
@@ -84,8 +84,8 @@ class _Line:
                         trails = self._states[second][TRAILS]
                         model.add_bool_or(~closes, ~self._together[first, second], trails)
         for done, states in zip(self._done, self._states, strict=True):
-            for section, one in done.items():
-                model.add_bool_or(~one, ~states[TRAILS], *closing.get(section, []))
+            for section, literal in done.items():
+                model.add_bool_or(~literal, ~states[TRAILS], *closing.get(section, []))
 
     def limit(self) -> None:
         """Minimise the time of the longest section."""
@@ -95,7 +95,7 @@ class _Line:
         for section in range(1, mix.sections + 1):
             whole, turn = [], []
             for ways, done, states in zip(mix.ways, self._done, self._states, strict=True):
-                for way in (one for one in ways if one.section == section):
+                for way in (option for option in ways if option.section == section):
                     rests = model.new_bool_var('')
                     model.add_bool_or(rests, ~done[section], ~states[RESTS])
                     whole.append(way.ms * done[section])

@@ -120,10 +120,10 @@ class _Listener:
         self._owner = owner
 
     def datachange_notification(self, node: Any, value: Any, data: Any) -> None:
-        self._owner.lists.append([one.JobOrder.JobOrderID for one in value or ()])
+        self._owner.lists.append([order.JobOrder.JobOrderID for order in value or ()])
 
     def event_notification(self, event: Any) -> None:
-        state = state_of([{'stateText': one.StateText.Text} for one in event.JobState])
+        state = state_of([{'stateText': entry.StateText.Text} for entry in event.JobState])
         self._owner.told.append((event.EventId, event.JobOrder.JobOrderID, state))
 
     def status_change_notification(self, status: Any) -> None:

@@ -88,7 +88,7 @@ class Driver:
 
     def read(self, *nodes: str) -> list[Any]:
         """Return values, whatever their quality."""
-        return [one['value'] for one in self.do('read', nodes=nodes)]
+        return [reading['value'] for reading in self.do('read', nodes=nodes)]
 
     def call(self, on: str, method: str, *args: Any) -> Line:
         """Call a method of an object and return status and outputs."""
@@ -127,16 +127,16 @@ class Driver:
 
     def wait_until(self, is_so: Callable[[], Any], what: str) -> Any:
         """Wait until something is so of what has come; returns what makes it so."""
-        found: list[Any] = []
+        values: list[Any] = []
 
         def look(_line: Line) -> bool:
-            found.append(is_so())
-            return bool(found[-1])
+            values.append(is_so())
+            return bool(values[-1])
 
         if now := is_so():
             return now
         self.wait(look, what)
-        return found[-1]
+        return values[-1]
 
     def wait_value(self, of: str, value: Any) -> None:
         """Wait until a node that is watched has had a value."""

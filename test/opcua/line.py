@@ -57,7 +57,7 @@ def state_of(states: Sequence[Any]) -> str:
 
 def states_in(orders: Sequence[Any] | None) -> dict[str, str]:
     """Return the states of JobOrderList by job order."""
-    return {one['jobOrder']['jobOrderID']: state_of(one['state']) for one in orders or ()}
+    return {job['jobOrder']['jobOrderID']: state_of(job['state']) for job in orders or ()}
 
 
 class Client(Driver):
@@ -88,14 +88,14 @@ class Client(Driver):
 
     def told_state(self, order: str) -> str:
         """Return the state that a subscription to JobOrderList has told last; `gone`: none."""
-        told = self.values(ORDERS)
-        return states_in(told[-1]).get(order, 'gone') if told else ''
+        lists = self.values(ORDERS)
+        return states_in(lists[-1]).get(order, 'gone') if lists else ''
 
     def told(self, order: str, of: str = RESULTS) -> list[str]:
         """Return the states that events have told of a job order, in their order."""
-        events = [one for one in self.events(of) if one['JobOrder']]
+        events = [row for row in self.events(of) if row['JobOrder']]
         return [
-            state_of(one['JobState']) for one in events if one['JobOrder']['jobOrderID'] == order
+            state_of(row['JobState']) for row in events if row['JobOrder']['jobOrderID'] == order
         ]
 
     def wait_told(self, order: str, states: Sequence[str], of: str) -> None:

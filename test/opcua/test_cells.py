@@ -84,7 +84,7 @@ class Jobs:
                 f'{order} to be {state}, or a hold',
             )
             for hold in watch.status.holds:
-                watch.answer(hold.id, next(one for one in ANSWERS if one in hold.answers))
+                watch.answer(hold.id, next(word for word in ANSWERS if word in hold.answers))
 
     def command(self, verb: str) -> None:
         """Command the cell as a person at the line does."""
@@ -122,7 +122,7 @@ def jobs(start_line: StartLine) -> Jobs:
 
 
 @pytest.mark.long
-def test_every_cell_answers_as_documented_and_changes_what_it_says(jobs: Jobs) -> None:
+def test_every_table_cell_answers_and_acts_as_documented(jobs: Jobs) -> None:
     jobs.command('pause')  # what may start waits, until its cells are tried
     for state in (NONE, 'NotAllowedToStart', 'AllowedToStart'):
         _try_row(jobs, state)

@@ -84,9 +84,9 @@ class Watched:
         others = [event for event, _, _ in self.other.told]
         assert len(set(others)) == len(others)
         lists = [*map(states_in, self.mes.values(ORDERS)[self._begins[0] :])]
-        lists += [dict.fromkeys(one, '') for one in self.other.lists[self._begins[1] :]]
+        lists += [dict.fromkeys(orders, '') for orders in self.other.lists[self._begins[1] :]]
         assert lists
-        assert [one for one in lists if 'WO-1' not in one] == []
+        assert [orders for orders in lists if 'WO-1' not in orders] == []
         assert self.mes.do('counted').get('RepublishRequest', 0) <= MOST_REPUBLISHED
 
     @property
@@ -99,13 +99,13 @@ class Watched:
 
 @pytest.fixture
 def watched(start_line: StartLine, tmp_path: Path, lay: Lay) -> Iterator[Watched]:
-    one = Watched(start_line(), tmp_path, lay)
-    yield one
-    one.close()
+    rig = Watched(start_line(), tmp_path, lay)
+    yield rig
+    rig.close()
 
 
 @pytest.mark.long
-def test_a_connection_that_was_cut_goes_on_without_a_storm(watched: Watched, tell: Tell) -> None:
+def test_cut_connection_resumes_without_republish_storm(watched: Watched, tell: Tell) -> None:
     watched.wire.cut()
     watched.mes.wait(lambda line: line.get('news') == 'lost', 'the loss')
     for command in ('pause', 'resume'):  # while nobody hears
@@ -117,9 +117,7 @@ def test_a_connection_that_was_cut_goes_on_without_a_storm(watched: Watched, tel
 
 
 @pytest.mark.long
-def test_a_server_that_was_killed_in_a_job_goes_on_with_its_subscribers(
-    watched: Watched, tell: Tell
-) -> None:
+def test_subscriptions_survive_server_kill_during_job(watched: Watched, tell: Tell) -> None:
     watched.line.server.kill_and_restart()
     first, second = watched.until_both_hear()
     tell(f'after the return: node-opcua {first:.1f} s, asyncua {second:.1f} s')

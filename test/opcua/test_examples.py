@@ -52,7 +52,7 @@ Clear: 1
 
 @pytest.mark.parametrize('file', examples(), ids=lambda file: f'{file.parent.name}-{file.name}')
 @pytest.mark.long
-def test_an_example_does_what_it_says_once_it_is_trusted(
+def test_example_works_once_its_certificate_is_trusted(
     start_line: StartLine, tmp_path: Path, file: Path
 ) -> None:
     line = start_line()

@@ -13,7 +13,7 @@ from opcua.line import ORDERS, RECEIVER, Client, Line, job_order
 from served_process import PASSWORD
 
 
-def test_a_hold_is_an_alarm_that_is_acknowledged_and_answered(start_line: StartLine) -> None:
+def test_hold_raises_alarm_to_acknowledge_and_answer(start_line: StartLine) -> None:
     line = start_line(fail=['worker.#1=abort'])
     line.cell.script(small_script())
     operator = line.client('operate')
@@ -22,15 +22,15 @@ def test_a_hold_is_an_alarm_that_is_acknowledged_and_answered(start_line: StartL
     assert operator.do('alarms') == []
     line.cell.run_small()
     hold = line.cell.watch.until_held()
-    alarm = operator.wait(lambda one: one.get('news') == 'newAlarm', 'the alarm')['alarm']
+    alarm = operator.wait(lambda news: news.get('news') == 'newAlarm', 'the alarm')['alarm']
     fields = alarm['fields']
     assert (fields['conditionName'], fields['sourceName']) == (f'Hold-{hold.id}', 'worker')
     assert (fields['activeState'], fields['ackedState']) == ('Active', 'Unacknowledged')
     assert 'WO-1/1' in fields['message']
-    told = operator.wait(
-        lambda one: one.get('news') == 'event' and one['event']['Hold'] == hold.id, 'its fields'
+    notification = operator.wait(
+        lambda news: news.get('news') == 'event' and news['event']['Hold'] == hold.id, 'its fields'
     )
-    assert json.loads(told['event']['LastFeedback']) == json.loads(hold.last_feedback)
+    assert json.loads(notification['event']['LastFeedback']) == json.loads(hold.last_feedback)
     assert hold.last_feedback
 
     assert operator.do('acknowledge', alarm=alarm['id'], comment='coming') == 'Good'
@@ -48,7 +48,7 @@ def test_a_hold_is_an_alarm_that_is_acknowledged_and_answered(start_line: StartL
 def _wait_changed(client: Client, name: str, value: str, comment: str) -> None:
     """Wait until a field of the alarm has changed, by this user."""
     alarm = client.wait(
-        lambda one: one.get('news') == 'alarmChanged' and one['alarm']['fields'][name] == value,
+        lambda news: news.get('news') == 'alarmChanged' and news['alarm']['fields'][name] == value,
         f'{name}: {value}',
     )
     fields = alarm['alarm']['fields']
@@ -80,10 +80,10 @@ def test_who_has_no_right_starts_nothing(start_line: StartLine) -> None:
     # An order that is allowed is the first that the node hears of.
     assert line.client('mes').status('StoreAndStart', job_order('WO-2')) == 1
     line.cell.watch.until_ended('WO-2')
-    assert [one['job'] for one in line.cell.watch.seen('job.queued')] == ['WO-2']
+    assert [event['job'] for event in line.cell.watch.seen('job.queued')] == ['WO-2']
 
 
-def test_stops_get_reasons_of_the_plant_at_once_and_later(start_line: StartLine) -> None:
+def test_stops_get_plant_reasons_immediately_and_later(start_line: StartLine) -> None:
     line = start_line(fail=['worker.#1=abort'])
     line.cell.script(small_script())
     operator = line.client('operate')
@@ -119,5 +119,5 @@ def _stop_of(line: Line, hold: str) -> dict[str, Any]:
     status, output, errors = line.cell.verb('report', '--journal', str(line.journal), '--json')
     assert status == 0, errors
     stops = json.loads(output)['line_stops']
-    found: dict[str, Any] = next(one for one in stops if one['hold'] == hold)
-    return found
+    stop: dict[str, Any] = next(entry for entry in stops if entry['hold'] == hold)
+    return stop

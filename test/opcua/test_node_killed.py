@@ -13,7 +13,7 @@ from opcua.line import ORDERS, Client, job_order, parameter, states_in
 
 
 @pytest.mark.long
-def test_values_are_uncertain_while_the_node_is_away_and_an_order_keeps_its_own(
+def test_values_turn_uncertain_without_node_and_order_survives(
     start_line: StartLine, tell: Tell
 ) -> None:
     line = start_line()
@@ -49,12 +49,12 @@ def test_values_are_uncertain_while_the_node_is_away_and_an_order_keeps_its_own(
     seen = len(mes.lines)
     line.server.start()
     line.server.wait_ready()
-    mes.wait(lambda one: one.get('of') == ORDERS, 'the list of the new server', seen)
+    mes.wait(lambda news: news.get('of') == ORDERS, 'the list of the new server', seen)
     assert mes.read(ORDERS)[0] == [stored]
 
 
 @pytest.mark.long
-def test_an_order_with_an_unknown_answer_is_sent_again_and_made_once(
+def test_resent_order_with_unknown_answer_runs_once(
     start_line: StartLine,
 ) -> None:
     line = start_line()
@@ -87,4 +87,4 @@ def _until_answered(mes: Client, order: Any) -> Any:
 
 def _wait_quality(mes: Client, quality: str, after: int) -> None:
     """Wait until a value has come in this quality."""
-    mes.wait(lambda one: str(one.get('status', '')).startswith(quality), quality, after)
+    mes.wait(lambda news: str(news.get('status', '')).startswith(quality), quality, after)

@@ -7,7 +7,7 @@ from opcua.conftest import StartLine
 from opcua.line import EVENT, ORDERS, RECEIVER, RESULTS, job_order, parameter, state_of
 
 
-def test_an_order_is_stored_run_answered_for_and_cleared(start_line: StartLine) -> None:
+def test_order_is_stored_run_reported_and_cleared(start_line: StartLine) -> None:
     line = start_line()
     line.cell.script(small_script())
     mes = line.client('mes')
@@ -25,7 +25,7 @@ def test_an_order_is_stored_run_answered_for_and_cleared(start_line: StartLine) 
     assert (done['status'], status) == ('Good', 1)
     assert (response['jobOrderID'], state_of(response['jobState'])) == ('WO-1', 'Ended')
     assert response['startTime'] < response['endTime']
-    data = {one['ID']: one['value'] for one in response['jobResponseData']}
+    data = {entry['ID']: entry['value'] for entry in response['jobResponseData']}
     assert (data['GoodQuantity'], data['ScrapQuantity'], data['JobResult']) == (3, 0, 1)
     assert data['CustomerOrderNumbers'] == ['C-1', 'C-2']
 

@@ -22,7 +22,7 @@ def test_an_order_runs_without_structures(start_line: StartLine) -> None:
         client.wait_value(node, value)
 
 
-def test_7_12_a_server_with_a_key_signs_for_its_users(start_line: StartLine) -> None:
+def test_7_12_server_with_key_signs_for_its_users(start_line: StartLine) -> None:
     line = start_line(signs=True)
     line.cell.script(small_script())
     status, _, errors = run_verb(line.cell.folder, 'cell', 'pause', '--reason', 'a test')
@@ -30,8 +30,8 @@ def test_7_12_a_server_with_a_key_signs_for_its_users(start_line: StartLine) -> 
     answer = line.client('mes').call('Simple', 'SubmitOrder', 'WO-1', 'small', 2, [])['outputs']
     assert answer[0] is True, answer
     decided = line.cell.watch.until('operator.decided', job='WO-1')
-    told = ('mes', 'mes', 'opc ua user')
-    assert (decided['who'], decided['role'], decided['known']) == told
+    expected = ('mes', 'mes', 'opc ua user')
+    assert (decided['who'], decided['role'], decided['known']) == expected
     signature = line.cell.watch.until('request.signed')
     assert (signature['key'], signature['seq']) == ('opcua_1', decided['seq'] - 1)
     assert line.cell.watch.until_ended('WO-1').packed == 2

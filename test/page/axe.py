@@ -21,5 +21,5 @@ def barriers(tab: Tab) -> list[str]:
     """Return what stands in somebody's way in what a tab shows now."""
     if not tab.page.evaluate('() => "axe" in window'):
         tab.page.evaluate(_AXE.read_text(encoding='utf-8'))
-    found: list[str] = tab.page.evaluate(_RUN)
-    return found
+    violations: list[str] = tab.page.evaluate(_RUN)
+    return violations

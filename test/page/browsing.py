@@ -107,8 +107,8 @@ class Tab:
 
     def data(self, name: str) -> str:
         """Return what the page says of itself; see `static/core/store.js`."""
-        found = self.page.evaluate('name => document.body.dataset[name] ?? ""', name)
-        return str(found)
+        value = self.page.evaluate('name => document.body.dataset[name] ?? ""', name)
+        return str(value)
 
     def until_news(self, kind: str = 'fresh') -> None:
         """Wait until it says that its news are fresh, or that `page` or `node` is silent."""

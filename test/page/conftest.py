@@ -28,8 +28,8 @@ Sit = Callable[..., Person]
 @pytest.fixture(scope='session')
 def browser() -> Iterator[Any]:
     """Give the one browser of all tests."""
-    with chromium() as one:
-        yield one
+    with chromium() as instance:
+        yield instance
 
 
 @pytest.fixture

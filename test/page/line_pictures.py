@@ -32,13 +32,13 @@ def main(pictures: str) -> None:
             person.leave()
 
         try:
-            for one in typed(root / 'docs' / 'line.md'):
-                reader.follow(one)
-                if isinstance(one, Typed) and one.verb == 'page':
-                    address = re.findall(r'http://[^/]+', one.shown)[0]
-                if isinstance(one, Typed) and one.verb == 'status' and 'hold 1' in one.shown:
+            for step in typed(root / 'docs' / 'line.md'):
+                reader.follow(step)
+                if isinstance(step, Typed) and step.verb == 'page':
+                    address = re.findall(r'http://[^/]+', step.shown)[0]
+                if isinstance(step, Typed) and step.verb == 'status' and 'hold 1' in step.shown:
                     take('overview', 'line_held.png')
-                if one.verb == 'report':
+                if step.verb == 'report':
                     take('shift', 'line_shift.png')
             reader.leave()
         finally:

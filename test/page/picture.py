@@ -21,10 +21,10 @@ def main(picture: str) -> None:
 
     with (
         tempfile.TemporaryDirectory() as folder,
-        stand(Path(folder), jobs=3, speed=1.0) as one,
+        stand(Path(folder), jobs=3, speed=1.0) as line,
         chromium() as browser,
     ):
-        person = Person(browser, f'http://127.0.0.1:{one.port}', viewport=SIZE)
+        person = Person(browser, f'http://127.0.0.1:{line.port}', viewport=SIZE)
         tab = person.open()
         tab.until(lambda: tab.count('[data-state="Held"]'), 'a cell that is Held')
         tab.until_quiet()

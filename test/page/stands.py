@@ -33,7 +33,7 @@ class Stand:
         """Return the records of all events of a kind."""
         with self.cell.lock:
             events = list(self.cell.store.read())
-        return [found for event in events if (found := to_record(event))['event'] == kind]
+        return [record for event in events if (record := to_record(event))['event'] == kind]
 
     def ask(self, request: str, reason: str = 'a test', **arguments: object) -> None:
         """Ask the cell for something as an engineer; it must be accepted."""

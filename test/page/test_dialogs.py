@@ -36,17 +36,17 @@ selector => [...document.querySelectorAll(selector)]
 def line(tmp_path_factory: pytest.TempPathFactory, browser: Any) -> Iterator[Stand]:
     """Give a line with items of two jobs, the last item of the first one held."""
     folder = tmp_path_factory.mktemp('stand')
-    with stand(folder, jobs=1, quantity=3, fail=FAULTS, speed=8.0) as one:
-        order = WorkOrder(one.cell.script, LONG, 4, {}, Terms())
-        assert one.cell.queue(order).accepted
-        person = Person(browser, f'http://127.0.0.1:{one.port}')
+    with stand(folder, jobs=1, quantity=3, fail=FAULTS, speed=8.0) as held_line:
+        order = WorkOrder(held_line.cell.script, LONG, 4, {}, Terms())
+        assert held_line.cell.queue(order).accepted
+        person = Person(browser, f'http://127.0.0.1:{held_line.port}')
         tab = person.open()
         tab.until(lambda: tab.count('[data-hold="1"]'), 'a hold')
         person.leave()
-        yield one
+        yield held_line
 
 
-def test_dialogs_and_focus_while_a_line_is_held_aborted_and_lost(line: Stand, sit: Sit) -> None:
+def test_dialogs_and_focus_follow_hold_abort_and_loss(line: Stand, sit: Sit) -> None:
     tab = sit(line.port, viewport=PHONE).open()
     tab.until_news()
     slots_name_their_jobs(tab)
@@ -93,11 +93,11 @@ def clear_shows_each_item_whole(tab: Tab, line: Stand) -> None:
     clear = tab.page.locator('header [data-offer="cell.clear"]')
     clear.click()
     dialog = tab.page.locator('dialog[data-dialog="cell.clear"]')
-    told = dialog.locator('.choice-words').all_inner_texts()
-    assert f'{LONG}/1' in told
-    assert ITEM in told
+    choices = dialog.locator('.choice-words').all_inner_texts()
+    assert f'{LONG}/1' in choices
+    assert ITEM in choices
     assert not tab.page.evaluate(_CUT, '.belt-row, .choice-words')
-    bar, title = (tab.page.locator(one).bounding_box() for one in ('#top', 'dialog h2'))
+    bar, title = (tab.page.locator(selector).bounding_box() for selector in ('#top', 'dialog h2'))
     assert bar is not None
     assert title is not None
     assert title['y'] >= bar['y'] + bar['height']
@@ -107,23 +107,23 @@ def clear_shows_each_item_whole(tab: Tab, line: Stand) -> None:
 
 def verbs_of_the_command_line_are_named_as_buttons(tab: Tab) -> None:
     script = "async words => (await import('/static/core/requests.js')).withButtons(words)"
-    for said, shown in (
+    for words, shown in (
         ('it is released with resume', 'it is released with “Resume”'),
         ('start it again and say abort once more', 'start it again and say “Abort” once more'),
         ('answer hold 3 with mark_done first', 'answer hold 3 with “It was done” first'),
         ('see bt-orchestrator remove-item WO-1/2', 'see “Item was removed”'),
         ('done with WO-1/2, with hold 3, with another', ''),
     ):
-        assert tab.page.evaluate(script, said) == (shown or said)
+        assert tab.page.evaluate(script, words) == (shown or words)
 
 
 def old_news_name_only_what_can_be_pressed(tab: Tab, line: Stand) -> None:
     line.cell.switch()
     tab.until_news('node')
-    said = tab.page.locator('.state-why').inner_text()
+    reason = tab.page.locator('.state-why').inner_text()
     offered = tab.page.locator('header [data-emergency]').all_inner_texts()
-    assert 'No command can be given' in said if not offered else offered[0] in said
-    assert 'Stop' not in said
+    assert 'No command can be given' in reason if not offered else offered[0] in reason
+    assert 'Stop' not in reason
 
 
 def a_command_waits_for_fresh_news(tab: Tab, line: Stand) -> None:

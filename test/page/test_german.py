@@ -32,26 +32,26 @@ _SAID = """
 @pytest.fixture(scope='module')
 def held(tmp_path_factory: pytest.TempPathFactory, browser: Any) -> Iterator[Stand]:
     """Give a line that is Held, and a component out of service."""
-    with stand(tmp_path_factory.mktemp('stand')) as one:
-        person = Person(browser, f'http://127.0.0.1:{one.port}')
+    with stand(tmp_path_factory.mktemp('stand')) as line:
+        person = Person(browser, f'http://127.0.0.1:{line.port}')
         tab = person.open()
         tab.until(lambda: tab.count('[data-hold]'), 'a hold')
-        one.ask('component.out_of_service', FREE[1], component='component_2a')
+        line.ask('component.out_of_service', FREE[1], component='component_2a')
         tab.until(lambda: tab.count('[data-component="component_2a"]'), 'what is out of service')
         person.leave()
-        yield one
+        yield line
 
 
 def test_no_screen_says_english_words(held: Stand, sit: Sit) -> None:
     tab = sit(held.port, locale='de-DE').open()
     tab.until_news()
-    found = {}
+    untranslated = {}
     for screen in SCREENS:
         tab.go(screen)
         tab.until_quiet()
         if english := english_lines(tab.page.locator('body').inner_text()):
-            found[screen] = english
-    assert not found
+            untranslated[screen] = english
+    assert not untranslated
 
 
 def test_why_the_line_waits_is_said_in_german(held: Stand, sit: Sit) -> None:
@@ -63,25 +63,25 @@ def test_why_the_line_waits_is_said_in_german(held: Stand, sit: Sit) -> None:
     assert not english_lines(tab.page.locator('[aria-labelledby="why-reasons"]').inner_text())
 
 
-def test_the_picture_of_the_line_is_german_with_all_that_it_tells(held: Stand, sit: Sit) -> None:
+def test_line_picture_is_german_with_all_details(held: Stand, sit: Sit) -> None:
     tab = sit(held.port, locale='de-DE').open('why')
     tab.until(lambda: tab.count('.picture-room svg [data-part]'), 'the picture')
-    said = tab.page.evaluate(_SAID)
-    assert 'gleichzeitig' in said
-    assert 'Platz 4: WO-1001/3' in said
-    assert len(said) > 100
-    assert not [line for text in said for line in english_lines(text)]
+    texts = tab.page.evaluate(_SAID)
+    assert 'gleichzeitig' in texts
+    assert 'Platz 4: WO-1001/3' in texts
+    assert len(texts) > 100
+    assert not [line for text in texts for line in english_lines(text)]
 
 
-def test_an_order_without_its_quantity_is_refused_in_german(held: Stand, sit: Sit) -> None:
+def test_order_without_valid_quantity_is_refused_in_german(held: Stand, sit: Sit) -> None:
     tab = sit(held.port, locale='de-DE').open('order')
     tab.until_news()
     form = tab.page.locator('form.order-form')
     form.locator('[name="script"]').select_option('inspect_and_assemble')
-    for quantity, said in (('', 'Bitte die Stückzahl angeben.'), ('7,5', 'Eine ganze Zahl')):
+    for quantity, message in (('', 'Bitte die Stückzahl angeben.'), ('7,5', 'Eine ganze Zahl')):
         form.locator('[name="quantity"]').fill(quantity)
         form.locator('[data-do="order"]').click()
-        form.get_by_text(said).wait_for()
+        form.get_by_text(message).wait_for()
         assert not english_lines(form.inner_text())
 
 
@@ -102,17 +102,17 @@ def test_what_the_cell_refuses_is_said_in_german(held: Stand, sit: Sit) -> None:
     )
     held.ask('component.out_of_service', FREE[1], component='component_2a')
     tab.go('alarms')
-    told = tab.page.locator('main').get_by_text('component_2a ist in Betrieb; jetzt außer Betrieb')
-    told.first.wait_for()
+    note = tab.page.locator('main').get_by_text('component_2a ist in Betrieb; jetzt außer Betrieb')
+    note.first.wait_for()
 
 
-def test_what_the_cell_has_done_is_said_in_german(held: Stand, sit: Sit) -> None:
+def test_executed_command_is_reported_in_german(held: Stand, sit: Sit) -> None:
     tab = sit(held.port, locale='de-DE').open('component/component_2a')
     tab.until_news()
     tab.page.locator('[data-offer="component.in_service"]').click()
     tab.confirm('component.in_service', 'neuer Greifer')
-    told = tab.page.locator('.note-words', has_text='Ausgeführt. component_2a ist in Betrieb')
-    told.wait_for()
+    note = tab.page.locator('.note-words', has_text='Ausgeführt. component_2a ist in Betrieb')
+    note.wait_for()
     held.ask('component.out_of_service', FREE[1], component='component_2a')
 
 
@@ -121,18 +121,18 @@ def test_the_tree_is_german(held: Stand, sit: Sit) -> None:
     tab.until(lambda: tab.count('.twig') > 1, 'the tree')
     tab.page.locator('.screen-head button').first.click()
     tab.until(lambda: not tab.count('.twig[aria-expanded="false"]'), 'all branches to be open')
-    said = tab.page.locator('[role="tree"]').inner_text()
-    assert 'Störung, wenn es misslingt' in said
-    assert 'wartet auf Antwort auf Störung 1 (mark: ' in said
-    assert len(said.splitlines()) > 100
-    assert not english_lines(said)
+    text = tab.page.locator('[role="tree"]').inner_text()
+    assert 'Störung, wenn es misslingt' in text
+    assert 'wartet auf Antwort auf Störung 1 (mark: ' in text
+    assert len(text.splitlines()) > 100
+    assert not english_lines(text)
 
 
-def test_the_tree_of_a_script_with_rounds_is_german(tmp_path: Path, sit: Sit) -> None:
-    with stand(tmp_path, jobs=1, quantity=1, fail=['component_3b.TASK_B#2=abort']) as one:
+def test_tree_of_script_with_rounds_is_german(tmp_path: Path, sit: Sit) -> None:
+    with stand(tmp_path, jobs=1, quantity=1, fail=['component_3b.TASK_B#2=abort']) as line:
         order = WorkOrder('rework_by_weight', 'WO-7', 2, {}, Terms())
-        assert one.cell.queue(order).accepted
-        tab = sit(one.port, locale='de-DE').open('tree')
+        assert line.cell.queue(order).accepted
+        tab = sit(line.port, locale='de-DE').open('tree')
         tab.page.locator('[role="tree"]').get_by_text('bis zu 2 weitere Runden').first.wait_for()
 
 
@@ -144,14 +144,14 @@ def test_english_words_are_found(held: Stand, sit: Sit) -> None:
 
 
 def english_lines(text: str) -> list[str]:
-    for said in FREE:  # of which a card of the picture has room for the beginning
-        text = re.sub(rf'{said[:15]}[^)\n]*', '', text)
+    for phrase in FREE:  # of which a card of the picture has room for the beginning
+        text = re.sub(rf'{phrase[:15]}[^)\n]*', '', text)
     return [line for line in text.splitlines() if _ENGLISH.search(line)]
 
 
-def test_what_is_wrong_with_an_order_is_german_at_each_field(tmp_path: Path, sit: Sit) -> None:
-    with stand(tmp_path, fail=['none']) as one:
-        tab = sit(one.port, locale='de-DE').open('order')
+def test_order_errors_are_german_at_each_field(tmp_path: Path, sit: Sit) -> None:
+    with stand(tmp_path, fail=['none']) as line:
+        tab = sit(line.port, locale='de-DE').open('order')
         tab.until_news()
         source = tab.page.locator('[name="script"]')
         tab.until(lambda: source.locator('option').count() > 1, 'the scripts')

@@ -27,8 +27,8 @@ def step_to(tab: Tab, selector: str) -> None:
 
 
 def test_a_hold_is_answered_by_keyboard_alone(tmp_path: Path, sit: Sit) -> None:
-    with stand(tmp_path, login=True) as one:
-        tab = sit(one.port).open()
+    with stand(tmp_path, login=True) as line:
+        tab = sit(line.port).open()
         tab.until(lambda: tab.count('[data-hold]'), 'a hold')
         keys = tab.page.keyboard
         step_to(tab, '[data-offer="hold.retry"]')
@@ -45,7 +45,7 @@ def test_a_hold_is_answered_by_keyboard_alone(tmp_path: Path, sit: Sit) -> None:
         step_to(tab, 'dialog [data-do="send"]')
         keys.press('Enter')
         tab.until(lambda: not tab.count('[data-hold="1"]'), 'the hold to be gone')
-        [*_, decided] = one.happened('operator.decided')
+        [*_, decided] = line.happened('operator.decided')
         assert (decided['who'], decided['answer']) == ('ann', 'retry')
         assert decided['reason'] == 'turned it'
 
@@ -77,8 +77,8 @@ def answers_at(one: Stand) -> list[tuple[str, str]]:
 
 
 def test_holds_alike_are_answered_in_one_list(tmp_path: Path, sit: Sit) -> None:
-    with stand(tmp_path, jobs=1, quantity=4, fail=IN_DOUBT, speed=8.0) as one:
-        tab = sit(one.port, viewport=PHONE, locale='de-DE').open()
+    with stand(tmp_path, jobs=1, quantity=4, fail=IN_DOUBT, speed=8.0) as line:
+        tab = sit(line.port, viewport=PHONE, locale='de-DE').open()
         tab.until(lambda: tab.count('article[data-hold]') == len(IN_DOUBT), 'both holds')
         tab.page.locator('[data-do="several"]').click()
         dialog = tab.page.locator('dialog[data-dialog="several"]')
@@ -89,7 +89,7 @@ def test_holds_alike_are_answered_in_one_list(tmp_path: Path, sit: Sit) -> None:
         warning.wait_for()
         assert warning.evaluate(_IN_SIGHT), 'no warning behind the buttons'
         assert not tab.page.evaluate(_BROKEN), 'no word is broken'
-        assert answers_at(one) == []
+        assert answers_at(line) == []
         for n in range(boxes.count()):
             boxes.nth(n).check()
         dialog.locator('[value="mark_done"]').check()
@@ -100,10 +100,10 @@ def test_holds_alike_are_answered_in_one_list(tmp_path: Path, sit: Sit) -> None:
         dialog.locator('[name="reason"]').fill('looked at both')
         dialog.locator('[data-do="send"]').click()
         dialog.wait_for(state='detached')
-        assert answers_at(one) == [('1', 'mark_done'), ('2', 'mark_done')]
+        assert answers_at(line) == [('1', 'mark_done'), ('2', 'mark_done')]
 
 
-def test_ctrl_c_ends_a_page_that_people_look_at(
+def test_ctrl_c_ends_page_with_open_readers(
     start_cell: StartCell, start_page: StartPage, sit: Sit
 ) -> None:
     cell = start_cell(STATELESS_CELL)
@@ -119,5 +119,5 @@ def test_ctrl_c_ends_a_page_that_people_look_at(
     assert page.process.wait(ENDS_WITHIN_S) == 0
     page.process.assert_clean()
     tab.until_news('page')
-    for one in (reader, stuck):
-        one.close()
+    for stream in (reader, stuck):
+        stream.close()

@@ -26,8 +26,8 @@ HELD, ITEM = 'weigh', 'WO-1001/2'
 @pytest.fixture
 def line(tmp_path: Path) -> Iterator[Stand]:
     """Give a line in quick time that comes to a hold."""
-    with stand(tmp_path, jobs=2, quantity=3, fail=[FAIL], speed=10.0) as one:
-        yield one
+    with stand(tmp_path, jobs=2, quantity=3, fail=[FAIL], speed=10.0) as held_line:
+        yield held_line
 
 
 @pytest.fixture
@@ -53,9 +53,7 @@ def answer(cell: StandCell, word: str, reason: str) -> None:
     assert given.accepted, given
 
 
-def test_the_cells_of_the_plant_are_listed_with_the_way_to_their_pages(
-    line: Stand, sit: Sit
-) -> None:
+def test_plant_cells_are_listed_with_page_links(line: Stand, sit: Sit) -> None:
     page = sit(line.port).open('cells').page
     rows = page.locator('.things tbody tr')
     rows.nth(1).wait_for()
@@ -72,7 +70,7 @@ def test_the_cells_of_the_plant_are_listed_with_the_way_to_their_pages(
 # --- why ---------------------------------------------------------------------------------------
 
 
-def test_a_wait_leads_by_keys_to_its_cause_which_the_picture_shows(
+def test_keys_open_chain_from_wait_to_cause(
     open_held: Callable[[str], Tab],
 ) -> None:
     page = open_held('why').page
@@ -83,7 +81,7 @@ def test_a_wait_leads_by_keys_to_its_cause_which_the_picture_shows(
     belt.focus()
     page.keyboard.press('Enter')
     steps = page.locator('.chain > li')
-    assert [one.split('\n')[0] for one in steps.all_inner_texts()] == [
+    assert [step.split('\n')[0] for step in steps.all_inner_texts()] == [
         'Belt',
         'Section 4',
         'Hold 1',
@@ -95,7 +93,7 @@ def test_a_wait_leads_by_keys_to_its_cause_which_the_picture_shows(
     assert page.locator('.chain, .is-root').count() == 0
 
 
-def test_a_click_in_the_picture_opens_the_chain_of_what_was_clicked(
+def test_click_in_picture_opens_chain_of_part(
     open_held: Callable[[str], Tab],
 ) -> None:
     page = open_held('why').page
@@ -111,7 +109,7 @@ def test_a_click_in_the_picture_opens_the_chain_of_what_was_clicked(
     assert page.locator('.reason[aria-expanded="true"]').get_attribute('data-part') == 'belt'
 
 
-def test_the_picture_zooms_and_moves_by_keys_buttons_and_pointer(
+def test_keys_buttons_and_pointer_zoom_and_move_picture(
     open_held: Callable[[str], Tab],
 ) -> None:
     page = open_held('why').page
@@ -120,7 +118,7 @@ def test_the_picture_zooms_and_moves_by_keys_buttons_and_pointer(
 
     def seen() -> list[float]:
         text = page.locator('.picture-room > svg').get_attribute('viewBox') or ''
-        return [float(one) for one in text.split()]
+        return [float(number) for number in text.split()]
 
     room.focus()
     page.keyboard.press('0')
@@ -146,7 +144,7 @@ def test_the_picture_zooms_and_moves_by_keys_buttons_and_pointer(
     assert page.locator('.reason[aria-expanded="true"]').count() == 0, 'a drag is no click'
 
 
-def test_the_picture_of_another_window_begins_anew_unless_somebody_chose_what_is_seen(
+def test_resized_window_resets_picture_unless_view_is_chosen(
     open_held: Callable[[str], Tab],
 ) -> None:
     tab = open_held('why')
@@ -177,7 +175,7 @@ def test_the_picture_of_another_window_begins_anew_unless_somebody_chose_what_is
 # --- tree --------------------------------------------------------------------------------------
 
 
-def test_keys_walk_the_tree_which_is_fetched_only_while_shown(line: Stand, sit: Sit) -> None:
+def test_keys_walk_tree_fetched_only_while_shown(line: Stand, sit: Sit) -> None:
     person = sit(line.port)
     tab = person.open('tree')
     page = tab.page
@@ -198,7 +196,7 @@ def test_keys_walk_the_tree_which_is_fetched_only_while_shown(line: Stand, sit: 
     tab.go('overview')
 
     def asked() -> int:
-        return sum('/api/tree' in one for one in person.requested)
+        return sum('/api/tree' in url for url in person.requested)
 
     before, seq = asked(), tab.seq
     answer(line.cell, 'retry', 'a test')
@@ -209,7 +207,7 @@ def test_keys_walk_the_tree_which_is_fetched_only_while_shown(line: Stand, sit: 
 # --- past --------------------------------------------------------------------------------------
 
 
-def test_the_story_of_an_item_tells_failure_answer_and_end(
+def test_item_story_tells_failure_answer_and_end(
     line: Stand, open_held: Callable[[str], Tab]
 ) -> None:
     tab = open_held(f'item/{ITEM}')
@@ -217,9 +215,9 @@ def test_the_story_of_an_item_tells_failure_answer_and_end(
     page.locator('[data-kind="held"]').wait_for()
     answer(line.cell, 'retry', 'the scale was clean')
     page.locator('[data-kind="ended"]').wait_for()
-    told = page.locator('.told').all_inner_texts()
+    entries = page.locator('.told').all_inner_texts()
     places = [
-        next(n for n, one in enumerate(told) if all(word in one for word in words))
+        next(n for n, entry in enumerate(entries) if all(word in entry for word in words))
         for words in (
             ('It began',),
             (HELD, 'component_3b', 'the controller gave up', 'simulated controller'),
@@ -249,7 +247,7 @@ def test_a_section_shows_hold_tasks_times_and_failures(open_held: Callable[[str]
     assert page.locator('[data-hold]').count() == 1
 
 
-def test_the_items_of_a_job_are_listed_and_can_be_taken_along(
+def test_job_items_are_listed_and_downloaded(
     open_held: Callable[[str], Tab], tmp_path: Path
 ) -> None:
     tab = open_held('jobs')
@@ -279,7 +277,7 @@ def test_the_items_of_a_job_are_listed_and_can_be_taken_along(
 # --- a component --------------------------------------------------------------------------------
 
 
-def test_a_component_goes_out_of_service_and_comes_back(line: Stand, sit: Sit) -> None:
+def test_component_leaves_and_returns_to_service(line: Stand, sit: Sit) -> None:
     tab = sit(line.port).open('component/component_3b')
     page = tab.page
     page.locator('[data-offer="component.out_of_service"]').click()

@@ -29,7 +29,7 @@ def picture(tab: Tab, name: str) -> None:
         tab.page.screenshot(path=Path(folder) / f'{name}.png')
 
 
-def test_7_8_a_line_in_local_is_moved_at_its_panel_alone(tmp_path: Path, sit: Sit) -> None:
+def test_7_8_only_panel_moves_line_in_local(tmp_path: Path, sit: Sit) -> None:
     with stand(tmp_path, jobs=2, login=True) as line:
         panels = Panels(users=('eve',))
         write_users(tmp_path / 'users.yaml', USERS, PASSWORD, panels=panels)
@@ -51,8 +51,8 @@ def test_7_8_a_line_in_local_is_moved_at_its_panel_alone(tmp_path: Path, sit: Si
         assert not locked(ann, '[data-offer="cell.abort"]')
         picture(ann, 'local_elsewhere')
         ann.page.locator(RETRY).click()
-        told = ann.page.locator('dialog[data-dialog="not-allowed"]').inner_text()
-        assert 'The line is in local: only its panels may move it.' in told
+        message = ann.page.locator('dialog[data-dialog="not-allowed"]').inner_text()
+        assert 'The line is in local: only its panels may move it.' in message
         picture(ann, 'local_refused')
         ann.page.keyboard.press('Escape')
 
@@ -64,19 +64,19 @@ def test_7_8_a_line_in_local_is_moved_at_its_panel_alone(tmp_path: Path, sit: Si
         eve.page.locator('[data-offer="cell.remote"]').click()
         eve.confirm('cell.remote', 'done at section 3')
         ann.page.locator('.in-local').wait_for(state='hidden')
-        assert [one['control'] for one in line.happened('cell.control_changed')] == [
+        assert [event['control'] for event in line.happened('cell.control_changed')] == [
             'local',
             'remote',
         ]
 
         line.cell.node._gateway.say_of_safety('its value is False')
-        told = 'Safety input not ready: its value is False'
-        ann.page.locator('.unsafe', has_text=told).wait_for()
+        message = 'Safety input not ready: its value is False'
+        ann.page.locator('.unsafe', has_text=message).wait_for()
         picture(ann, 'unsafe')
 
         german = sit(line.port, locale='de-DE', **person).open()
         line.ask('cell.local')
         german.page.locator('.in-local', has_text='Lokal').wait_for()
-        told = 'Sicherheitseingang nicht bereit: sein Wert ist False'
-        german.page.locator('.unsafe', has_text=told).wait_for()
+        message = 'Sicherheitseingang nicht bereit: sein Wert ist False'
+        german.page.locator('.unsafe', has_text=message).wait_for()
         picture(german, 'local_german')

@@ -62,8 +62,8 @@ def test_7_11_an_engineer_at_a_panel_runs_single_tasks(tmp_path: Path, sit: Sit)
 
         args = {'special_argument_2': 'fast'}
         run_task(eve, 'component_3a', 'TASK_A', 'to look', **args)
-        told = eve.page.locator('.manual [data-check="wrong"]')
-        told.filter(has_text='must be a number').wait_for()
+        warning = eve.page.locator('.manual [data-check="wrong"]')
+        warning.filter(has_text='must be a number').wait_for()
         picture(eve, 'manual_refused')
         run_task(eve, 'component_3a', 'TASK_A', 'to look', special_argument_2='1.5')
         shown(eve, 'running')
@@ -93,7 +93,7 @@ def test_7_11_an_engineer_at_a_panel_runs_single_tasks(tmp_path: Path, sit: Sit)
         picture(eve, 'manual_leaving')
         eve.confirm('cell.production', 'it is empty')
         eve.page.locator('.in-local', has_text='Local').wait_for()
-        assert [one['mode'] for one in line.happened('cell.unit_mode_changed')] == [
+        assert [change['mode'] for change in line.happened('cell.unit_mode_changed')] == [
             'manual',
             'production',
         ]
@@ -102,7 +102,7 @@ def test_7_11_an_engineer_at_a_panel_runs_single_tasks(tmp_path: Path, sit: Sit)
         picture(german, 'manual_german')
 
 
-def test_7_11_7_a_task_ends_with_the_page_that_it_was_sent_from(tmp_path: Path, sit: Sit) -> None:
+def test_7_11_7_closing_sending_page_cancels_task(tmp_path: Path, sit: Sit) -> None:
     with stand(tmp_path, jobs=0, login=True, fail=['component_3a.#1=hang'], speed=1.0) as line:
         panels = Panels(users=('eve',))
         write_users(tmp_path / 'users.yaml', USERS, PASSWORD, panels=panels)

@@ -30,7 +30,7 @@ def stack() -> Iterator[ExitStack]:
 
 
 @pytest.mark.long
-def test_twelve_tabs_are_live_and_the_twelfth_answers_a_hold(
+def test_twelve_tabs_are_live_and_last_answers_hold(
     start_cell: StartCell, start_page: StartPage, sit: Sit
 ) -> None:
     cell = start_cell(STATELESS_CELL, fail=['worker.TASK_A#1=abort'])
@@ -127,8 +127,8 @@ def test_a_page_that_stands_still_changes_no_goal(
 
 def done(cell: CellProcesses) -> dict[str, list[tuple[str, ...]]]:
     """Return what each component was told and did, in order."""
-    found: dict[str, list[tuple[str, ...]]] = {}
-    for one in cell.goals():
-        told = (one['event'], one.get('task', ''), one.get('status', ''))
-        found.setdefault(one['component'], []).append(told)
-    return found
+    steps: dict[str, list[tuple[str, ...]]] = {}
+    for record in cell.goals():
+        step = (record['event'], record.get('task', ''), record.get('status', ''))
+        steps.setdefault(record['component'], []).append(step)
+    return steps

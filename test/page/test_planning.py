@@ -70,15 +70,15 @@ def in_order(ends: dict[str, float]) -> list[str]:
 def computed(tab: Tab) -> dict[str, tuple[str, float | None]]:
     """Return what the dialog says of each job: what changes, and by how many seconds."""
     tab.page.locator('dialog [data-what-if="known"]').wait_for()
-    found = {}
+    effects = {}
     for row in tab.page.locator('dialog tr[data-job]').all():
         by = row.get_attribute('data-by')
         change = str(row.get_attribute('data-change'))
-        found[str(row.get_attribute('data-job'))] = (change, None if by is None else float(by))
-    return found
+        effects[str(row.get_attribute('data-job'))] = (change, None if by is None else float(by))
+    return effects
 
 
-def test_keys_move_a_job_once_the_consequence_is_known(
+def test_keys_move_job_once_consequence_is_known(
     planned: CellProcesses, start_page: StartPage, sit: Sit
 ) -> None:
     page = start_page('--trees', str(planned.folder))
@@ -88,8 +88,8 @@ def test_keys_move_a_job_once_the_consequence_is_known(
 
     status, output, errors = planned.verb('what-if', 'job move b 1', '--json')
     assert status == 0, errors
-    told = {one['job']: one['ends_s'] for one in json.loads(output)['after']}
-    assert in_order(told) == ['long', 'b', 'a']
+    forecast = {entry['job']: entry['ends_s'] for entry in json.loads(output)['after']}
+    assert in_order(forecast) == ['long', 'b', 'a']
 
     tab.page.locator('[data-job="b"] [data-do="place"]').focus()
     tab.page.keyboard.press('ArrowUp')
@@ -98,7 +98,7 @@ def test_keys_move_a_job_once_the_consequence_is_known(
     with tab.page.expect_response('**/api/what-if') as answered:
         tab.page.keyboard.press('Enter')
     before, after = (
-        {one['job']: one['ends'] for one in answered.value.json()[key]}
+        {entry['job']: entry['ends'] for entry in answered.value.json()[key]}
         for key in ('before', 'after')
     )
     assert in_order(after) == ['long', 'b', 'a']
@@ -123,7 +123,7 @@ def test_keys_move_a_job_once_the_consequence_is_known(
     tab.until(lambda: tab.page.evaluate(focused) == 'b', 'the focus with what was moved')
 
 
-def test_a_proposed_order_is_applied_when_it_is_known_what_comes_of_it(
+def test_proposed_order_is_applied_once_effects_are_known(
     planned: CellProcesses, start_page: StartPage, sit: Sit
 ) -> None:
     page = start_page()
@@ -148,15 +148,15 @@ def test_a_proposed_order_is_applied_when_it_is_known_what_comes_of_it(
         'a': 'later',
         'b': 'earlier',
     }
-    told = tab.page.locator('dialog .said-before').inner_text()
-    assert 'the best of all 2 orders' in told
+    explanation = tab.page.locator('dialog .said-before').inner_text()
+    assert 'the best of all 2 orders' in explanation
     assert barriers(tab) == []
     tab.confirm('queue.arrange', 'promised')
     tab.until(lambda: in_queue(tab) == ['b', 'a'], 'the new order')
     assert planned.watch.until('queue.arranged')['jobs'] == ['b', 'a']
 
 
-def test_an_order_with_a_mistake_is_mended_and_queued_in_its_place(
+def test_corrected_order_is_queued_in_its_place(
     planned: CellProcesses, start_page: StartPage, sit: Sit
 ) -> None:
     page = start_page('--trees', str(planned.folder))
@@ -194,7 +194,7 @@ def test_an_order_with_a_mistake_is_mended_and_queued_in_its_place(
     tab.until(lambda: in_queue(tab) == [name, 'a', 'b'], 'the order in its place')
 
 
-def test_an_order_by_recipe_is_of_the_newest_version_unless_one_is_chosen(
+def test_order_by_recipe_takes_newest_or_chosen_version(
     planned: CellProcesses, start_page: StartPage, sit: Sit
 ) -> None:
     page = start_page('--recipes', str(planned.folder))
@@ -232,7 +232,7 @@ def test_an_order_by_recipe_is_of_the_newest_version_unless_one_is_chosen(
     assert (queued['recipe_version'], queued['choice']) == (3, bound)
 
 
-def test_a_job_by_recipe_is_changed_to_another_version(
+def test_job_by_recipe_changes_to_another_version(
     planned: CellProcesses, start_page: StartPage, sit: Sit
 ) -> None:
     (planned.folder / 'order.yaml').write_text(ORDER)

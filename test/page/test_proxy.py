@@ -62,7 +62,7 @@ def test_it_passes_what_it_gets(proxy: Proxy) -> None:
         assert proxy.connections == 1
 
 
-def test_a_cut_ends_connections_at_once_and_new_ones_too(proxy: Proxy) -> None:
+def test_cut_ends_old_and_new_connections(proxy: Proxy) -> None:
     with connect(proxy) as wire:
         wire.sendall(b'one')
         wire.recv(10)
@@ -75,7 +75,7 @@ def test_a_cut_ends_connections_at_once_and_new_ones_too(proxy: Proxy) -> None:
     test_it_passes_what_it_gets(proxy)
 
 
-def test_a_silent_wire_keeps_what_it_gets_until_it_is_mended(proxy: Proxy) -> None:
+def test_silent_wire_holds_data_until_mended(proxy: Proxy) -> None:
     with connect(proxy) as old:
         old.sendall(b'one')
         old.recv(10)

@@ -42,12 +42,12 @@ LOOKS = [(theme, language) for theme in ('light', 'dark') for language in ('en-G
 @pytest.fixture(scope='module')
 def held(tmp_path_factory: pytest.TempPathFactory, browser: Any) -> Iterator[Stand]:
     """Give a line that is Held, with something behind it and something to come."""
-    with stand(tmp_path_factory.mktemp('stand')) as one:
-        person = Person(browser, f'http://127.0.0.1:{one.port}')
+    with stand(tmp_path_factory.mktemp('stand')) as line:
+        person = Person(browser, f'http://127.0.0.1:{line.port}')
         tab = person.open()
         tab.until(lambda: tab.count('[data-hold]'), 'a hold')
         person.leave()
-        yield one
+        yield line
 
 
 @pytest.mark.parametrize(('theme', 'language'), LOOKS)
@@ -55,13 +55,13 @@ def test_no_screen_has_a_barrier(held: Stand, sit: Sit, theme: str, language: st
     tab = sit(held.port, color_scheme=theme, locale=language).open()
     tab.until_news()
     assert tab.page.locator('html').get_attribute('lang') == language[:2]
-    found = {screen: found for screen in SCREENS if (found := found_on(tab, screen))}
+    obstacles = {screen: obstacles for screen in SCREENS if (obstacles := found_on(tab, screen))}
     tab.go('overview')
     tab.page.locator('[data-hold] [data-offer]').first.click()
     tab.page.locator('dialog [data-do="leave"]').wait_for()
     if in_dialog := barriers(tab):
-        found['dialog'] = in_dialog
-    assert not found
+        obstacles['dialog'] = in_dialog
+    assert not obstacles
 
 
 def test_the_overview_shows_the_figures_of_the_report(held: Stand, sit: Sit) -> None:
@@ -70,17 +70,17 @@ def test_the_overview_shows_the_figures_of_the_report(held: Stand, sit: Sit) -> 
 
     def are_those_of_the_report() -> bool:
         """The shift goes on: compare with a report of the moment of which the page tells."""
-        told = tab.page.evaluate('() => fetch("/api/shift").then((answer) => answer.json())')
-        begin, end = (round(at(told['period'][name]) * 1e6) for name in ('from', 'to'))
+        shift = tab.page.evaluate('() => fetch("/api/shift").then((answer) => answer.json())')
+        begin, end = (round(at(shift['period'][name]) * 1e6) for name in ('from', 'to'))
         with held.cell.lock:
             assert isinstance(held.cell.store, MemoryStore)
             reading = Reading(MemoryRecords(held.cell.store))
             made = account(reading, Period.all_planned('', begin, end), held.cell.cell).figures
-        found = ('oee', 'availability', 'performance', 'quality')
-        for name in found:
+        names = ('oee', 'availability', 'performance', 'quality')
+        for name in names:
             shown[name] = tab.page.locator(f'[data-figure="{name}"]').inner_text()
         assert made.oee is not None
-        return shown == {name: percent(getattr(made, name)) for name in found}
+        return shown == {name: percent(getattr(made, name)) for name in names}
 
     tab.until(lambda: tab.count('[data-part="shift"][data-runs]'), 'the shift')
     tab.until(are_those_of_the_report, 'the figures of the report')
@@ -116,9 +116,9 @@ def found_on(tab: Tab, screen: str) -> list[str]:
 
 
 def test_the_dialog_to_log_in_has_no_barrier(tmp_path: Path, sit: Sit) -> None:
-    with stand(tmp_path, login=True) as one:
+    with stand(tmp_path, login=True) as line:
         for theme, language in LOOKS:
-            tab = sit(one.port, color_scheme=theme, locale=language).open('login')
+            tab = sit(line.port, color_scheme=theme, locale=language).open('login')
             assert not barriers(tab)
             tab.page.locator('main [data-do="log-in"]').click()
             tab.page.locator('dialog[data-dialog="login"]').wait_for()
@@ -127,8 +127,8 @@ def test_the_dialog_to_log_in_has_no_barrier(tmp_path: Path, sit: Sit) -> None:
 
 @pytest.mark.parametrize('sections', [5, 20, 100])
 def test_no_line_is_wider_than_the_window(tmp_path: Path, sit: Sit, sections: int) -> None:
-    with stand(tmp_path, sections=sections) as one:
-        person = sit(one.port)
+    with stand(tmp_path, sections=sections) as line:
+        person = sit(line.port)
         tab = person.open()
         tab.until(lambda: tab.count('[data-section]') == sections, 'all sections')
         screens = (
@@ -163,19 +163,19 @@ def test_the_browser_calls_the_page_alone(held: Stand, sit: Sit) -> None:
     assert not others
 
 
-def test_the_shift_in_detail_says_what_the_report_says(tmp_path: Path, sit: Sit) -> None:
+def test_shift_detail_matches_report(tmp_path: Path, sit: Sit) -> None:
     """A task that failed once, and was answered: its cause, and the figures by owner."""
-    with stand(tmp_path, speed=20.0) as one:
-        tab = sit(one.port).open()
+    with stand(tmp_path, speed=20.0) as line:
+        tab = sit(line.port).open()
         tab.until(lambda: tab.count('[data-hold]'), 'a hold')
-        hold = next(iter(one.happened('hold.raised')))['hold']
-        one.ask('hold.retry', hold=hold)
+        hold = next(iter(line.happened('hold.raised')))['hold']
+        line.ask('hold.retry', hold=hold)
         tab.until(lambda: tab.count('[data-part="shift"][data-runs]'), 'the shift')
         tab.page.locator('[data-part="shift"] a[href="#/shift"]').click()
-        told = tab.page.locator('main')
+        content = tab.page.locator('main')
 
         def says(words: str) -> Callable[[], bool]:
-            return lambda: words in told.inner_text()
+            return lambda: words in content.inner_text()
 
         tab.until(says('further attempt'), 'the cause of the further attempt')
         tab.until(says('own fault: fault'), 'the part of the loss')

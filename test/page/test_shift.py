@@ -221,12 +221,12 @@ def what_has_been(shift: Shift) -> None:
     ):
         shift.tab.go(screen)
         shift.picture(screen.replace('/', '_'))
-    said = (
-        one
-        for one in shift.recorded('operator.decided', 'operator.refused')
-        if one.who == 'engineer'
+    decisions = (
+        event
+        for event in shift.recorded('operator.decided', 'operator.refused')
+        if event.who == 'engineer'
     )
-    assert list(dict.fromkeys(one.reason for one in said if one.reason)) == [
+    assert list(dict.fromkeys(event.reason for event in decisions if event.reason)) == [
         'planned for today',
         'the truck waits for it',
         'the part was turned',

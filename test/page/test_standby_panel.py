@@ -27,15 +27,15 @@ def led(line: Stand, *standbys: StandbyStatus) -> None:
 
 
 def rows(tab: Tab) -> list[str]:
-    found: list[str] = tab.page.locator(f'{PANEL} li').all_inner_texts()
-    return found
+    texts: list[str] = tab.page.locator(f'{PANEL} li').all_inner_texts()
+    return texts
 
 
 def tells(tab: Tab, words: str) -> bool:
     return any(row.startswith(words) for row in rows(tab)[-1:])
 
 
-def test_9_4_the_page_says_whether_a_standby_can_take_over(tmp_path: Path, sit: Sit) -> None:
+def test_9_4_page_shows_whether_standby_can_take_over(tmp_path: Path, sit: Sit) -> None:
     with stand(tmp_path, jobs=1) as line:
         english = sit(line.port, viewport={'width': 390, 'height': 800}).open()
         german = sit(line.port, locale='de-DE').open()

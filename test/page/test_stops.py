@@ -90,15 +90,15 @@ def choose(tab: Tab, dialog: str, code: str) -> None:
 def stop_of(tab: Tab, words: str, known: Collection[str] = ()) -> str:
     """Return the name of a stop of the list whose row has some words, and that is a new one."""
     buttons = tab.page.locator('.stops tbody tr', has_text=words).locator('[data-stop]')
-    found: list[str] = []
+    stops: list[str] = []
 
     def look() -> bool:
         names = buttons.evaluate_all('all => all.map((one) => one.dataset.stop)')
-        found[:] = [name for name in names if name not in known]
-        return bool(found)
+        stops[:] = [name for name in names if name not in known]
+        return bool(stops)
 
     tab.until(look, f'a stop with {words}')
-    return found[0]
+    return stops[0]
 
 
 def classify(tab: Tab, stop: str, code: str) -> None:
@@ -119,7 +119,7 @@ def picture(tab: Tab, name: str) -> None:
 
 
 @pytest.mark.long
-def test_an_operator_classifies_stops_while_the_node_is_killed_twice(
+def test_operator_classifies_stops_across_two_node_kills(
     plant: Plant, start_page: StartPage, sit: Sit
 ) -> None:
     cell = plant.cell
@@ -171,7 +171,7 @@ def test_an_operator_classifies_stops_while_the_node_is_killed_twice(
 
 
 @pytest.mark.parametrize(('locale', 'width'), [('en-GB', 1280), ('de-DE', 390)])
-def test_one_press_pauses_and_its_reason_is_chosen_afterwards(
+def test_single_press_pauses_and_reason_follows(
     sound_plant: Plant, start_page: StartPage, sit: Sit, locale: str, width: int
 ) -> None:
     """A reason of the plant needs no words, and counts from the press on."""
@@ -200,9 +200,9 @@ def test_one_press_pauses_and_its_reason_is_chosen_afterwards(
     tab.confirm('cell.resume', 'lunch is over')
     cell.watch.until('job.completed', job='WO-1')
 
-    pauses = [one for one in sound_plant.report()['line_stops'] if one['loss'] == 'operator']
-    pauses = [one for one in pauses if one['hold']]
-    assert {one['code'] for one in pauses} == {'LUNCH'}
+    pauses = [stop for stop in sound_plant.report()['line_stops'] if stop['loss'] == 'operator']
+    pauses = [stop for stop in pauses if stop['hold']]
+    assert {stop['code'] for stop in pauses} == {'LUNCH'}
     assert pauses[0]['hold'] == released['hold']
     assert tab.too_wide() == 0
 

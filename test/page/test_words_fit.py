@@ -90,45 +90,45 @@ _PLACES = """
 @pytest.fixture(scope='module')
 def held(tmp_path_factory: pytest.TempPathFactory, browser: Any) -> Iterator[Stand]:
     """Give a line that is Held, and a component out of service that jobs in the queue need."""
-    with stand(tmp_path_factory.mktemp('stand')) as one:
-        person = Person(browser, f'http://127.0.0.1:{one.port}')
+    with stand(tmp_path_factory.mktemp('stand')) as line:
+        person = Person(browser, f'http://127.0.0.1:{line.port}')
         tab = person.open()
         tab.until(lambda: tab.count('[data-hold]'), 'a hold')
-        one.ask('component.out_of_service', component='component_3b')
+        line.ask('component.out_of_service', component='component_3b')
         tab.until(lambda: tab.count('[data-component="component_3b"]'), 'what is out of service')
         person.leave()
-        yield one
+        yield line
 
 
 @pytest.mark.parametrize('language', ['en-GB', 'de-DE'])
-def test_no_word_is_broken_and_the_top_bar_is_whole(held: Stand, sit: Sit, language: str) -> None:
+def test_words_are_unbroken_and_top_bar_whole(held: Stand, sit: Sit, language: str) -> None:
     tab = sit(held.port, locale=language).open()
     tab.until_news()
-    found = {}
+    defects = {}
     for width, height in SIZES:
         tab.page.set_viewport_size({'width': width, 'height': height})
         for screen in SCREENS:
             tab.go(screen)
             tab.until_quiet()
             if wrong := broken(tab) + cut(tab) + outside(tab):
-                found[width, screen] = wrong
-    assert not found
+                defects[width, screen] = wrong
+    assert not defects
 
 
 @pytest.mark.parametrize('language', ['en-GB', 'de-DE'])
-def test_a_long_reason_moves_nothing_and_can_be_read_whole(
+def test_long_reason_keeps_layout_and_stays_readable(
     tmp_path: Path, sit: Sit, language: str
 ) -> None:
     reason = 'somebody reached into station 4 because a part had fallen between belt and guide'
-    with stand(tmp_path, fail=['none']) as one:
-        tab = sit(one.port, locale=language).open()
+    with stand(tmp_path, fail=['none']) as line:
+        tab = sit(line.port, locale=language).open()
         tab.until_news()
         before = {size: height_of_the_bar(tab, size) for size in SIZES}
-        one.ask('cell.abort', reason=f'{reason}; {reason.replace("4", "5")}')
+        line.ask('cell.abort', reason=f'{reason}; {reason.replace("4", "5")}')
         why = tab.page.locator('.state-why')
         tab.until(lambda: reason in (why.text_content() or ''), 'the reason')
         assert {size: height_of_the_bar(tab, size) for size in SIZES} == before
-        found = {}
+        defects = {}
         for width, height in SIZES:
             tab.page.set_viewport_size({'width': width, 'height': height})
             why.evaluate('one => one.blur()')
@@ -141,8 +141,8 @@ def test_a_long_reason_moves_nothing_and_can_be_read_whole(
                 + outside(tab)
                 + tab.page.evaluate(_CUT, '.state-why .room-words')
             ):
-                found[width] = wrong
-        assert not found
+                defects[width] = wrong
+        assert not defects
         assert why.get_attribute('data-cut') is not None, 'a telephone has no room for it'
 
 
@@ -154,7 +154,7 @@ def height_of_the_bar(tab: Tab, size: tuple[int, int]) -> float:
     return float(height)
 
 
-def test_a_wait_that_a_card_has_no_room_for_can_be_read_whole(held: Stand, sit: Sit) -> None:
+def test_wait_too_long_for_card_is_readable(held: Stand, sit: Sit) -> None:
     tab = sit(held.port, locale='de-DE', viewport={'width': 1366, 'height': 768}).open()
     tab.until_news()
     wait = tab.page.locator('[data-section="1"] .section-wait').last
@@ -174,9 +174,7 @@ def test_a_wait_that_a_card_has_no_room_for_can_be_read_whole(held: Stand, sit: 
     assert tab.page.evaluate(_PLACES) == below, 'nothing has moved'
 
 
-def test_where_no_end_is_known_the_reason_takes_the_place_of_the_table(
-    held: Stand, sit: Sit
-) -> None:
+def test_reason_replaces_table_when_end_is_unknown(held: Stand, sit: Sit) -> None:
     tab = sit(held.port, locale='de-DE', viewport=PHONE).open('queue')
     tab.until_news()
     tab.page.locator('[data-job="WO-1003"] [data-offer="job.next"]').click()
@@ -189,32 +187,32 @@ def test_where_no_end_is_known_the_reason_takes_the_place_of_the_table(
     assert tab.too_wide() == 0
 
 
-def test_the_table_of_expected_ends_is_whole_on_a_telephone(tmp_path: Path, sit: Sit) -> None:
-    with stand(tmp_path, fail=['none'], speed=0.2) as one:
-        one.ask('component.out_of_service', component='component_3b')
-        one.ask('component.in_service', component='component_3b')
-        tab = sit(one.port, locale='de-DE', viewport=PHONE).open('queue')
+def test_table_of_expected_ends_fits_telephone(tmp_path: Path, sit: Sit) -> None:
+    with stand(tmp_path, fail=['none'], speed=0.2) as line:
+        line.ask('component.out_of_service', component='component_3b')
+        line.ask('component.in_service', component='component_3b')
+        tab = sit(line.port, locale='de-DE', viewport=PHONE).open('queue')
         tab.until_news()
         tab.page.locator('[data-job="WO-1003"] [data-offer="job.next"]').click()
         tab.until(lambda: tab.count('dialog [data-what-if] table'), 'the table')
         assert (broken(tab), cut(tab)) == ([], [])
 
 
-def test_reasons_of_jobs_whose_end_is_unknown_are_german(tmp_path: Path, sit: Sit) -> None:
-    with stand(tmp_path, fail=['none'], speed=0.2) as one:
-        one.ask('job.hold', job='WO-1004')
-        one.ask('component.out_of_service', component='component_3b')
-        tab = sit(one.port, locale='de-DE').open('queue')
+def test_reasons_for_unknown_ends_are_german(tmp_path: Path, sit: Sit) -> None:
+    with stand(tmp_path, fail=['none'], speed=0.2) as line:
+        line.ask('job.hold', job='WO-1004')
+        line.ask('component.out_of_service', component='component_3b')
+        tab = sit(line.port, locale='de-DE').open('queue')
         tab.until_news()
         tab.page.locator('[data-job="WO-1003"] [data-offer="job.next"]').click()
         tab.page.locator('dialog [data-what-if="known"]').wait_for()
-        said = ' '.join(tab.page.locator('dialog .what-if-why').all_inner_texts())
-        assert 'WO-1003 braucht component_3b, außer Betrieb' in said
-        assert 'WO-1004 ist in der Warteschlange zurückgehalten; WO-1004 braucht' in said
-        assert 'needs' not in said
+        reasons = ' '.join(tab.page.locator('dialog .what-if-why').all_inner_texts())
+        assert 'WO-1003 braucht component_3b, außer Betrieb' in reasons
+        assert 'WO-1004 ist in der Warteschlange zurückgehalten; WO-1004 braucht' in reasons
+        assert 'needs' not in reasons
 
 
-def test_a_broken_word_and_a_cut_name_are_found(held: Stand, sit: Sit) -> None:
+def test_broken_word_and_cut_name_are_detected(held: Stand, sit: Sit) -> None:
     tab = sit(held.port).open()
     tab.until_news()
     assert (broken(tab), cut(tab)) == ([], [])
@@ -245,15 +243,15 @@ def test_nothing_is_claimed_of_what_is_not_known(held: Stand, sit: Sit) -> None:
 
 
 def broken(tab: Tab) -> list[str]:
-    found: list[str] = tab.page.evaluate(_BROKEN, MOST_LETTERS)
-    return found
+    words: list[str] = tab.page.evaluate(_BROKEN, MOST_LETTERS)
+    return words
 
 
 def outside(tab: Tab) -> list[str]:
-    found: list[str] = tab.page.evaluate(_OUTSIDE)
-    return found
+    elements: list[str] = tab.page.evaluate(_OUTSIDE)
+    return elements
 
 
 def cut(tab: Tab) -> list[str]:
-    found: list[str] = tab.page.evaluate(_CUT, ', '.join(WHOLE))
-    return found
+    texts: list[str] = tab.page.evaluate(_CUT, ', '.join(WHOLE))
+    return texts

@@ -79,8 +79,8 @@ class Verb:
     def end(self, expected: int = 0) -> str:
         """Return all that it printed when it has ended."""
         _, status = os.waitpid(self._pid, 0)
-        found = os.waitstatus_to_exitcode(status)
-        assert found == expected, f'{self.words} ended with {found}: {self.output}'
+        code = os.waitstatus_to_exitcode(status)
+        assert code == expected, f'{self.words} ended with {code}: {self.output}'
         return self.output
 
     def interrupt(self) -> str:

@@ -18,7 +18,7 @@ TEST = Path(__file__).parents[1]
 
 @pytest.mark.long
 @pytest.mark.timeout(600)
-def test_9_1_attacked_by_every_peer_nothing_is_lost_and_nothing_done_twice(tmp_path: Path) -> None:
+def test_9_1_attacks_lose_and_repeat_nothing(tmp_path: Path) -> None:
     file = tmp_path / 'figures.json'
     done = subprocess.run(
         [sys.executable, '-m', 'attack', '--short', '--json', file, '--keep', tmp_path / 'kept'],

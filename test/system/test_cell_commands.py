@@ -31,12 +31,12 @@ def test_7_2_abort_clear_reset_start_and_the_job_finishes(manual_cell: CellProce
     )
     assert (status, errors) == (0, ''), output
     watch.until('cell.state_changed', state='Aborted')
-    told = watch.until_state('Aborted')
+    snapshot = watch.until_state('Aborted')
     (cancelled,) = watch.seen('task.cancel_requested', cause='abort')
     assert cell.goals(event='cancel', goal=cancelled['goal'], obeyed=True)
-    (hold,) = told.holds
+    (hold,) = snapshot.holds
     assert (hold.task, hold.item, hold.reason) == ('work', 'WO-1/1', 'in_doubt')
-    assert (told.stop_reason, told.stop_message) == (
+    assert (snapshot.stop_reason, snapshot.stop_message) == (
         'emergency',
         'somebody who claims to be Ada: smoke',
     )
@@ -68,13 +68,13 @@ def test_7_2_abort_clear_reset_start_and_the_job_finishes(manual_cell: CellProce
     assert watch.command('start').accepted
     job = watch.until_ended('WO-1')
     assert (job.packed, job.missing) == (1, 1)
-    times = {one.state: one.seconds for one in watch.status.state_times}
+    times = {entry.state: entry.seconds for entry in watch.status.state_times}
     assert times['Execute'] > 0
     watch.assert_gapless()
     cell.stop()
 
 
-def test_7_3_pauses_of_two_operators_are_released_one_by_one(small_cell: CellProcesses) -> None:
+def test_7_3_pauses_of_two_operators_are_released_separately(small_cell: CellProcesses) -> None:
     watch, folder = small_cell.watch, small_cell.folder
     for who in ('Ada', 'Bob'):
         assert watch.command('pause', who=who).accepted
@@ -91,7 +91,7 @@ def test_7_3_pauses_of_two_operators_are_released_one_by_one(small_cell: CellPro
     small_cell.stop()
 
 
-def test_7_2_the_cell_suspends_while_its_sink_is_not_ready(start_cell: StartCell) -> None:
+def test_7_2_cell_suspends_while_sink_is_not_ready(start_cell: StartCell) -> None:
     cell = start_cell(fail=[SAYS_NOTHING])
     cell.connect()
     state = WorkerState(cell)

@@ -25,7 +25,7 @@ BACK = Restart(clock_step_s=-120.0, auto_resume=False)
 
 @pytest.mark.long
 @pytest.mark.timeout(600)
-def test_9_2_killed_at_every_step_nothing_is_lost_and_nothing_done_twice(tmp_path: Path) -> None:
+def test_9_2_kills_at_every_step_lose_and_repeat_nothing(tmp_path: Path) -> None:
     restarts = [Restart(), BACK, forgotten(random.Random(7)), Restart(clock_step_s=60.0)]
     restarts += [Restart()] * (len(POINTS) - len(restarts))
     shots = [Shot(*each) for each in zip([*POINTS, BOTH], [*restarts, BACK], strict=True)]
@@ -37,7 +37,7 @@ def test_9_2_killed_at_every_step_nothing_is_lost_and_nothing_done_twice(tmp_pat
 
 @pytest.mark.long
 @pytest.mark.timeout(300)
-def test_9_1_whatever_becomes_of_the_database_nothing_is_lost_and_nothing_done_twice(
+def test_9_1_database_faults_lose_and_repeat_nothing(
     tmp_path: Path,
 ) -> None:
     pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
@@ -52,7 +52,7 @@ def test_9_1_whatever_becomes_of_the_database_nothing_is_lost_and_nothing_done_t
 
 @pytest.mark.long
 @pytest.mark.timeout(300)
-def test_9_1_what_a_server_shows_after_a_crash_is_not_kept_before_its_replica_has_it(
+def test_9_1_after_crash_only_replicated_data_counts_as_kept(
     tmp_path: Path,
 ) -> None:
     pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
@@ -61,14 +61,14 @@ def test_9_1_what_a_server_shows_after_a_crash_is_not_kept_before_its_replica_ha
 
 @pytest.mark.long
 @pytest.mark.timeout(300)
-def test_9_4_leaders_are_killed_and_stopped_and_a_standby_goes_on(tmp_path: Path) -> None:
+def test_9_4_standby_replaces_killed_and_stopped_leaders(tmp_path: Path) -> None:
     pytest.importorskip('psycopg', reason='needs psycopg: ./scripts/bootstrap --postgres')
     counts = Succession(tmp_path, seed=94, items=4, kills=3, stops=1).run()
     assert counts.verdict.faults == []
     assert (counts.kills, counts.stops) == (3, 1)
 
 
-def test_an_operator_at_another_terminal_is_given_time_to_hear(
+def test_operator_at_another_terminal_gets_time_to_hear(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr('chaos.operator._QUIET_S', 0.5)

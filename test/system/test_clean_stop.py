@@ -34,7 +34,7 @@ def connected(cell: CellProcesses) -> CellProcesses:
 
 
 @pytest.mark.parametrize('with_signal', [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_cancels_the_goals_and_ends_the_node_with_0(
+def test_signal_cancels_goals_and_node_exits_0(
     start_cell: StartCell, with_signal: signal.Signals
 ) -> None:
     cell = connected(start_cell(node_program=PATIENT))
@@ -69,7 +69,7 @@ STUBBORN = ['worker.TASK_B=ignore_cancel']
 """A worker that ignores cancel requests."""
 
 
-def test_a_goal_that_ignores_its_cancel_is_named_and_the_status_is_1(
+def test_node_names_goal_ignoring_cancel_and_exits_1(
     start_cell: StartCell,
 ) -> None:
     cell = connected(start_cell(fail=STUBBORN))
@@ -92,7 +92,7 @@ def test_a_second_signal_ends_the_node_at_once(start_cell: StartCell) -> None:
     cell.stop(node_status=1)
 
 
-def test_a_goal_that_waits_for_its_server_is_withdrawn(start_cell: StartCell) -> None:
+def test_goal_waiting_for_server_is_withdrawn(start_cell: StartCell) -> None:
     cell = start_cell(STATELESS_CELL, fail=['worker.=absent'], node_program=PATIENT)
     cell.connect(wait_servers=False)
     cell.watch.wait_servers(but='worker')

@@ -50,8 +50,8 @@ def test_every_shell_gets_words_that_it_understands(shell: str, tmp_path: Path) 
         [FOLDER / PROGRAM, 'completion', shell], capture_output=True, text=True, check=True
     )
     assert PROGRAM in done.stdout
-    found = shutil.which(shell)
-    if found is not None:
+    executable = shutil.which(shell)
+    if executable is not None:
         script = tmp_path / 'completion'
         script.write_text(done.stdout)
-        subprocess.run([found, '-n', str(script)], check=True)
+        subprocess.run([executable, '-n', str(script)], check=True)

@@ -72,7 +72,7 @@ def test_the_demo_packs_its_order_and_leaves_nothing(demo: ProgramProcess) -> No
     assert [pid for pid in pids if is_there(pid)] == []
 
 
-def test_a_demo_with_page_and_opc_ua_goes_on_until_somebody_ends_it(tmp_path: Path) -> None:
+def test_demo_with_page_and_opcua_runs_until_interrupted(tmp_path: Path) -> None:
     words = ['demo', '--speed', '10', '--page', '0', '--opcua', '0']
     demo = ProgramProcess(words, tmp_path, 'demo')
     try:
@@ -115,9 +115,7 @@ def test_an_interrupted_demo_leaves_nothing(
 
 
 @pytest.mark.every_distro
-def test_a_killed_demo_is_resumed_and_finishes_its_order(
-    demo: ProgramProcess, tmp_path: Path
-) -> None:
+def test_killed_demo_resumes_and_finishes_its_order(demo: ProgramProcess, tmp_path: Path) -> None:
     demo.wait_ready(FIRST_TASK)
     pids = started_pids(demo)
     demo.kill()
@@ -128,9 +126,7 @@ def test_a_killed_demo_is_resumed_and_finishes_its_order(
     assert again.output.count('still runs') == 3
 
 
-def test_a_demo_whose_tree_node_was_killed_is_resumed(
-    demo: ProgramProcess, tmp_path: Path
-) -> None:
+def test_demo_resumes_after_kill_of_tree_node(demo: ProgramProcess, tmp_path: Path) -> None:
     demo.wait_ready(FIRST_TASK)
     *controllers, node = started_pids(demo)
     os.kill(node, signal.SIGKILL)
@@ -143,7 +139,7 @@ def test_a_demo_whose_tree_node_was_killed_is_resumed(
     assert again.output.count('still runs') == 2
 
 
-def test_without_a_killed_demo_there_is_nothing_to_resume(tmp_path: Path) -> None:
+def test_resume_without_killed_demo_is_refused(tmp_path: Path) -> None:
     again = resumed(tmp_path)
     assert again.wait() == 1
     assert 'there is no demo to resume' in again.errors
@@ -159,7 +155,7 @@ def test_without_a_killed_demo_there_is_nothing_to_resume(tmp_path: Path) -> Non
         (['--cell', 'no_such.yaml'], 'no_such.yaml'),
     ],
 )
-def test_what_is_wrong_is_said_before_anything_is_started(
+def test_wrong_options_are_reported_before_anything_starts(
     wrong: Sequence[str], said: str, tmp_path: Path
 ) -> None:
     demo = ProgramProcess(['demo', *wrong], tmp_path, 'demo')
@@ -169,7 +165,7 @@ def test_what_is_wrong_is_said_before_anything_is_started(
     assert not (tmp_path / 'bt_orchestrator').exists(), 'the last demo is left as it is'
 
 
-def test_a_hold_waits_for_the_command_that_is_printed_or_ends_the_demo(tmp_path: Path) -> None:
+def test_hold_waits_for_printed_command_or_ends_demo(tmp_path: Path) -> None:
     held = ['demo', '--speed', '10', '--fail', 'component_3a.#1=abort']
     demo = ProgramProcess(held, tmp_path, 'demo')
     try:
@@ -188,7 +184,7 @@ def test_a_hold_waits_for_the_command_that_is_printed_or_ends_the_demo(tmp_path:
     assert ended.output.count('hold 1: section 4') == 1
 
 
-def test_a_node_that_is_killed_before_it_said_anything_is_missed_at_once(tmp_path: Path) -> None:
+def test_node_killed_before_first_report_is_noticed_immediately(tmp_path: Path) -> None:
     demo = ProgramProcess(['demo', '--speed', '10'], tmp_path, 'demo')
     demo.wait_ready('tree node ready')
     *controllers, node = started_pids(demo)

@@ -52,7 +52,7 @@ def folder(tmp_path: Path) -> Iterator[Path]:
 
 def actions(cell: Path) -> list[str]:
     content = yaml.safe_load(cell.read_text())
-    return [one['action'] for one in (content['conveyor'], *content['components'].values())]
+    return [device['action'] for device in (content['conveyor'], *content['components'].values())]
 
 
 def let_goals_end(cell: Path) -> None:
@@ -88,9 +88,9 @@ def _works(status: GoalStatusArray) -> bool:
 
 
 def node_pid(terminal: PseudoTerminal) -> int:
-    found = re.search(r'the tree node is process (\d+)', terminal.text)
-    assert found, terminal.text
-    return int(found[1])
+    match = re.search(r'the tree node is process (\d+)', terminal.text)
+    assert match, terminal.text
+    return int(match[1])
 
 
 @pytest.mark.long

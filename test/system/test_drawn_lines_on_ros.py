@@ -33,12 +33,12 @@ Order = Mapping[int, Sequence[tuple[str, str | None, str | None]]]
 
 
 def order_of(records: Sequence[Mapping[str, Any]]) -> Order:
-    found: dict[int, list[Any]] = {}
+    steps: dict[int, list[Any]] = {}
     for record in records:
         if 'section' in record:
             about = (record['event'], record.get('item'), record.get('task'))
-            found.setdefault(record['section'], []).append(about)
-    return found
+            steps.setdefault(record['section'], []).append(about)
+    return steps
 
 
 def run(plan: Plan, late: Random | None = None) -> ProductBench:
@@ -68,7 +68,7 @@ class _Enough(BaseException):
 
 def sample(count: int) -> list[Plan]:
     """Draw lines until there are enough that fit."""
-    found: list[Plan] = []
+    plans: list[Plan] = []
 
     @seed(4)
     @settings(
@@ -82,23 +82,23 @@ def sample(count: int) -> list[Plan]:
     def draw(plan: Plan) -> None:
         # A start is a time of the calendar, and the time of the virtual run begins with 0.
         orders = tuple(
-            one._replace(priority=0, start=None, setup=0.0) for one in (*plan.orders, *plan.later)
+            job._replace(priority=0, start=None, setup=0.0) for job in (*plan.orders, *plan.later)
         )
         cell = {**plan.cell, 'release': 'automatic'}  # nobody is there to release a script
         alone = replace(plan, cell=cell, orders=orders, later=(), moments=(), rebuilds=frozenset())
         size = sum(order.quantity for order in orders) * plan.cell['conveyor']['sections']
         if size >= LEAST and expected(alone) is not None:
-            found.append(alone)
-        if len(found) == count:
+            plans.append(alone)
+        if len(plans) == count:
             raise _Enough
 
     with pytest.raises(_Enough):
         draw()
-    return found
+    return plans
 
 
 @pytest.mark.timeout(3600)
-def test_the_order_per_section_is_that_of_virtual_time(start_cell: StartCell) -> None:
+def test_section_order_matches_virtual_time(start_cell: StartCell) -> None:
     for number, plan in enumerate(sample(COUNT)):
         cell = start_cell(text_of(plan.cell), folder=f'line_{number}', speed=SPEED)
         cell.connect()

@@ -127,7 +127,7 @@ def doubtful_cell(start_cell: StartCell) -> CellProcesses:
     return cell
 
 
-def test_a_task_without_an_end_after_its_cancel_is_in_doubt(
+def test_task_without_end_after_cancel_is_in_doubt(
     doubtful_cell: CellProcesses,
 ) -> None:
     cell = doubtful_cell
@@ -144,7 +144,7 @@ def test_a_task_without_an_end_after_its_cancel_is_in_doubt(
     assert attempts(cell) == [1]
 
 
-def test_a_retry_in_doubt_is_a_new_attempt_that_the_server_may_refuse(
+def test_server_may_reject_retry_of_task_in_doubt(
     doubtful_cell: CellProcesses,
 ) -> None:
     cell = doubtful_cell
@@ -213,7 +213,7 @@ def _a_server_that_died_and_stays_away_has_lost_the_task(cell: CellProcesses) ->
     assert_made(cell, 'away')
 
 
-def test_a_goal_waits_for_a_server_that_comes_late(start_cell: StartCell) -> None:
+def test_goal_waits_for_late_server(start_cell: StartCell) -> None:
     options = ['--ros-args', '-p', 'server_timeout:=30.0']
     shares = ['conveyor,feeder,packer']
     cell = start(start_cell, text=STATELESS_CELL, shares=shares, run_options=options)
@@ -249,7 +249,7 @@ def kill_the_worker(start_cell: StartCell, options: str) -> CellProcesses:
     return cell
 
 
-def test_a_server_that_was_killed_and_restarted_has_lost_the_task(start_cell: StartCell) -> None:
+def test_killed_and_restarted_server_has_lost_task(start_cell: StartCell) -> None:
     cell = kill_the_worker(start_cell, ', repeatable: true, retries: 1')
     killed = cell.watch.until('task.started', task='work')
     cell.sims.append(cell.start_sim('worker'))
@@ -260,7 +260,7 @@ def test_a_server_that_was_killed_and_restarted_has_lost_the_task(start_cell: St
     assert failed['time'] - killed['time'] < 0.9 * SERVER_LEASE_S, 'the graph need not forget it'
 
 
-def test_a_server_that_was_killed_is_lost_when_the_graph_forgets_it(
+def test_killed_server_is_lost_once_graph_forgets_it(
     start_cell: StartCell,
 ) -> None:
     cell = kill_the_worker(start_cell, ', retries: 1')
@@ -289,15 +289,15 @@ def wait_for_ready(cell: CellProcesses, since_seq: int = 0) -> Any:
     )
 
 
-def test_a_component_that_is_not_ready_at_first_is_waited_for(start_cell: StartCell) -> None:
+def test_component_not_ready_at_first_is_awaited(start_cell: StartCell) -> None:
     cell = start_cell(fail=[SAYS_NOTHING])
     cell.connect()
     state = WorkerState(cell)
     cell.run_small()
 
     wait_for_ready(cell)
-    told = cell.watch.until_status(lambda s: worker(s).state, 'the state of the worker')
-    component = worker(told)
+    status = cell.watch.until_status(lambda s: worker(s).state, 'the state of the worker')
+    component = worker(status)
     assert (component.ready, component.state, component.available) == (False, 'NOT_READY', True)
     assert not cell.watch.seen('task.started', task='work')
     state.be_ready()

@@ -28,7 +28,7 @@ def done_by_worker(cell: CellProcesses) -> list[tuple[str, str]]:
     return [(r['event'], r['goal']) for r in records if r['event'] in ('started', 'ended')]
 
 
-def test_2_6_what_another_client_cancels_is_executed_once_and_held(
+def test_2_6_goal_cancelled_elsewhere_runs_once_and_is_held(
     small_cell: CellProcesses, hmi: ActionCaller
 ) -> None:
     cell = small_cell

@@ -292,7 +292,7 @@ def hands() -> Iterator[Hands]:
     hands.close()
 
 
-def test_a_job_is_seen_from_its_beginning_to_its_end(
+def test_inspection_shows_job_from_start_to_end(
     start_cell: StartCell, client: WatchingClient, hands: Hands
 ) -> None:
     cell = start_cell(STATELESS_CELL, shares=['conveyor'])

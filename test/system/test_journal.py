@@ -34,7 +34,7 @@ def told(follower: ProgramProcess, words: str) -> bool:
     return words in follower.output
 
 
-def test_a_follower_goes_on_with_a_node_that_has_another_journal(
+def test_follower_continues_when_node_has_another_journal(
     small_cell: CellProcesses,
 ) -> None:
     words = ['events', '--since-seq', '0', '--timeout', '20']
@@ -58,12 +58,14 @@ def test_a_follower_goes_on_with_a_node_that_has_another_journal(
     small_cell.stop()
 
 
-def test_a_full_disk_is_told_and_a_restart_goes_on(start_cell: StartCell, tmp_path: Path) -> None:
+def test_full_disk_is_reported_and_restart_continues(
+    start_cell: StartCell, tmp_path: Path
+) -> None:
     path = tmp_path / 'cell' / 'journal.sqlite3'
     cell = start(start_cell, path)
-    said: list[DiagnosticStatus] = []
+    statuses: list[DiagnosticStatus] = []
     cell.watch.ros.node.create_subscription(
-        DiagnosticArray, '/diagnostics', lambda message: said.extend(message.status), 10
+        DiagnosticArray, '/diagnostics', lambda message: statuses.extend(message.status), 10
     )
     cell.run_small(task='TASK_C', quantity=3)
     cell.watch.until('task.started', task='work')
@@ -73,7 +75,7 @@ def test_a_full_disk_is_told_and_a_restart_goes_on(start_cell: StartCell, tmp_pa
     assert 'cannot be written' in status.journal_failure
     assert 'start the orchestrator again' in status.journal_failure
     cell.watch.ros.spin_until(
-        lambda: any(s.level == DiagnosticStatus.ERROR for s in said), 'an error in diagnostics'
+        lambda: any(s.level == DiagnosticStatus.ERROR for s in statuses), 'an error in diagnostics'
     )
     request = Command.Request(command='pause', who='Ann', reason='a test')
     refused = cell.watch.call(Command, 'command', request)
@@ -113,9 +115,9 @@ def test_9_1_abort_cancels_goals_on_a_full_disk(start_cell: StartCell, tmp_path:
     assert 'cannot be written' in errors
     assert not cell.goals(event='cancel')
 
-    status, said, errors = cell.verb('cell', 'abort', '--reason', 'smoke')
+    status, output, errors = cell.verb('cell', 'abort', '--reason', 'smoke')
     assert status == 0, errors
-    assert '1 goal is being cancelled; this is not on record' in said
+    assert '1 goal is being cancelled; this is not on record' in output
     until_canceled(cell, goal)
     shown = cell.watch.until_status(
         lambda s: '1 asked to cancel without a record, 0 of them' in s.journal_failure, 'its end'
@@ -127,27 +129,25 @@ def test_9_1_abort_cancels_goals_on_a_full_disk(start_cell: StartCell, tmp_path:
     cell.stop()
 
 
-def test_9_1_an_abort_that_finds_the_disk_full_cancels_goals(
+def test_9_1_abort_discovering_full_disk_cancels_goals(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     cell, goal = broken_at_work(start_cell, tmp_path / 'cell' / 'journal.sqlite3')
-    status, said, errors = cell.verb('cell', 'abort', '--reason', 'smoke')
+    status, output, errors = cell.verb('cell', 'abort', '--reason', 'smoke')
     assert status == 0, errors
-    assert 'this is not on record' in said
+    assert 'this is not on record' in output
     until_canceled(cell, goal)
     cell.stop()
 
 
-def test_9_1_the_end_of_the_node_cancels_goals_on_a_full_disk(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_9_1_node_stop_cancels_goals_on_full_disk(start_cell: StartCell, tmp_path: Path) -> None:
     cell, goal = broken_at_work(start_cell, tmp_path / 'cell' / 'journal.sqlite3')
     assert cell.verb('cell', 'pause', '--reason', 'a visitor')[0] == 1
     assert cell.node.stop() == 0, cell.node.errors
     assert cell.goals(event='ended', goal=goal, status='canceled')
 
 
-def test_a_backup_takes_nothing_away_and_comes_back_with_a_hold(
+def test_backup_changes_nothing_and_restores_with_hold(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     path = tmp_path / 'cell' / 'journal.sqlite3'
@@ -166,9 +166,9 @@ def test_a_backup_takes_nothing_away_and_comes_back_with_a_hold(
     assert len(seqs) >= heard
 
     words = ['journal', 'restore', str(copy), str(path), '--move-aside']
-    status, said, errors = run_verb(cell.folder, *words)
+    status, output, errors = run_verb(cell.folder, *words)
     assert status == 0, errors
-    assert f'the journal that was there is {path}.aside-' in said
+    assert f'the journal that was there is {path}.aside-' in output
     ran = len(cell.goals(event='started'))
     cell.start_node()  # with --auto-resume
     cell.node.wait_ready()
@@ -192,11 +192,11 @@ def test_a_report_still_has_what_retention_removed(start_cell: StartCell, tmp_pa
     cell.watch.ros.spin_until(partial(are_removed, journal, last), 'the end of retention')
     status, output, errors = run_verb(cell.folder, 'report', '--journal', str(journal), '--json')
     assert (status, errors) == (0, '')
-    found = json.loads(output)
-    assert [(one['job'], one['good']) for one in found['jobs']] == [('WO-1', 1), ('WO-2', 2)]
-    assert found['made_from']['books']
-    assert found['made_from']['removed_before_seq'] > 20
-    assert found['losses'].keys().isdisjoint(['not_recorded'])
+    report = json.loads(output)
+    assert [(job['job'], job['good']) for job in report['jobs']] == [('WO-1', 1), ('WO-2', 2)]
+    assert report['made_from']['books']
+    assert report['made_from']['removed_before_seq'] > 20
+    assert report['losses'].keys().isdisjoint(['not_recorded'])
     cell.stop()
 
 

@@ -26,7 +26,7 @@ def until_some_goal_ran(cell: CellProcesses, goals: int) -> None:
     cell.watch.ros.spin_until(lambda: len(cell.goals(event='started')) >= goals, 'goals to run')
 
 
-def test_9_1_without_its_database_a_node_ends_and_the_next_goes_on(
+def test_9_1_node_ends_without_database_and_next_continues(
     start_cell: StartCell, server: PostgresServer, address: str
 ) -> None:
     cell = start(start_cell, address, '--auto-resume')
@@ -58,7 +58,7 @@ AT_ONCE_S = 0.8
 """A node that waits for no reading answers within this time."""
 
 
-def test_9_1_a_database_that_reads_slowly_holds_up_who_reads_and_not_the_line(
+def test_9_1_slow_database_delays_readers_but_not_line(
     start_cell: StartCell, server: PostgresServer, address: str
 ) -> None:
     with through(address, server.folder) as (place, proxy):
@@ -84,9 +84,7 @@ def test_9_1_a_database_that_reads_slowly_holds_up_who_reads_and_not_the_line(
         cell.stop()
 
 
-def test_9_1_one_node_has_the_journal_and_others_read_it(
-    start_cell: StartCell, address: str
-) -> None:
+def test_9_1_journal_has_one_writer_and_many_readers(start_cell: StartCell, address: str) -> None:
     cell = start(start_cell, address)
     cell.run_small(quantity=2)
     cell.watch.until_ended('WO-1')

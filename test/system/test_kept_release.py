@@ -26,9 +26,7 @@ events 5
 """
 
 
-def test_a_node_takes_over_and_a_program_at_its_page_goes_on(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_node_takes_over_and_page_client_continues(start_cell: StartCell, tmp_path: Path) -> None:
     shutil.unpack_archive(KEPT / 'journal.tar.gz', tmp_path)
     journal = str(tmp_path / 'journal' / 'cell.db')
     text = (KEPT / 'cell.yaml').read_text(encoding='utf-8')

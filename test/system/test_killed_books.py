@@ -92,7 +92,7 @@ def kill(pid: int) -> None:
 
 @pytest.mark.usefixtures('children_by_python')
 @pytest.mark.long
-def test_reports_are_the_same_whoever_is_killed_while_books_are_made(
+def test_kills_while_making_books_leave_reports_unchanged(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     journal, every = tmp_path / 'cell.db', tmp_path / 'every event.db'

@@ -67,8 +67,8 @@ def _others_are_answered_while_a_large_script_is_read(cell: CellProcesses) -> No
     ask_meanwhile(cell)
     assert not future.done(), 'the light ones came first'
 
-    told = answer(cell, future)
-    assert not told.accepted
+    reply = answer(cell, future)
+    assert not reply.accepted
     cell.run_small(order='meanwhile')
     assert cell.watch.until_ended('meanwhile').packed == 1
 
@@ -76,9 +76,9 @@ def _others_are_answered_while_a_large_script_is_read(cell: CellProcesses) -> No
 def _many_mistakes_are_counted_and_some_of_them_told(cell: CellProcesses) -> None:
     wrong = '\n'.join(f'    - {{task: NONE_{n}, action: feeder/task}}' for n in range(300))
     path = cell.script(f'script: wrong\nsections:\n  1:\n{wrong}\n', 'wrong')
-    told = cell.watch.call(SubmitOrder, 'submit_order', order(path))
-    assert len(told.findings) == FINDINGS + 1
-    assert re.fullmatch(r'and 2\d\d more; bt-orchestrator check.*', told.findings[-1])
+    reply = cell.watch.call(SubmitOrder, 'submit_order', order(path))
+    assert len(reply.findings) == FINDINGS + 1
+    assert re.fullmatch(r'and 2\d\d more; bt-orchestrator check.*', reply.findings[-1])
 
 
 def _a_request_that_is_too_large_is_refused_at_once(cell: CellProcesses) -> None:
@@ -91,14 +91,14 @@ def _a_request_that_is_too_large_is_refused_at_once(cell: CellProcesses) -> None
         ([small, large], 'of text, and a request may have 1000000; nothing was queued'),
         ([small] * (ORDERS + 1), '251 orders are too many for one request'),
     ):
-        told = watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
-        assert not told.accepted
-        assert words in told.message
+        reply = watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
+        assert not reply.accepted
+        assert words in reply.message
     words = 'of text, and a request may have 1000000'
     change = QueueUpdate.Request(job='A', reason='why', details='x' * (REQUEST_BYTES + 1))
-    told = watch.call(QueueUpdate, 'queue/update', change)
-    assert told.message.startswith('the orders of this request have 1000001 bytes'), told.message
-    assert words in told.message
+    reply = watch.call(QueueUpdate, 'queue/update', change)
+    assert reply.message.startswith('the orders of this request have 1000001 bytes'), reply.message
+    assert words in reply.message
     handle = watch.ros.start(f'{watch.name}/run_job', RunJob, RunJob.Goal(order=large))
     result = watch.ros.result(handle).result
     assert result.exit_status == 'refused'
@@ -119,7 +119,7 @@ def _a_reading_that_is_killed_is_begun_again(cell: CellProcesses) -> None:
     ask_meanwhile(cell)
     assert not first.done()
     os.kill(child, signal.SIGKILL)
-    assert [answer(cell, one).job for one in (first, second)] == ['first', 'second']
+    assert [answer(cell, future).job for future in (first, second)] == ['first', 'second']
     cell.watch.until('job.queued', count=before + 2)
     queued = [event['job'] for event in cell.watch.seen('job.queued')[before:]]
     assert queued == ['first', 'second']
@@ -130,9 +130,9 @@ def _a_reading_that_takes_too_long_is_told_and_the_next_one_works(cell: CellProc
     path = cell.script(small_script())
     cell.watch.submit(path, order='before')  # it is ready
     os.kill(reading_process(cell), signal.SIGSTOP)
-    told = answer(cell, cell.watch.begin(SubmitOrder, 'submit_order', order(path)))
-    assert not told.accepted
-    assert 'reading this took longer than' in told.message
+    reply = answer(cell, cell.watch.begin(SubmitOrder, 'submit_order', order(path)))
+    assert not reply.accepted
+    assert 'reading this took longer than' in reply.message
     cell.watch.submit(path, order='after')
     assert cell.watch.until_ended('after').packed == 1
 

@@ -6,7 +6,7 @@ from cell_processes import StartCell, run_verb
 from program_process import ProgramProcess
 
 
-def test_a_picture_follows_the_state_to_the_end_of_the_job(
+def test_picture_follows_state_to_end_of_job(
     start_cell: StartCell,
 ) -> None:
     cell = start_cell(fail=['worker.#1=abort'])

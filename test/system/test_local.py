@@ -15,9 +15,9 @@ from bt_orchestrator.script.users.file import UsersFile
 
 @pytest.fixture
 def page(tmp_path: Path) -> Iterator[PageProcess]:
-    found = PageProcess(tmp_path, '/bt_orchestrator')
-    yield found
-    found.close()
+    process = PageProcess(tmp_path, '/bt_orchestrator')
+    yield process
+    process.close()
 
 
 def line_of(start_cell: StartCell, folder: Path, *options: str) -> CellProcesses:
@@ -25,7 +25,7 @@ def line_of(start_cell: StartCell, folder: Path, *options: str) -> CellProcesses
     return start_cell(run_options=[*trusting, *options])
 
 
-def test_7_8_control_goes_to_a_panel_and_back_over_kills_of_the_node(
+def test_7_8_panel_takes_and_returns_control_across_kills(
     start_cell: StartCell, page: PageProcess, tmp_path: Path
 ) -> None:
     cell = line_of(
@@ -51,8 +51,8 @@ def test_7_8_control_goes_to_a_panel_and_back_over_kills_of_the_node(
     assert (status, 'a panel has to release' in output) == (0, True), output + errors
 
     cell.kill_and_restart_node()
-    told = cell.watch.until_status(lambda one: one.control == 'local', 'local after a kill')
-    assert told.state == 'Stopped'
+    restored = cell.watch.until_status(lambda view: view.control == 'local', 'local after a kill')
+    assert restored.state == 'Stopped'
     status, output, _ = run_verb(cell.folder, 'status')
     assert 'in local: only the panels of the line move it' in output
 
@@ -71,5 +71,5 @@ def test_7_8_control_goes_to_a_panel_and_back_over_kills_of_the_node(
     cell.node.kill()
     cell.start_node(options=['--control', 'remote'])
     cell.node.wait_ready()
-    cell.watch.until_status(lambda one: one.control == 'remote', 'remote by the option')
+    cell.watch.until_status(lambda view: view.control == 'remote', 'remote by the option')
     cell.stop()

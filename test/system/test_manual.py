@@ -75,7 +75,7 @@ class Panel:
         self._link.close()
 
 
-def test_7_11_9_a_goal_survives_a_kill_of_the_node_while_its_panel_is_there(
+def test_7_11_9_goal_survives_node_kill_while_panel_stays(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     cell = line_in_manual(start_cell, tmp_path)
@@ -105,16 +105,16 @@ def test_7_11_9_a_goal_survives_a_kill_of_the_node_while_its_panel_is_there(
     assert cell.watch.status.state == 'Stopped'
     shown = cell.watch.status.seq
     assert panel.ask('cell.production', as_shown=shown).accepted
-    cell.watch.until_status(lambda one: 'reset' in one.commands, 'production')
+    cell.watch.until_status(lambda view: 'reset' in view.commands, 'production')
     assert panel.ask('cell.reset').accepted
-    cell.watch.until_status(lambda one: 'start' in one.commands, 'Idle')
+    cell.watch.until_status(lambda view: 'start' in view.commands, 'Idle')
     assert panel.ask('cell.start').accepted
     assert cell.watch.until_ended('WO-1').packed == 1
     panel.close()
     cell.stop()
 
 
-def test_7_11_9_a_goal_ends_after_a_kill_where_its_panel_has_gone(
+def test_7_11_9_goal_ends_after_node_kill_without_panel(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     cell = line_in_manual(start_cell, tmp_path, LATER)
@@ -129,15 +129,13 @@ def test_7_11_9_a_goal_ends_after_a_kill_where_its_panel_has_gone(
     cell.node.wait_ready()
     cancelled = cell.watch.until('task.cancel_requested', task='manual')
     assert cancelled['cause'] == 'panel_lost'
-    cell.watch.until_status(lambda one: one.manual.state == 'canceled', 'the end of the goal')
+    cell.watch.until_status(lambda view: view.manual.state == 'canceled', 'the end of the goal')
     (ended,) = cell.goals(event='ended', component='worker')
     assert ended['status'] == 'canceled'
     cell.stop()
 
 
-def test_7_11_3_the_verb_stays_at_the_panel_of_a_line_and_is_refused_without(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_7_11_3_verb_is_refused_away_from_panel(start_cell: StartCell, tmp_path: Path) -> None:
     cell = line_in_manual(start_cell, tmp_path)
     panel = Panel(cell)
     panel.enter()

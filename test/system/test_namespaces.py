@@ -5,7 +5,7 @@ from __future__ import annotations
 from cell_processes import StartCell
 
 
-def test_two_cells_in_two_namespaces_do_not_hear_each_other(start_cell: StartCell) -> None:
+def test_cells_in_two_namespaces_are_isolated(start_cell: StartCell) -> None:
     cells = {name: start_cell(namespace=f'/{name}', folder=name) for name in ('a', 'b')}
     for cell in cells.values():
         cell.connect()
@@ -23,7 +23,7 @@ def test_two_cells_in_two_namespaces_do_not_hear_each_other(start_cell: StartCel
         cell.stop()
 
 
-def test_a_fault_in_one_cell_holds_only_that_one(start_cell: StartCell) -> None:
+def test_fault_holds_only_its_own_cell(start_cell: StartCell) -> None:
     good = start_cell(namespace='/a', folder='a')
     bad = start_cell(namespace='/b', folder='b', fail=['worker.TASK_A=abort'])
     for cell in (good, bad):
@@ -37,7 +37,7 @@ def test_a_fault_in_one_cell_holds_only_that_one(start_cell: StartCell) -> None:
         cell.stop()
 
 
-def test_the_components_of_a_cell_may_sit_in_several_processes(start_cell: StartCell) -> None:
+def test_components_of_cell_run_in_several_processes(start_cell: StartCell) -> None:
     cell = start_cell(shares=('conveyor', 'feeder,packer', 'worker'))
     cell.connect()
     cell.run_small(quantity=4)

@@ -110,7 +110,7 @@ def assert_nothing_lost(events: list[e.Event], computers: Computers) -> None:
     assert packed == [f'WO-1/{n}' for n in range(1, ITEMS + 1)]
 
 
-def test_9_3_a_goal_that_ends_while_the_cable_is_cut_is_heard_of(computers: Computers) -> None:
+def test_9_3_goal_end_during_cable_cut_is_received(computers: Computers) -> None:
     computers.submit()
     goal = computers.until_works(2)
     computers.network.cut()
@@ -119,7 +119,7 @@ def test_9_3_a_goal_that_ends_while_the_cable_is_cut_is_heard_of(computers: Comp
     assert_nothing_lost(computers.until_completed(), computers)
 
 
-def test_9_2_an_orchestrator_that_restarts_without_a_network_takes_over(
+def test_9_2_orchestrator_restarted_without_network_takes_over(
     computers: Computers,
 ) -> None:
     computers.submit()

@@ -64,31 +64,31 @@ def test_what_a_node_offers(small_cell: CellProcesses) -> None:
 
 
 def _who_comes_late_is_told_what_exists(cell: CellProcesses) -> None:
-    told: list[Any] = []
+    descriptions: list[Any] = []
     node, name = cell.watch.ros.node, cell.watch.name
-    node.create_subscription(CellDescription, f'{name}/cell', told.append, LATCHED)
-    cell.watch.ros.spin_until(lambda: told, 'the description of the cell')
+    node.create_subscription(CellDescription, f'{name}/cell', descriptions.append, LATCHED)
+    cell.watch.ros.spin_until(lambda: descriptions, 'the description of the cell')
     types = InstalledActionTypes()
-    assert cell_description(told[0]) == description_of(read_cell(cell.cell, types), types)
+    assert cell_description(descriptions[0]) == description_of(read_cell(cell.cell, types), types)
 
 
 def _the_policy_for_dds_security_names_what_the_node_has(cell: CellProcesses) -> None:
     text = (Path(__file__).parents[2] / 'docs' / 'dds_security.md').read_text()
     policy = ElementTree.fromstring(text.partition('```xml\n')[2].partition('```')[0])
-    by_path = {one.get('path'): one for one in policy.iter('enclave')}
+    by_path = {element.get('path'): element for element in policy.iter('enclave')}
 
     def named(enclave: str, kind: str, right: str) -> set[str]:
         of = by_path[f'/line/{enclave}'].iterfind(f".//{kind}s[@{right}='ALLOW']/{kind}")
-        return {str(one.text) for one in of}
+        return {str(element.text) for element in of}
 
     node = cell.watch.ros.node
     served = {name for name, _ in node.get_service_names_and_types_by_node(NODE, '/')}
-    told = {name for name, _ in node.get_publisher_names_and_types_by_node(NODE, '/')}
+    topics = {name for name, _ in node.get_publisher_names_and_types_by_node(NODE, '/')}
     offered = named('node', 'service', 'reply')
     assert offered <= served
     assert named('operator', 'service', 'request') <= offered
-    assert named('node', 'topic', 'publish') <= told
-    assert named('operator', 'topic', 'subscribe') <= told
+    assert named('node', 'topic', 'publish') <= topics
+    assert named('operator', 'topic', 'subscribe') <= topics
     assert named('node', 'action', 'call') == named('controllers', 'action', 'execute')
 
 
@@ -182,7 +182,7 @@ def _the_status_follows_the_events(cell: CellProcesses) -> None:
 
 
 @pytest.mark.parametrize('forecast', ['--expected-end', '--no-expected-end'])
-def test_the_expected_end_follows_what_was_seen_also_after_a_restart(
+def test_expected_end_follows_observations_across_restart(
     start_cell: StartCell, tmp_path: Path, forecast: str
 ) -> None:
     journal = tmp_path / 'cell' / 'journal.sqlite3'
@@ -253,7 +253,7 @@ def test_ros_arguments_set_parameters_and_namespace(start_cell: StartCell) -> No
         ('auto_start:=[', ['auto_start']),
     ],
 )
-def test_a_parameter_that_cannot_be_is_refused_in_words(
+def test_impossible_parameter_is_refused_with_explanation(
     small_cell_file: Path, parameter: str, words: list[str]
 ) -> None:
     status, _, errors = run_verb(
@@ -270,7 +270,7 @@ def test_a_parameter_that_cannot_be_is_refused_in_words(
 
 
 @pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason='this rclpy has no events executor')
-def test_the_events_executor_runs_a_cell_to_its_end(start_cell: StartCell) -> None:
+def test_events_executor_runs_cell_to_end(start_cell: StartCell) -> None:
     cell = start_cell(run_options=['--executor', 'events'], fail=['worker.TASK_A#1=abort'])
     cell.connect()
     cell.run_small(', retries: 1', quantity=4)
@@ -283,7 +283,7 @@ def test_the_events_executor_runs_a_cell_to_its_end(start_cell: StartCell) -> No
 
 
 @pytest.mark.skipif(HAS_EVENTS_EXECUTOR, reason='this rclpy has the events executor')
-def test_without_the_events_executor_asking_for_it_is_refused(small_cell_file: Path) -> None:
+def test_request_for_missing_events_executor_is_refused(small_cell_file: Path) -> None:
     status, _, errors = run_verb(
         small_cell_file.parent, 'run', '--cell', str(small_cell_file), '--executor', 'events'
     )
@@ -298,7 +298,7 @@ BLOCKED = (str(Path(__file__).parents[1] / 'blocked_inside.py'),)
 
 
 @pytest.mark.parametrize(('client', 'warnings'), [('auto', 1), ('plain', 0)])
-def test_a_node_without_the_inside_of_rclpy_runs_a_cell_to_its_end(
+def test_node_without_rclpy_internals_runs_cell_to_end(
     start_cell: StartCell, client: str, warnings: int
 ) -> None:
     options = ['--client', client]

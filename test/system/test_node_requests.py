@@ -140,9 +140,9 @@ def _no_file_outside_the_folders_is_read(cell: CellProcesses, tmp_path: Path) ->
     secret.write_text('root: hidden\n')
     os.mkfifo(cell.folder / 'pipe.yaml')
     for path in ('/etc/shadow', '/proc/kmsg', str(secret), '../secret.yaml'):
-        (told,) = refusal(watch, path)
-        assert 'is not in a folder of this node' in told, path
-        assert 'hidden' not in told
+        (finding,) = refusal(watch, path)
+        assert 'is not in a folder of this node' in finding, path
+        assert 'hidden' not in finding
     (pipe,) = refusal(watch, 'pipe')
     assert 'there is no script `pipe`' in pipe
     assert_alive(cell, 'after_secrets')
@@ -210,8 +210,8 @@ def _what_comes_while_the_node_is_busy_is_all_answered(cell: CellProcesses) -> N
         actions(f'{watch.name}/run_job', RunJob).send_goal_async(goal) for _ in range(many)
     ]
     os.kill(cell.node.pid, signal.SIGCONT)
-    watch.ros.spin_until(lambda: all(one.done() for one in asked), 'all events')
-    watch.ros.spin_until(lambda: all(one.done() for one in handles), 'all goals to be answered')
+    watch.ros.spin_until(lambda: all(call.done() for call in asked), 'all events')
+    watch.ros.spin_until(lambda: all(call.done() for call in handles), 'all goals to be answered')
     watch.until_ended('A')
 
 
@@ -222,23 +222,21 @@ def _a_very_large_order_delays_nobody(cell: CellProcesses) -> None:
 
     watch.submit(path, order='large', quantity=LARGEST_WHOLE)
     watch.until('item.removed', count=2, job='large')
-    (job,) = (one for one in watch.status.jobs if one.id == 'large')
+    (job,) = (entry for entry in watch.status.jobs if entry.id == 'large')
     assert (job.quantity, job.state) == (LARGEST_WHOLE, 'Running')
     stop = QueueCommand.Request(command='stop', job='large', who=WHO, reason='test')
     assert watch.call(QueueCommand, 'queue/command', stop).accepted
     watch.until('job.completed', job='large')
 
 
-def test_a_file_that_is_no_script_is_not_quoted_under_any_path(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_non_script_file_is_never_quoted(start_cell: StartCell, tmp_path: Path) -> None:
     cell = start_cell(run_options=['--script-paths'])
     cell.connect()
     secret = tmp_path / 'shadow'
     secret.write_text('hunter2:$6$0a1b2c:19700:0:99999:7:::\npassword: hunter2\n')
-    (told,) = refusal(cell.watch, secret)
-    assert told.startswith(f'{secret}:1:1: this is not a script, but ')
-    assert not any(word in told for word in ('hunter2', '0a1b2c', 'password'))
+    (finding,) = refusal(cell.watch, secret)
+    assert finding.startswith(f'{secret}:1:1: this is not a script, but ')
+    assert not any(word in finding for word in ('hunter2', '0a1b2c', 'password'))
     for path in ('/proc/kmsg', '/dev/zero', '/etc', '/'):
         assert len(refusal(cell.watch, path)) == 1
     assert_alive(cell, 'after_secrets')

@@ -46,7 +46,7 @@ def worker(got: list[float]) -> Iterator[ThreadServers]:
     servers.close()
 
 
-def test_a_result_that_is_no_number_reaches_no_other_controller(
+def test_non_finite_result_reaches_no_other_controller(
     worker: ThreadServers, got: list[float], start_cell: StartCell, tmp_path: Path
 ) -> None:
     path = tmp_path / 'journal.sqlite3'

@@ -128,14 +128,14 @@ def _begin_anew(cell: CellProcesses, child: int) -> None:
 
 def _a_request_is_refused_as_a_whole(cell: CellProcesses) -> None:
     orders = [by_recipe('B'), by_recipe('C', 3), by_recipe('D', feed='packer')]
-    told = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
-    assert not told.accepted
-    said = ' '.join(finding for one in told.answers for finding in one.findings)
-    assert 'recipe BOX has no version 3; there is 1' in said
-    assert 'bind feed: `packer` does not have `feed`' in said
+    response = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
+    assert not response.accepted
+    text = ' '.join(finding for entry in response.answers for finding in entry.findings)
+    assert 'recipe BOX has no version 3; there is 1' in text
+    assert 'bind feed: `packer` does not have `feed`' in text
     both = WorkOrder(order='E', recipes=['BOX'], script='small', quantity=1)
-    told = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[both]))
-    assert 'the order names recipe and script; keep one' in told.answers[0].findings[0]
+    response = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[both]))
+    assert 'the order names recipe and script; keep one' in response.answers[0].findings[0]
     queue = cell.watch.call(QueueList, 'queue/list', QueueList.Request())
     assert [job.id for job in queue.jobs] == ['S', 'A']
 
@@ -154,9 +154,9 @@ def _run_job_takes_the_text_of_an_order(cell: CellProcesses) -> None:
 def _what_is_out_of_service_is_left_out(cell: CellProcesses) -> None:
     out = Command.Request(command='out_of_service', component='packer', reason='worn')
     assert cell.watch.call(Command, 'command', out).accepted
-    told = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[by_recipe('G')]))
-    assert not told.accepted
-    assert 'out of service' in told.answers[0].findings[0]
+    response = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[by_recipe('G')]))
+    assert not response.accepted
+    assert 'out of service' in response.answers[0].findings[0]
     back = Command.Request(command='in_service', component='packer', reason='mended')
     assert cell.watch.call(Command, 'command', back).accepted
     # Generated behind A, so that A's change for the packer is over when the next part begins.
@@ -181,7 +181,7 @@ def _queued_jobs_follow_what_is_out_of_service(cell: CellProcesses) -> None:
     )
     cell.kill_and_restart_node()
     watch.until_status(
-        lambda told: ('A', ['feeder']) in [(job.id, list(job.unavailable)) for job in told.jobs],
+        lambda view: ('A', ['feeder']) in [(job.id, list(job.unavailable)) for job in view.jobs],
         'the job lacks its feeder alone',
     )
 
@@ -196,32 +196,32 @@ def _the_rest_of_a_job_is_made_without_it(cell: CellProcesses) -> None:
     order = WorkOrder(order='H', recipes=['BOX'], quantity=LONG)
     assert watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[order])).accepted
     watch.until('item.placed', job='H')
-    told = watch.command('out_of_service', component='worker', who='Ada')
-    assert 'to make the rest without it now: job requeue H' in told.message
+    info = watch.command('out_of_service', component='worker', who='Ada')
+    assert 'to make the rest without it now: job requeue H' in info.message
     # A kill between the record of a goal and its sending would ask about that goal.
-    watch.until_status(lambda told: told.stands.cause, 'the line to stand')
+    watch.until_status(lambda info: info.stands.cause, 'the line to stand')
 
     requeue = QueueCommand.Request(command='requeue', job='H', reason='worn')
     child = _stopped_child(cell)
     watch.begin(QueueCommand, 'queue/command', requeue)
     _begin_anew(cell, child)
     watch.until_status(
-        lambda told: {job.id: job.ending for job in told.jobs if job.id[0] == 'H'} == {'H': ''},
+        lambda info: {job.id: job.ending for job in info.jobs if job.id[0] == 'H'} == {'H': ''},
         'nothing has changed',
     )
 
-    told = watch.call(QueueCommand, 'queue/command', requeue)
-    assert told.accepted, (told.message, told.findings)
-    assert 'its items on the line still need worker and wait' in told.message
+    info = watch.call(QueueCommand, 'queue/command', requeue)
+    assert info.accepted, (info.message, info.findings)
+    assert 'its items on the line still need worker and wait' in info.message
     rest = watch.until('job.queued', job='H-rest')
     assert (rest['rest_of'], rest['position'], rest['anew']['without']) == ('H', 1, ['worker'])
     assert watch.until('job.stopping', job='H')['seq'] < rest['seq']
-    begun = len({one['item'] for one in watch.seen('cycle.started', job='H')})
+    begun = len({entry['item'] for entry in watch.seen('cycle.started', job='H')})
     assert rest['quantity'] == LONG - begun
     status = watch.until_status(
-        lambda told: any(job.id == 'H-rest' and job.made_anew for job in told.jobs), 'the rest'
+        lambda info: any(job.id == 'H-rest' and job.made_anew for job in info.jobs), 'the rest'
     )
-    (job,) = (one for one in status.jobs if one.id == 'H-rest')
+    (job,) = (entry for entry in status.jobs if entry.id == 'H-rest')
     assert (job.rest_of, list(job.made_without)) == ('H', ['worker'])
     assert job.made_per_item_s >= job.made_before_s > 0
 
@@ -256,7 +256,7 @@ def _what_if_in_an_outage_comes_true(cell: CellProcesses, recipes: Path) -> None
     with closing(PlanningProcess([], [recipes])) as planning:
         expected = planning.what_if(moment, [lost])
     assert expected.refusals == ()
-    ends = {one.job: one.ends_s for one in expected.after if one.ends_s is not None}
+    ends = {entry.job: entry.ends_s for entry in expected.after if entry.ends_s is not None}
     assert list(ends) == ['X', 'Y']
     whole_s = dict(expected.before)['Y']
     assert whole_s is not None
@@ -285,7 +285,7 @@ def _what_if_with_a_requeue_comes_true(cell: CellProcesses, recipes: Path) -> No
     with closing(PlanningProcess([], [recipes])) as planning:
         expected = planning.what_if(moment, [anew])
     assert expected.refusals == ()
-    ends = {one.job: one.ends_s for one in expected.after if one.ends_s is not None}
+    ends = {entry.job: entry.ends_s for entry in expected.after if entry.ends_s is not None}
     assert list(ends)[:2] == ['Z', 'Z-rest']
     whole_s = dict(expected.before)['Z']
     assert whole_s is not None
@@ -319,11 +319,11 @@ def _a_version_says_one_thing(cell: CellProcesses, recipes: Path) -> None:
     other = RECIPE.replace('work, do', 'worked, do')
     (recipes / 'box.yaml').write_text(other)
     change = QueueUpdate.Request(job='A', recipes=['BOX'], reason='the newest')
-    told = cell.watch.call(QueueUpdate, 'queue/update', change)
-    assert 'recipe BOX version 1 was another one before' in told.message
+    response = cell.watch.call(QueueUpdate, 'queue/update', change)
+    assert 'recipe BOX version 1 was another one before' in response.message
     # A script that is equal but for its version, and one that is another.
     for version, text in ((2, RECIPE), (3, other)):
         (recipes / 'box.yaml').write_text(text.replace('version: 1', f'version: {version}'))
-        told = cell.watch.call(QueueUpdate, 'queue/update', change)
-        assert told.accepted, told.message
+        response = cell.watch.call(QueueUpdate, 'queue/update', change)
+        assert response.accepted, response.message
         cell.watch.until('job.updated', job='A', recipe_version=version)

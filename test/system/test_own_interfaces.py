@@ -56,7 +56,7 @@ def install(wheel: Path, prefix: Path) -> None:
     not Path(sys.prefix, 'bootstrap').is_dir(),
     reason='the builder works in the environment of scripts/bootstrap',
 )
-def test_an_action_package_of_the_users_own_takes_part(
+def test_user_defined_action_package_takes_part(
     start_cell: StartCell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sources, wheels, overlay = (tmp_path / name for name in ('sources', 'wheels', 'overlay'))

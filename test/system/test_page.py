@@ -36,12 +36,12 @@ class Reading:
     @property
     def seqs(self) -> list[int]:
         """Numbers of the events told so far."""
-        told = [one for one in self.messages if one.kind == 'happened']
-        return [record['seq'] for one in told for record in one.data['records']]
+        updates = [message for message in self.messages if message.kind == 'happened']
+        return [record['seq'] for message in updates for record in message.data['records']]
 
     def all(self, kind: str) -> list[Message]:
         """Return the messages of a kind so far."""
-        return [one for one in self.messages if one.kind == kind]
+        return [message for message in self.messages if message.kind == kind]
 
     def join(self) -> None:
         """Wait for the end of the stream."""
@@ -58,9 +58,9 @@ class Reading:
 def page(tmp_path: Path) -> Iterator[PageProcess]:
     shifts = tmp_path / 'shifts.yaml'
     shifts.write_text('shifts: {day: {from: 00:00, to: 00:00}}')
-    found = PageProcess(tmp_path, '/bt_orchestrator', ['--shifts', str(shifts)])
-    yield found
-    found.close()
+    process = PageProcess(tmp_path, '/bt_orchestrator', ['--shifts', str(shifts)])
+    yield process
+    process.close()
 
 
 def shift_of(page: PageProcess) -> dict[str, Any]:
@@ -70,7 +70,7 @@ def shift_of(page: PageProcess) -> dict[str, Any]:
         return cast('dict[str, Any]', json.load(answer))
 
 
-def test_each_event_is_told_once_although_the_node_is_killed(
+def test_page_delivers_each_event_once_despite_kills(
     start_cell: StartCell, page: PageProcess, tmp_path: Path
 ) -> None:
     journal = tmp_path / 'journal.sqlite3'
@@ -89,11 +89,11 @@ def test_each_event_is_told_once_although_the_node_is_killed(
         last = records.extent().last_seq
         cell.watch.ros.spin_until(lambda: reading.seqs[-1:] == [last], 'the last event is told')
         cell.watch.ros.spin_until(lambda: shift_of(page)['quantities']['good'] == 12, 'the shift')
-        told = shift_of(page)
-        since, until = (round(moment(told['period'][name]) * 1e6) for name in ('from', 'to'))
+        shift = shift_of(page)
+        since, until = (round(moment(shift['period'][name]) * 1e6) for name in ('from', 'to'))
         made = account(RecordsReading(records), Period.all_planned('', since, until), None)
-    assert told['losses'] == account_plain(made)['losses']
-    assert told['losses']['no_node'] > 0
+    assert shift['losses'] == account_plain(made)['losses']
+    assert shift['losses']['no_node'] > 0
 
     page.stop()  # although somebody reads, who would never end by himself
     reading.join()
@@ -102,9 +102,7 @@ def test_each_event_is_told_once_although_the_node_is_killed(
     assert not reading.all('gap')
 
 
-def test_a_node_that_comes_with_another_journal_begins_anew(
-    start_cell: StartCell, page: PageProcess
-) -> None:
+def test_page_begins_anew_with_another_journal(start_cell: StartCell, page: PageProcess) -> None:
     page.wait_ready()
     reading = Reading(page.port)
     cell = start_cell()  # the page was there first

@@ -35,19 +35,19 @@ def reader(tmp_path: Path) -> Iterator[PageReader]:
 @pytest.mark.parametrize('page', PAGES)
 @pytest.mark.long
 def test_a_page_can_be_followed(page: str, reader: PageReader) -> None:
-    for one in typed(ROOT / page):
-        reader.follow(one)
+    for step in typed(ROOT / page):
+        reader.follow(step)
     reader.leave()
     if page == LINE:
         assert (reader.here / 'pump.svg').read_text() == (ROOT / 'docs' / 'line.svg').read_text()
 
 
-def test_the_pages_show_the_verbs_of_a_first_hour() -> None:
-    shown = {one.verb for page in FIRST_PAGES for one in typed(ROOT / page)}
+def test_pages_show_verbs_of_first_hour() -> None:
+    shown = {step.verb for page in FIRST_PAGES for step in typed(ROOT / page)}
     assert shown - {''} == {*FIRST_HOUR}
 
 
-def test_a_page_that_shows_something_else_would_be_seen(reader: PageReader) -> None:
+def test_page_with_wrong_output_is_detected(reader: PageReader) -> None:
     reader.follow(Typed('', 'echo 3 items, 13.0 s', '3 items, …\n', is_after_interrupt=False))
     with pytest.raises(AssertionError, match='3 items'):
         reader.follow(Typed('', 'echo 3 items', '4 items\n', is_after_interrupt=False))

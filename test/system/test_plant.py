@@ -22,8 +22,8 @@ KILLS = 8
 
 @pytest.fixture
 def server() -> Iterator[PostgresServer]:
-    with postgres_server() as found:
-        yield found
+    with postgres_server() as database:
+        yield database
 
 
 class Plant:
@@ -37,8 +37,8 @@ class Plant:
         import psycopg
 
         with psycopg.connect(self._server.address(self.name)) as connection:
-            found: list[tuple[object, ...]] = connection.execute(query.encode()).fetchall()
-            return found
+            records: list[tuple[object, ...]] = connection.execute(query.encode()).fetchall()
+            return records
 
     def to(self, cell: str) -> str:
         return self._server.place(self.name, cell)
@@ -79,7 +79,7 @@ class Feeding:
         self.process.kill()
 
 
-def test_a_feed_is_killed_and_the_database_stops_and_nothing_is_missing_or_twice(
+def test_feed_and_database_failures_lose_and_repeat_nothing(
     start_cell: StartCell, tmp_path: Path, server: PostgresServer
 ) -> None:
     """The line goes on all the time, and its node knows of none of it."""
@@ -93,13 +93,13 @@ def test_a_feed_is_killed_and_the_database_stops_and_nothing_is_missing_or_twice
         cell.run_small(quantity=12)
         for number in range(KILLS):
             time.sleep(rolled.uniform(0.2, 0.9))  # where the kill falls is a matter of chance
-            one = over_file if number % 2 else over_door
-            one.process.kill()
+            feed = over_file if number % 2 else over_door
+            feed.process.kill()
             if number == KILLS // 2:
                 server.stop(signal.SIGQUIT)  # as a crash
                 cell.watch.until_ended('WO-1', within_s=PATIENCE_S)
                 server.start()
-            one.start()
+            feed.start()
         cell.run_small(quantity=2, order='WO-2')
         cell.watch.until_ended('WO-2', within_s=PATIENCE_S)
         cell.watch.until_state('Complete')
@@ -115,7 +115,7 @@ def test_a_feed_is_killed_and_the_database_stops_and_nothing_is_missing_or_twice
 
 
 @pytest.mark.long
-def test_three_cells_and_one_database_leave_each_other_alone(
+def test_three_cells_with_one_database_stay_independent(
     start_cell: StartCell, tmp_path: Path, server: PostgresServer
 ) -> None:
     """A node is killed, a feed is stopped, the database goes away: the others go on.

@@ -84,9 +84,7 @@ def test_the_queue_is_changed_while_a_job_runs(small_cell: CellProcesses) -> Non
     small_cell.stop()
 
 
-def test_6_7_a_job_waits_for_its_start_also_across_a_restart(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_6_7_job_waits_for_start_across_restart(start_cell: StartCell, tmp_path: Path) -> None:
     journal = tmp_path / 'cell' / 'journal.sqlite3'
     cell = start_cell(run_options=['--journal', str(journal), '--auto-resume'])
     cell.connect()
@@ -167,21 +165,21 @@ def _what_is_refused_at_any_door_is_on_record(cell: CellProcesses) -> None:
 
     watch.until('operator.refused', count=11)
     recorded = watch.seen('operator.refused')
-    assert [(one['command'], one.get('job'), one['who']) for one in recorded] == [
+    assert [(event['command'], event.get('job'), event['who']) for event in recorded] == [
         *(('add', job, 'Ada') for job in ('B', 'C', None, 'D', None)),
         *(('update', job, 'Ada') for job in 'AZ'),
         *((word, None, 'Ada') for word in ('dance', 'clear')),
         *(('add', job, 'Ada') for job in ('E', None)),
     ]
-    assert {one['origin'] for one in recorded} == {'the test', 'run_job'}
-    told = [one['message'] for one in recorded]
-    assert told[0].startswith(f'B is refused with 1 finding: {wrong}:')
-    assert 'a task has no key `retires`' in told[0]
-    assert 'there is no script `smal`' in told[1]
-    assert told[3] == 'D fits, but was not queued because of the others'
-    assert told[4].startswith(f'{wrong} is refused with 1 finding: ')
-    assert 'there is no script `smal`' in told[5]
-    assert told[6] == 'Z is not there; in the queue: A'
+    assert {event['origin'] for event in recorded} == {'the test', 'run_job'}
+    messages = [event['message'] for event in recorded]
+    assert messages[0].startswith(f'B is refused with 1 finding: {wrong}:')
+    assert 'a task has no key `retires`' in messages[0]
+    assert 'there is no script `smal`' in messages[1]
+    assert messages[3] == 'D fits, but was not queued because of the others'
+    assert messages[4].startswith(f'{wrong} is refused with 1 finding: ')
+    assert 'there is no script `smal`' in messages[5]
+    assert messages[6] == 'Z is not there; in the queue: A'
     cancel = srv.QueueCommand.Request(command='cancel', job='A', **by)
     assert watch.call(srv.QueueCommand, 'queue/command', cancel).accepted
     until_listed(cell)

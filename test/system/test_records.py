@@ -99,10 +99,10 @@ def _7_1_a_removal_and_what_is_refused_are_recorded_too(cell: CellProcesses) -> 
     answers = [said(cell, *words, who='Ben', reason=words[0]) for words, _ in asked]
     assert [status for status, _ in answers] == [1, 0, 1]
     recorded = [e for e in operators_events(cell) if e['who'] == 'Ben']
-    for event, (words, about), (status, told) in zip(recorded, asked, answers, strict=True):
+    for event, (words, about), (status, message) in zip(recorded, asked, answers, strict=True):
         expected = {'event': 'operator.decided', 'reason': words[0], 'origin': HERE, **about}
         if status:
-            expected |= {'event': 'operator.refused', 'message': told.rstrip('\n')}
+            expected |= {'event': 'operator.refused', 'message': message.rstrip('\n')}
         assert expected.items() <= event.items()
     assert cell.watch.answer(hold.id, 'skip').accepted
     until_over(cell, 'removed')
@@ -117,9 +117,9 @@ def _6_3_results_given_with_mark_done_fit_the_action_and_are_recorded(
         words = ('answer', hold.id, 'mark_done', '--result', result)
         return said(cell, *words, who='Cem', reason='by hand')
 
-    status, told = give('measurement=high')
+    status, output = give('measurement=high')
     assert status == 1
-    assert 'results: `measurement` must be a number' in told
+    assert 'results: `measurement` must be a number' in output
     assert give('mesurement=1')[0] == 1
     assert give('measurement=2.5') == (0, f'hold {hold.id}: mark_done\n')
     marked = cell.watch.until('task.marked_done', job='measured')

@@ -60,7 +60,7 @@ def reference_cell(start_cell: StartCell) -> CellProcesses:
     return cell
 
 
-def test_fifty_items_are_packed_in_the_order_of_the_virtual_run(
+def test_fifty_items_follow_order_of_virtual_run(
     reference_cell: CellProcesses,
 ) -> None:
     watch = reference_cell.watch
@@ -78,7 +78,7 @@ def test_fifty_items_are_packed_in_the_order_of_the_virtual_run(
     reference_cell.stop()
 
 
-def test_every_goal_of_the_event_stream_was_executed_once(reference_cell: CellProcesses) -> None:
+def test_every_recorded_goal_is_executed_once(reference_cell: CellProcesses) -> None:
     watch = reference_cell.watch
     watch.submit(SCRIPT, quantity=3, params={'label': 'A7'})
     watch.until_ended('WO-1')

@@ -11,16 +11,16 @@ from pseudo_terminal import PseudoTerminal
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
-def test_it_is_drawn_again_and_leaves_the_terminal_clean(tmp_path: Path) -> None:
+def test_report_redraws_and_leaves_terminal_clean(tmp_path: Path) -> None:
     journal = tmp_path / 'cell.db'
     events = the_day().events
     store = SqliteStore(journal)
-    store.append([one for one in events if one.time < events[-1].time])
+    store.append([event for event in events if event.time < events[-1].time])
     words = ['report', '--follow', '--journal', str(journal), '--from', '2026-05-18T06:00Z']
     terminal = PseudoTerminal([*words, '--every', '600'], lines=30)
     try:
         terminal.until_shows('made 538, 520 of them good')
-        store.append([one for one in events if one.time >= events[-1].time])
+        store.append([event for event in events if event.time >= events[-1].time])
         terminal.press(' ')
         terminal.until_shows('made 539, 521 of them good')
         terminal.send(signal.SIGINT)

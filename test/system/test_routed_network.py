@@ -162,7 +162,7 @@ def test_doctor_sees_controllers_by_a_discovery_server(make_deck: MakeDeck) -> N
     assert status == 0, words
 
 
-def test_a_router_passes_no_multicast_so_without_a_way_no_controller_is_found(
+def test_no_controller_is_found_behind_router_by_default(
     make_deck: MakeDeck,
 ) -> None:
     deck = make_deck((static_peer(), static_peer()))
@@ -170,7 +170,7 @@ def test_a_router_passes_no_multicast_so_without_a_way_no_controller_is_found(
     assert_not_found(deck)
 
 
-def test_static_peers_on_the_node_find_only_so_many_programs(make_deck: MakeDeck) -> None:
+def test_node_static_peers_find_limited_number_of_programs(make_deck: MakeDeck) -> None:
     deck = make_deck(WAYS['peers_on_the_node'])
     deck.start(programs_before=PLACES)
     assert_not_found(deck)

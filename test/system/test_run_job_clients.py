@@ -45,9 +45,7 @@ def test_a_job_outlives_its_client(small_cell: CellProcesses) -> None:
     small_cell.stop()
 
 
-def test_a_job_outlives_its_node_and_its_goal_does_not(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_job_outlives_node_but_goal_does_not(start_cell: StartCell, tmp_path: Path) -> None:
     journal = tmp_path / 'journal.sqlite3'
     cell = start_cell(run_options=['--journal', str(journal), '--auto-resume'])
     cell.connect()

@@ -68,16 +68,16 @@ class Safety:
 
 @pytest.fixture
 def safety(tmp_path: Path) -> Iterator[Safety]:
-    found = Safety(tmp_path)
-    yield found
-    found.close()
+    publisher = Safety(tmp_path)
+    yield publisher
+    publisher.close()
 
 
 def at_work(start_cell: StartCell, *options: str) -> CellProcesses:
     """Start a line, and wait until its long goal runs."""
     cell = start_cell(CELL, fail=LATE, sim_options=['--no-safety'], run_options=[*options])
     cell.connect()
-    cell.watch.until_status(lambda one: one.safety == 'ready', 'the safety input')
+    cell.watch.until_status(lambda view: view.safety == 'ready', 'the safety input')
     cell.run_small(task='TASK_C', quantity=2)
     cell.watch.ros.spin_until(lambda: cell.goals(event='started', component='worker'), 'the goal')
     return cell
@@ -108,7 +108,7 @@ LOSSES: dict[str, tuple[Callable[[Safety, CellProcesses], object], str]] = {
 
 @pytest.mark.parametrize('loss', LOSSES)
 @pytest.mark.long
-def test_7_9_a_loss_ends_every_goal_once_and_its_return_starts_nothing(
+def test_7_9_loss_ends_goals_once_and_return_starts_nothing(
     start_cell: StartCell, safety: Safety, loss: str
 ) -> None:
     cell = at_work(start_cell)
@@ -131,7 +131,7 @@ def test_7_9_a_loss_ends_every_goal_once_and_its_return_starts_nothing(
     safety.says('true')
     safety.processes.clear()
     safety.start()
-    cell.watch.until_status(lambda one: one.safety == 'ready', 'the return of the safety input')
+    cell.watch.until_status(lambda view: view.safety == 'ready', 'the return of the safety input')
     started = len(cell.goals(event='started'))
     cell.watch.ros.spin_for(1.5)
     assert cell.watch.status.state == 'Aborted'
@@ -141,7 +141,7 @@ def test_7_9_a_loss_ends_every_goal_once_and_its_return_starts_nothing(
 
 
 @pytest.mark.parametrize('is_there', [True, False], ids=['there', 'away'])
-def test_7_9_at_a_take_over_the_input_has_to_be_heard(
+def test_7_9_take_over_needs_live_safety_input(
     start_cell: StartCell, safety: Safety, is_there: bool, tmp_path: Path
 ) -> None:
     journal = ['--journal', str(tmp_path / 'journal.db'), '--auto-resume']
@@ -153,7 +153,7 @@ def test_7_9_at_a_take_over_the_input_has_to_be_heard(
     cell.node.wait_ready()
     if is_there:
         cell.watch.until('task.adopted', task='work')
-        cell.watch.until_status(lambda one: one.safety == 'ready', 'the safety input')
+        cell.watch.until_status(lambda view: view.safety == 'ready', 'the safety input')
         assert cell.goals(event='ended', component='worker') == []
         assert cell.watch.status.state == 'Execute'
     else:
@@ -164,14 +164,12 @@ def test_7_9_at_a_take_over_the_input_has_to_be_heard(
     cell.stop(node_status=0 if is_there else 1)
 
 
-def test_7_9_a_line_at_rest_is_held_and_only_the_hold_lets_it_go_on(
-    start_cell: StartCell, safety: Safety
-) -> None:
+def test_7_9_unsafe_idle_line_is_held_until_resumed(start_cell: StartCell, safety: Safety) -> None:
     cell = start_cell(CELL, sim_options=['--no-safety'])
     cell.connect()
-    cell.watch.until_status(lambda one: one.safety == 'ready', 'the safety input')
+    cell.watch.until_status(lambda shown: shown.safety == 'ready', 'the safety input')
     safety.says('false')
-    (hold,) = cell.watch.until_status(lambda one: one.holds, 'a hold').holds
+    (hold,) = cell.watch.until_status(lambda shown: shown.holds, 'a hold').holds
     assert (hold.reason, hold.message) == (
         'safety',
         'the safety input is not ready: its value is False',
@@ -181,10 +179,10 @@ def test_7_9_a_line_at_rest_is_held_and_only_the_hold_lets_it_go_on(
     assert 'safety input not ready: its value is False' in output
     resume = ('cell', 'resume', '--hold', hold.id, '--reason', 'looked')
     assert run_verb(cell.folder, *resume)[0] == 1
-    said = cell.watch.status.safety_words
-    assert (said.kind, [one.value for one in said.values]) == ('unsafe_value', ['False'])
+    words = cell.watch.status.safety_words
+    assert (words.kind, [shown.value for shown in words.values]) == ('unsafe_value', ['False'])
     safety.says('true')
-    cell.watch.until_status(lambda one: one.safety == 'ready', 'the return')
+    cell.watch.until_status(lambda shown: shown.safety == 'ready', 'the return')
     assert cell.watch.status.safety_words.kind == ''
     assert cell.goals(event='started') == []
     assert run_verb(cell.folder, *resume)[0] == 0
@@ -194,7 +192,7 @@ def test_7_9_a_line_at_rest_is_held_and_only_the_hold_lets_it_go_on(
 
 @pytest.mark.parametrize('is_signed', [False, True], ids=['trusted', 'signed'])
 @pytest.mark.long
-def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
+def test_7_8_1_ros_requests_match_hand_written_table(
     start_cell: StartCell, safety: Safety, tmp_path: Path, is_signed: bool
 ) -> None:
     users = UsersFile(tmp_path / 'users.yaml')
@@ -206,7 +204,7 @@ def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
     options = [*believed, '--users', str(tmp_path / 'users.yaml')]
     cell = start_cell(CELL, sim_options=['--no-safety'], run_options=options)
     cell.connect()
-    cell.watch.until_status(lambda one: one.safety == 'ready', 'the safety input')
+    cell.watch.until_status(lambda view: view.safety == 'ready', 'the safety input')
     with RosLink('/bt_orchestrator', PATIENCE_S, key=key) as link:
         sent = 0
 
@@ -222,19 +220,19 @@ def test_7_8_1_every_request_over_ros_is_as_the_hand_written_table(
             return told(name, By(f'{role.value} {sent}', 'a door', 'why', role, known), given)
 
         def hand_over(wanted: str) -> None:
-            said = asked(f'cell.{wanted}', {}, Role.ENGINEER, True)
-            assert said.startswith(f'the line is in {wanted}'), said
+            reply = asked(f'cell.{wanted}', {}, Role.ENGINEER, True)
+            assert reply.startswith(f'the line is in {wanted}'), reply
 
         def lose() -> None:
             safety.says('false')
-            cell.watch.until_status(lambda one: one.safety == 'its value is False', 'the loss')
+            cell.watch.until_status(lambda view: view.safety == 'its value is False', 'the loss')
 
         began = time.monotonic()
         assert list(differences(asked, hand_over, lose)) == []
         assert time.monotonic() - began < 2 * PATIENCE_S
         # Whoever claims to be at a panel, without a door that is believed, is at none.
         hand_over('local')
-        said = told('cell.reset', By('Eve', 'over there', 'why', Role.ENGINEER, Known.ROS), {})
+        reply = told('cell.reset', By('Eve', 'over there', 'why', Role.ENGINEER, Known.ROS), {})
         unsigned = 'somebody who claims to be Eve (ros unauthenticated) is at none'
-        assert ('asks for its users alone' if is_signed else unsigned) in said
+        assert ('asks for its users alone' if is_signed else unsigned) in reply
     cell.stop()

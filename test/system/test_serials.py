@@ -12,9 +12,7 @@ from bt_orchestrator.store.sqlite.store import SqliteStore
 ITEMS = 4
 
 
-def test_6_8_a_serial_is_known_to_every_node_that_comes_after(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_6_8_serial_is_known_to_every_later_node(start_cell: StartCell, tmp_path: Path) -> None:
     journal = tmp_path / 'journal.sqlite3'
     cell = start_cell(
         (ROOT / 'config' / 'serial_cell.yaml').read_text(),

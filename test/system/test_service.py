@@ -7,9 +7,7 @@ from pathlib import Path
 from cell_processes import StartCell, run_verb
 
 
-def test_7_5_a_component_out_of_service_gets_no_goal_over_a_kill_of_the_node(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_7_5_component_out_of_service_gets_no_goal(start_cell: StartCell, tmp_path: Path) -> None:
     options = ['--journal', str(tmp_path / 'journal.db'), '--auto-resume']
     # Late by 6 s: the goal still runs when the component goes out of service.
     cell = start_cell(run_options=options, fail=['worker.TASK_C#1=late:120'])
@@ -33,16 +31,16 @@ def test_7_5_a_component_out_of_service_gets_no_goal_over_a_kill_of_the_node(
         assert why in errors
 
     cell.kill_and_restart_node()
-    told = watch.until_status(
-        lambda one: any(
-            wait.kind == 'out_of_service' for part in one.sections for wait in part.waits
+    snapshot = watch.until_status(
+        lambda shown: any(
+            wait.kind == 'out_of_service' for part in shown.sections for wait in part.waits
         ),
         'a wait for the worker',
     )
-    (worker,) = (one for one in told.components if one.name == 'worker')
+    (worker,) = (shown for shown in snapshot.components if shown.name == 'worker')
     assert not worker.ready
     assert 'Ada: test' in worker.out_of_service
-    (second,) = (job for job in told.jobs if job.id == 'WO-2')
+    (second,) = (job for job in snapshot.jobs if job.id == 'WO-2')
     assert (second.state, list(second.unavailable)) == ('NotAllowedToStart', ['worker'])
     assert len(cell.goals(event='started', component='worker')) == 1
     status, output, _ = run_verb(cell.folder, 'status')

@@ -42,7 +42,7 @@ class ToolTopic:
         self._cell.watch.until_status(
             lambda status: any(
                 component.name == 'worker'
-                and {one.key: one.value for one in component.setups} == {'tool': tool}
+                and {setup.key: setup.value for setup in component.setups} == {'tool': tool}
                 for component in status.components
             ),
             f'the tool {tool!r}',
@@ -109,7 +109,7 @@ def simulated(cell: CellProcesses, orders: Sequence[Path]) -> Mapping[str, Any]:
     return figures
 
 
-def test_6_7_a_proposed_order_saves_what_the_simulation_then_shows(start_cell: StartCell) -> None:
+def test_6_7_simulation_confirms_savings_of_proposed_order(start_cell: StartCell) -> None:
     """As a user types it, with the shipped line of three products; then the line does so."""
     text = (ROOT / 'config' / 'three_products_cell.yaml').read_text()
     cell = start_cell(text, run_options=['--no-auto-start', '--trees', str(PRODUCTS)])
@@ -118,17 +118,17 @@ def test_6_7_a_proposed_order_saves_what_the_simulation_then_shows(start_cell: S
     assert status == 0, errors
     status, output, errors = cell.verb('queue', 'propose', '--json')
     assert status == 0, errors
-    found = json.loads(output)
-    assert found['is_best']
-    assert found['order'] == ['WO-5001', 'WO-5005', 'WO-5003', 'WO-5002', 'WO-5004']
+    proposal = json.loads(output)
+    assert proposal['is_best']
+    assert proposal['order'] == ['WO-5001', 'WO-5005', 'WO-5003', 'WO-5002', 'WO-5004']
 
     by_name = {path.stem.upper().replace('_', '-'): path for path in ORDERS}
     now = simulated(cell, ORDERS)
-    then = simulated(cell, [by_name[name] for name in found['order']])
+    then = simulated(cell, [by_name[name] for name in proposal['order']])
     assert (now['changeover_s'], then['changeover_s']) == pytest.approx((245.0, 110.0))
-    predicted = found['changeover_s'], found['new_changeover_s']
+    predicted = proposal['changeover_s'], proposal['new_changeover_s']
     assert predicted == pytest.approx((now['changeover_s'], then['changeover_s']))
-    ends = [max(one[key] for one in found['jobs']) for key in ('ends_s', 'new_ends_s')]
+    ends = [max(entry[key] for entry in proposal['jobs']) for key in ('ends_s', 'new_ends_s')]
     assert ends == pytest.approx([now['total_s'], then['total_s']])
 
     status, _, errors = cell.verb('queue', 'propose', '--apply', '--reason', 'fewer changes')
@@ -136,6 +136,6 @@ def test_6_7_a_proposed_order_saves_what_the_simulation_then_shows(start_cell: S
     for command in ('reset', 'start'):
         assert cell.watch.command(command).accepted, command
     assert cell.watch.until_ended('WO-5004').packed == 4
-    changes = [one['task'] for one in cell.goals(component='arm', event='started')]
+    changes = [entry['task'] for entry in cell.goals(component='arm', event='started')]
     assert (changes.count('TASK_C'), changes.count('TASK_B')) == (2, 2)
     cell.stop()

@@ -58,9 +58,9 @@ class Line:
 @pytest.fixture
 def page(tmp_path: Path) -> Iterator[PageProcess]:
     key = str(tmp_path / 'keys' / 'page_1.pem')
-    found = PageProcess(tmp_path, '/bt_orchestrator', ['--sign-with', key])
-    yield found
-    found.close()
+    process = PageProcess(tmp_path, '/bt_orchestrator', ['--sign-with', key])
+    yield process
+    process.close()
 
 
 def test_7_12_verbs_sign_and_unsigned_requests_only_look(
@@ -107,15 +107,15 @@ def test_7_12_verbs_sign_and_unsigned_requests_only_look(
         assert 'has the role view (ros unauthenticated)' in answer.message
 
     status, output, _ = run_verb(cell.folder, 'status', '--json')
-    told = json.loads(output)
-    assert (told['signed_commands'], told['unauthenticated_role']) == ('required', 'view')
+    state = json.loads(output)
+    assert (state['signed_commands'], state['unauthenticated_role']) == ('required', 'view')
     line.users.remove_key('ann')
     status, _, errors = run_verb(cell.folder, 'cell', 'stop', *with_key)
     assert (status, 'a key that the users file of this node does not have' in errors) == (1, True)
     cell.stop()
 
 
-def test_7_12_where_nothing_is_required_old_clients_work_and_status_says_unauthenticated(
+def test_7_12_optional_signing_accepts_old_clients_as_unauthenticated(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     line = Line(start_cell, tmp_path)
@@ -131,12 +131,12 @@ def test_7_12_where_nothing_is_required_old_clients_work_and_status_says_unauthe
     assert cell.watch.until('operator.decided', answer='resume')['who'] == 'ann'
     words = 'commands over ROS are unauthenticated: everybody there has the role engineer'
     assert words in run_verb(cell.folder, 'status')[1]
-    found = run_verb(cell.folder, 'doctor', '--cell', str(cell.cell))[1]
-    assert 'unauthenticated: everybody in the ROS domain has the role engineer' in found
+    report = run_verb(cell.folder, 'doctor', '--cell', str(cell.cell))[1]
+    assert 'unauthenticated: everybody in the ROS domain has the role engineer' in report
     cell.stop()
 
 
-def test_7_12_numbers_go_on_after_a_kill_of_the_node(
+def test_7_12_restarted_node_still_rejects_copied_requests(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     journal = ('--journal', str(tmp_path / 'journal.db'))
@@ -156,7 +156,7 @@ def test_7_12_numbers_go_on_after_a_kill_of_the_node(
     cell.stop()
 
 
-def test_7_12_a_page_signs_for_its_users_and_a_key_is_a_panel(
+def test_7_12_page_signs_for_users_and_key_is_panel(
     start_cell: StartCell, page: PageProcess, tmp_path: Path
 ) -> None:
     line = Line(start_cell, tmp_path, '--signed-commands', 'required')

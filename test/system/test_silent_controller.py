@@ -11,9 +11,7 @@ from program_process import ProgramProcess
 MUTE_SERVER = Path(__file__).parents[1] / 'mute_server.py'
 
 
-def test_9_3_a_controller_that_does_not_answer_is_in_doubt(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_9_3_silent_controller_leaves_task_in_doubt(start_cell: StartCell, tmp_path: Path) -> None:
     cell = start_cell(STATELESS_CELL, shares=['feeder,packer,conveyor'])
     mute = ProgramProcess(['worker/task'], tmp_path, 'mute', [str(MUTE_SERVER)])
     try:

@@ -47,19 +47,17 @@ def start(start_cell: StartCell, journal: Path, *options: str) -> CellProcesses:
 
 
 def heard(cell: CellProcesses) -> Callable[[], list[DiagnosticStatus]]:
-    said: list[DiagnosticStatus] = []
+    statuses: list[DiagnosticStatus] = []
     cell.watch.ros.node.create_subscription(
-        DiagnosticArray, '/diagnostics', lambda message: said.extend(message.status), 10
+        DiagnosticArray, '/diagnostics', lambda message: statuses.extend(message.status), 10
     )
-    return lambda: said
+    return lambda: statuses
 
 
-def test_9_1_who_only_reads_does_not_wait_for_the_disk(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_9_1_readers_do_not_wait_for_disk(start_cell: StartCell, tmp_path: Path) -> None:
     journal = tmp_path / 'cell' / 'journal.sqlite3'
     cell = start(start_cell, journal)
-    said = heard(cell)
+    diagnostics = heard(cell)
     cell.run_small(task='TASK_B')
     started = cell.watch.until('task.started', task='work')['seq']
     kept = cell.watch.until_status(lambda s: s.seq >= started, 'the status of that').seq
@@ -79,8 +77,8 @@ def test_9_1_who_only_reads_does_not_wait_for_the_disk(
         assert opened.topic_name
         cell.watch.ros.spin_until(
             lambda: any(
-                one.level == DiagnosticStatus.WARN and 'the disk has not' in one.message
-                for one in said()
+                status.level == DiagnosticStatus.WARN and 'the disk has not' in status.message
+                for status in diagnostics()
             ),
             'a warning in diagnostics',
         )
@@ -97,7 +95,7 @@ def test_9_1_who_only_reads_does_not_wait_for_the_disk(
     cell.stop()
 
 
-def test_9_1_a_disk_that_does_not_answer_is_told_and_abort_cancels(
+def test_9_1_disk_timeout_is_reported_and_abort_cancels(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     journal = tmp_path / 'cell' / 'journal.sqlite3'

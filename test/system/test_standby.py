@@ -88,7 +88,7 @@ def assert_all_done_once(pair: Pair, address: str, leaders: int) -> None:
     assert ran.total() == done.total(), 'the controllers executed what the journal says, no more'
 
 
-def test_9_4_a_standby_goes_on_when_the_leader_is_killed(pair: Pair, address: str) -> None:
+def test_9_4_standby_takes_over_when_leader_is_killed(pair: Pair, address: str) -> None:
     drawn, kills = random.Random(94), 3
     pair.cell.run_small(task='TASK_C', quantity=ITEMS)
     for number in range(1, kills + 1):
@@ -103,7 +103,7 @@ def test_9_4_a_standby_goes_on_when_the_leader_is_killed(pair: Pair, address: st
     pair.cell.stop()
 
 
-def test_9_4_goals_that_a_leader_has_ended_are_no_strangers(pair: Pair, address: str) -> None:
+def test_9_4_standby_recognizes_goals_ended_by_leader(pair: Pair, address: str) -> None:
     standby = pair.start_standby()
     pair.cell.run_small(task='TASK_C', quantity=ITEMS)
     pair.cell.watch.until_ended('WO-1', within_s=60.0)
@@ -151,7 +151,7 @@ def test_9_4_a_restart_of_the_database_changes_nothing(
     assert_all_done_once(pair, address, starts)
 
 
-def test_9_4_a_standby_that_is_stopped_leaves_the_leader_alone(pair: Pair, address: str) -> None:
+def test_9_4_stopped_standby_leaves_leader_running(pair: Pair, address: str) -> None:
     pair.cell.run_small(quantity=ITEMS)
     standby = pair.start_standby()
     assert standby.stop() == 0, standby.errors
@@ -163,24 +163,24 @@ def test_9_4_a_standby_that_is_stopped_leaves_the_leader_alone(pair: Pair, addre
 
 @pytest.mark.long
 def test_9_4_status_and_diagnostics_tell_of_leader_and_standby(pair: Pair) -> None:
-    said: dict[str, str] = {}
+    messages: dict[str, str] = {}
 
     def hear(message: DiagnosticArray) -> None:
-        said.update({status.name: status.message for status in message.status})
+        messages.update({status.name: status.message for status in message.status})
 
     pair.cell.watch.ros.node.create_subscription(DiagnosticArray, '/diagnostics', hear, 10)
     host, leader = gethostname(), pair.leader.pid
-    pair.until(lambda: 'bt_orchestrator: leadership' in said, 'the diagnostics of the leader')
-    assert said['bt_orchestrator: leadership'] == 'leads; no standby can take over'
+    pair.until(lambda: 'bt_orchestrator: leadership' in messages, 'the diagnostics of the leader')
+    assert messages['bt_orchestrator: leadership'] == 'leads; no standby can take over'
     assert f'led by {host}, process {leader}, epoch 1\n  no standby was heard' in status_of(pair)
 
     standby = pair.start_standby()
     could = f'standby {host}, process {standby.pid}: can take over'
     pair.until(lambda: could in status_of(pair), 'a standby that can take over')
     wanted = f'leads; {host}, process {standby.pid} can take over'
-    pair.until(lambda: said['bt_orchestrator: leadership'] == wanted, wanted)
+    pair.until(lambda: messages['bt_orchestrator: leadership'] == wanted, wanted)
     pair.until(
-        lambda: said.get(f'bt_orchestrator: standby {host}') == 'it can take over',
+        lambda: messages.get(f'bt_orchestrator: standby {host}') == 'it can take over',
         'the diagnostics of the standby',
     )
 
@@ -201,9 +201,7 @@ def status_of(pair: Pair) -> str:
     return output
 
 
-def test_9_4_a_standby_needs_a_journal_that_two_machines_reach(
-    start_cell: StartCell, address: str
-) -> None:
+def test_9_4_standby_requires_postgresql_journal(start_cell: StartCell, address: str) -> None:
     cell = start_cell(run_options=['--journal', 'journal.db', '--standby'])
     assert cell.node.wait() == 1
     assert 'expected --journal postgresql://USER@HOST/DATABASE/CELL' in cell.node.errors

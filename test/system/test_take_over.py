@@ -36,9 +36,7 @@ def until_some_goal_ran(cell: CellProcesses, goals: int) -> None:
     cell.watch.ros.spin_until(lambda: len(cell.goals(event='started')) >= goals, 'goals to run')
 
 
-def test_9_2_killed_again_and_again_every_task_is_done_once(
-    start_cell: StartCell, tmp_path: Path
-) -> None:
+def test_9_2_repeated_kills_execute_every_task_once(start_cell: StartCell, tmp_path: Path) -> None:
     cell = start(start_cell, tmp_path, '--auto-resume')
     drawn = random.Random(9)
     cell.run_small(task='TASK_C', quantity=ITEMS)  # two seconds of real time each
@@ -64,7 +62,7 @@ def test_9_2_killed_again_and_again_every_task_is_done_once(
     assert ran.total() == done.total(), 'the controllers executed what the journal says, no more'
 
 
-def test_9_2_without_auto_resume_it_waits_and_says_what_it_found(
+def test_9_2_restart_without_auto_resume_holds_and_reports(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
     cell = start(start_cell, tmp_path)

@@ -22,7 +22,7 @@ def commands() -> list[str]:
     return list(dict.fromkeys(''.join(blocks).splitlines()))
 
 
-def test_every_entry_has_a_symptom_a_cause_and_a_command() -> None:
+def test_every_entry_has_symptom_cause_and_command() -> None:
     entries = PAGE.read_text(encoding='utf-8').split('\n## ')[1:]
     assert len(entries) >= 8
     for entry in entries:

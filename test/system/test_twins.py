@@ -65,11 +65,11 @@ def assert_both_hold(nodes: Nodes, a: ProgramProcess, b: ProgramProcess) -> None
 
 
 def are_told(asked: ProgramProcess, a: ProgramProcess, b: ProgramProcess) -> bool:
-    told = '2 nodes answer as /bt_orchestrator, stop all but one: ' in asked.errors
-    return told and all(f'process {node.pid} on ' in asked.errors for node in (a, b))
+    has_warning = '2 nodes answer as /bt_orchestrator, stop all but one: ' in asked.errors
+    return has_warning and all(f'process {node.pid} on ' in asked.errors for node in (a, b))
 
 
-def test_a_second_node_of_a_name_does_not_start(nodes: Nodes) -> None:
+def test_second_node_with_same_name_refuses_start(nodes: Nodes) -> None:
     a = nodes.start('a')
     a.wait_ready()
     b = nodes.start('b')
@@ -95,7 +95,7 @@ def test_a_node_that_was_killed_is_no_twin(nodes: Nodes) -> None:
     assert nodes.twin_holds('a') == []
 
 
-def test_7_3_two_that_meet_later_both_hold_until_somebody_has_looked(nodes: Nodes) -> None:
+def test_7_3_twins_meeting_later_both_hold_until_resumed(nodes: Nodes) -> None:
     a = nodes.start('a')
     a.wait_ready()
     a.send(signal.SIGSTOP)  # as if its cable were unplugged
@@ -116,7 +116,7 @@ def test_7_3_two_that_meet_later_both_hold_until_somebody_has_looked(nodes: Node
     assert b.stop() == 0
 
 
-def test_7_3_two_that_start_at_the_same_time_do_not_both_go_on(nodes: Nodes) -> None:
+def test_7_3_twins_starting_together_do_not_both_run(nodes: Nodes) -> None:
     a, b = nodes.start('a'), nodes.start('b')
     for node in (a, b):
         node.wait_ready_or_end()

@@ -42,11 +42,11 @@ def done_by_worker(cell: CellProcesses) -> list[str]:
     return [record['event'] for record in cell.goals(component='worker', task='TASK_A')]
 
 
-def test_2_5_nothing_is_sent_while_two_servers_have_one_name(cell: CellProcesses) -> None:
+def test_2_5_two_servers_of_one_name_block_goals(cell: CellProcesses) -> None:
     second = second_worker(cell)
-    told = cell.watch.until_status(lambda s: worker(s).contested, 'the status to say so')
-    assert not worker(told).ready
-    assert worker(told).contested.startswith('2 servers of worker/task: ')
+    status = cell.watch.until_status(lambda s: worker(s).contested, 'the status to say so')
+    assert not worker(status).ready
+    assert worker(status).contested.startswith('2 servers of worker/task: ')
 
     cell.run_small()
     waits = cell.watch.until_status(
@@ -57,13 +57,13 @@ def test_2_5_nothing_is_sent_while_two_servers_have_one_name(cell: CellProcesses
     assert (wait.kind, list(wait.components)) == ('readiness', ['worker'])
     assert wait.reason.startswith('waiting for worker to have one server; there are 2 servers of ')
     # Names and topics of a server come one by one: they are told apart by their ids in the end.
-    told = cell.watch.until_status(
+    status = cell.watch.until_status(
         lambda s: worker(s).contested.count('/sim_cell (id ') == 2, 'two equal names'
     )
-    said = f'worker: {worker(told).contested}'
-    cell.watch.ros.spin_until(lambda: diagnosed(cell) == (DiagnosticStatus.ERROR, said), said)
+    line = f'worker: {worker(status).contested}'
+    cell.watch.ros.spin_until(lambda: diagnosed(cell) == (DiagnosticStatus.ERROR, line), line)
     _, text, _ = cell.verb('status')
-    assert said in text
+    assert line in text
     assert done_by_worker(cell) == []
 
     assert second.stop() == 0
@@ -88,7 +88,7 @@ def test_9_3_a_goal_goes_on_beside_a_second_server(cell: CellProcesses) -> None:
     cell.stop()
 
 
-def test_2_5_a_server_that_was_killed_keeps_its_successor_waiting_for_seconds_only(
+def test_2_5_killed_server_delays_successor_only_seconds(
     cell: CellProcesses,
 ) -> None:
     cell.sims[1].kill()
@@ -110,5 +110,5 @@ def diagnosed(cell: CellProcesses) -> tuple[bytes, str]:
     subscription = node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
     cell.watch.ros.spin_until(lambda: heard, 'diagnostics')
     node.destroy_subscription(subscription)
-    [found] = [one for one in heard[0].status if one.name.endswith(': action servers')]
-    return found.level, found.message
+    [servers] = [status for status in heard[0].status if status.name.endswith(': action servers')]
+    return servers.level, servers.message

@@ -20,7 +20,7 @@ def hmi() -> Iterator[ActionCaller]:
     caller.close()
 
 
-def test_9_2_the_goal_of_a_journal_that_was_lost_holds_the_cell(
+def test_9_2_goal_of_lost_journal_holds_cell(
     start_cell: StartCell, tmp_path: Path, hmi: ActionCaller
 ) -> None:
     journal = tmp_path / 'cell' / 'journal.sqlite3'
@@ -36,8 +36,8 @@ def test_9_2_the_goal_of_a_journal_that_was_lost_holds_the_cell(
     cell.node.wait_ready()
     cell.watch.connect_anew()
 
-    told = cell.watch.until_status(lambda s: s.holds, 'a hold')
-    [hold] = told.holds
+    status = cell.watch.until_status(lambda s: s.holds, 'a hold')
+    [hold] = status.holds
     assert hold.reason == 'unknown_goal'
     assert hold.message.startswith(f'worker/task at /sim_cell runs goal {goal}, accepted ')
     cell.run_small(order='WO-2')
@@ -64,14 +64,14 @@ def test_2_5_a_goal_of_another_client_is_waited_for(
     request = hmi.request('/worker/task', Component, Component.Goal(task=Component.Goal.TASK_B))
     handle = hmi.wait(request, 'the goal to be accepted')
     foreign = str(uuid.UUID(bytes=bytes(handle.goal_id.uuid)))
-    told = cell.watch.until_status(
+    status = cell.watch.until_status(
         lambda s: any(foreign in c.contested for c in s.components), 'the goal to be seen'
     )
-    assert not told.holds
+    assert not status.holds
     cell.run_small(order='WO-2')
     wait = f'waiting for worker; it runs goal {foreign}, which no task here waits for'
     cell.watch.until_status(
-        lambda s: wait in [one.reason for one in s.sections[1].waits], 'the wait that names it'
+        lambda s: wait in [entry.reason for entry in s.sections[1].waits], 'the wait that names it'
     )
     hmi.wait(handle.cancel_goal_async(), 'the cancel')
     assert cell.watch.until_ended('WO-2').packed == 1

@@ -108,8 +108,8 @@ def _orders_that_are_refused_end_with_1(cell: CellProcesses) -> None:
 
     both = order_file(cell, '{script: small, quantity: none, params: {lot: 1}}')
     status, _, errors = run_verb(folder, 'submit', both)
-    found = [line.removeprefix(f'{folder}/order.yaml:') for line in errors.splitlines()]
-    assert [(one.partition(' ')[0], one.split('`')[1]) for one in found] == [
+    findings = [line.removeprefix(f'{folder}/order.yaml:') for line in errors.splitlines()]
+    assert [(finding.partition(' ')[0], finding.split('`')[1]) for finding in findings] == [
         ('1:27:', 'quantity'),
         ('1:47:', 'small'),
     ]

@@ -134,7 +134,7 @@ def _plain_lines_and_json(cell: CellProcesses) -> None:
         assert cell.watch.answer('2', 'retry').accepted
         wait_for(cell, plain, 'WO-2 completed\n')
         cell.watch.ros.spin_until(
-            lambda: any(packed(one) == 3 for one in statuses(machine)), 'the last item'
+            lambda: any(packed(snapshot) == 3 for snapshot in statuses(machine)), 'the last item'
         )
         assert (plain.stop(), machine.stop(signal.SIGTERM)) == (0, 0)
         plain.assert_clean()
@@ -145,10 +145,10 @@ def _plain_lines_and_json(cell: CellProcesses) -> None:
     assert '\x1b' not in plain.output
     assert 'bt-orchestrator answer 2 retry --reason "WHY"\n' in plain.output
     assert re.search(r'^ +\d+\.\d\d s  section 2   WO-2/3 packed$', plain.output, re.MULTILINE)
-    told = statuses(machine)
-    assert len(told[0]['holds']) == 1
-    assert packed(told[-1]) == 3
-    sequence = [status['seq'] for status in told]
+    snapshots = statuses(machine)
+    assert len(snapshots[0]['holds']) == 1
+    assert packed(snapshots[-1]) == 3
+    sequence = [status['seq'] for status in snapshots]
     assert sequence == sorted(sequence)
     trees = of_kind(machine, 'tree')
     assert trees[0]['name'] == 'small_cell'

@@ -25,9 +25,9 @@ def test_requests_are_worked_out_and_not_made(start_cell: StartCell) -> None:
 
     status, output, errors = cell.verb('what-if', 'job next b', '--json')
     assert status == 0, errors
-    found = json.loads(output)
-    before = {one['job']: one['ends_s'] for one in found['before']}
-    after = {one['job']: one['ends_s'] for one in found['after']}
+    prediction = json.loads(output)
+    before = {entry['job']: entry['ends_s'] for entry in prediction['before']}
+    after = {entry['job']: entry['ends_s'] for entry in prediction['after']}
     assert list(before) == ['long', 'a', 'b']
     assert list(after) == ['long', 'b', 'a']
     assert before['a'] < before['b']
@@ -50,7 +50,7 @@ def test_requests_are_worked_out_and_not_made(start_cell: StartCell) -> None:
     assert (status, 'asks nothing of the cell' in errors) == (2, True)
 
 
-def test_a_proposed_order_is_applied_to_the_queue_that_it_is_for(start_cell: StartCell) -> None:
+def test_proposed_order_applies_only_to_unchanged_queue(start_cell: StartCell) -> None:
     cell = start_cell(speed=4)
     cell.connect()
     cell.script(small_script())

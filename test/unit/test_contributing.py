@@ -58,8 +58,8 @@ def holds(place: Path, file: Path) -> bool:
 def naming(place: Path, words: str) -> list[Path]:
     """Return the files of a place that name an example."""
     files = [place] if place.is_file() else place.rglob('*')
-    texts = (one for one in files if one.suffix in {'.py', '.md', '.msg', '.txt'})
-    return [one for one in texts if re.search(words, one.read_text(encoding='utf-8'))]
+    texts = (file for file in files if file.suffix in {'.py', '.md', '.msg', '.txt'})
+    return [file for file in texts if re.search(words, file.read_text(encoding='utf-8'))]
 
 
 def test_every_list_has_an_example() -> None:
@@ -67,11 +67,11 @@ def test_every_list_has_an_example() -> None:
 
 
 @pytest.mark.parametrize('what', EXAMPLES)
-def test_the_code_of_an_example_stands_in_the_files_of_its_list(what: str) -> None:
+def test_example_code_appears_only_in_listed_files(what: str) -> None:
     places = [place for row in rows(what) for place in row.places]
-    found = [file for file in CODE if re.search(rf'\b{EXAMPLES[what].code}\b', file.read_text())]
-    assert found
-    missing = [file for file in found if not any(holds(place, file) for place in places)]
+    matches = [file for file in CODE if re.search(rf'\b{EXAMPLES[what].code}\b', file.read_text())]
+    assert matches
+    missing = [file for file in matches if not any(holds(place, file) for place in places)]
     assert missing == [], 'not in the list'
 
 

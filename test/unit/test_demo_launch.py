@@ -153,7 +153,7 @@ def test_a_page_is_served_if_it_is_wanted(launched: LaunchFile) -> None:
     assert main.parsed(alone['arguments']).node == DEFAULT_NODE
 
 
-def test_opc_ua_clients_are_served_if_it_is_wanted(launched: LaunchFile) -> None:
+def test_opc_ua_clients_are_served_on_request(launched: LaunchFile) -> None:
     *_, node, server = launched.processes(opcua='true', opcua_port='4841', namespace='/cell_b')
     _, values = node['parameters']
     assert values['trust_local_doors'] is True

@@ -63,13 +63,13 @@ def text_of(page: str) -> str:
 
 @cache
 def blocks() -> tuple[Block, ...]:
-    found = []
+    code_blocks = []
     for page in PAGES:
         text = text_of(page)
         for match in re.finditer(r'^```(\w*)\n(.*?)^```$', text, re.MULTILINE | re.DOTALL):
             line = text.count('\n', 0, match.start()) + 2
-            found.append(Block(page, line, match[1], match[2]))
-    return tuple(found)
+            code_blocks.append(Block(page, line, match[1], match[2]))
+    return tuple(code_blocks)
 
 
 def yaml_blocks() -> list[Block]:
@@ -134,7 +134,7 @@ class PageReader:
 
 
 @pytest.mark.parametrize('page', sorted({block.page for block in yaml_blocks()}))
-def test_yaml_on_a_page_is_accepted_by_the_real_readers(page: str) -> None:
+def test_yaml_on_a_page_passes_the_real_readers(page: str) -> None:
     reader = PageReader()
     kinds = []
     for block in yaml_blocks():
@@ -148,7 +148,7 @@ def test_yaml_on_a_page_is_accepted_by_the_real_readers(page: str) -> None:
     assert kinds
 
 
-def test_every_option_of_a_script_is_shown_in_an_example() -> None:
+def test_every_script_option_appears_in_an_example() -> None:
     chapters = re.split(r'^## ', text_of(SCRIPT_REFERENCE), flags=re.MULTILINE)
     for table in SCRIPT.tree():
         (chapter,) = (c for c in chapters if f'generated: keys of {table.name} -->' in c)
@@ -245,7 +245,7 @@ def shown_commands() -> Iterator[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(('place', 'command'), list(shown_commands()))
-def test_a_command_shown_is_accepted_by_the_real_parser(place: str, command: str) -> None:
+def test_shown_command_passes_the_real_parser(place: str, command: str) -> None:
     assert is_verb(parsed(shlex.split(command)).verb.split()[0]), place
 
 

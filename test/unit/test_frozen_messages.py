@@ -40,9 +40,9 @@ def test_every_message_of_a_service_is_frozen() -> None:
 
 def _nested(texts: list[str]) -> set[str]:
     """Return the messages of this package that definitions carry, at any depth."""
-    found: set[str] = set()
+    messages: set[str] = set()
     for text in texts:
         own = re.findall(r'^([A-Z]\w+)(?:\[[^]]*])? ', text, re.MULTILINE)
-        for name in set(own) - found:
-            found |= {name} | _nested([(MESSAGES / f'{name}.msg').read_text()])
-    return found
+        for name in set(own) - messages:
+            messages |= {name} | _nested([(MESSAGES / f'{name}.msg').read_text()])
+    return messages

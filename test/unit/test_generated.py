@@ -27,7 +27,7 @@ def test_every_generated_part_has_its_place() -> None:
     assert sorted(named) == sorted(generate.PARTS)
 
 
-def test_every_rule_of_the_line_has_tests_named_after_it() -> None:
+def test_every_rule_of_the_line_has_tests() -> None:
     text = text_of('docs/semantics.md')
     chapters = re.findall(r'^## ([3-7])\. .*?\n(.*?)(?=^## )', text, re.MULTILINE | re.DOTALL)
     rules = {
@@ -67,7 +67,7 @@ AGREED = {
 """The events that other programs were promised."""
 
 
-def test_events_beyond_the_agreed_ones_have_their_reason_written_down() -> None:
+def test_additional_events_have_their_reason_recorded() -> None:
     agreed = {f'{part}.{name}' for part, names in AGREED.items() for name in names.split()}
     table = text_of('docs/decisions/0007-additional-events.md')
     added = set(re.findall(r'^\| `(\S+)` \|', table, re.MULTILINE))
@@ -79,7 +79,7 @@ def test_events_beyond_the_agreed_ones_have_their_reason_written_down() -> None:
 PARAMETER_FILE = 'config/tree_node.yaml'
 
 
-def test_the_parameter_file_names_every_parameter_of_the_node() -> None:
+def test_parameter_file_names_every_node_parameter() -> None:
     below = text_of(PARAMETER_FILE).partition('ros__parameters:\n')[2]
     named = re.findall(r'^    (?:# )?(\w+): ', below, re.MULTILINE)
     assert named == [*(name for name, _ in described()), *default_stream()]

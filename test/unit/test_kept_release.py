@@ -59,7 +59,7 @@ def journal(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize('name', SAID)
-def test_a_verb_says_at_least_what_it_said_then(
+def test_verb_output_contains_that_of_kept_release(
     name: str, journal: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([*SAID[name], '--journal', str(journal)]) == 0, capsys.readouterr()

@@ -36,11 +36,11 @@ PAGES = [path for path in sorted(DOCS.glob('*.md')) if path.name != 'README.md']
 
 
 @pytest.mark.parametrize('path', PAGES, ids=lambda path: path.name)
-def test_a_page_is_of_one_kind_which_the_index_says(path: Path) -> None:
-    said = re.match(r'# .*\n\n\*([\w-]+)(?:, for [^*]*)?\.\*', path.read_text(encoding='utf-8'))
-    assert said, 'the line below the title says its kind'
-    assert said[1].lower() in KINDS
-    assert kinds_in_index()[path] == said[1].lower()
+def test_page_has_one_kind_matching_the_index(path: Path) -> None:
+    kind = re.match(r'# .*\n\n\*([\w-]+)(?:, for [^*]*)?\.\*', path.read_text(encoding='utf-8'))
+    assert kind, 'the line below the title says its kind'
+    assert kind[1].lower() in KINDS
+    assert kinds_in_index()[path] == kind[1].lower()
 
 
 def words_by_reader() -> dict[str, int]:
@@ -55,14 +55,14 @@ def words_of(path: Path) -> int:
     return len(prose.without_generated(path.read_text(encoding='utf-8')).split())
 
 
-def test_no_reader_is_led_through_more_words_than_promised() -> None:
+def test_no_reader_gets_more_words_than_promised() -> None:
     words = words_by_reader()
     assert f'{MOST_WORDS:,} words' in INDEX
     assert {reader: n for reader, n in words.items() if n > MOST_WORDS} == {}
     assert min(words.values()) > 2_000
 
 
-def test_every_page_of_learning_and_doing_is_read_by_somebody() -> None:
+def test_every_learning_or_doing_page_has_a_reader() -> None:
     read = {page for _, pages in rows('By reader') for page in linked(pages)}
     lost = {page.name for page, kind in kinds_in_index().items() if kind in KINDS[:2]} - {
         page.name for page in read

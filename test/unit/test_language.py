@@ -42,9 +42,9 @@ def banned_in(texts: Iterable[str]) -> Iterator[str]:
     """Yield a complaint for each construction in sentences that is banned."""
     for text in texts:
         for sentence in prose.sentences(text):
-            for one in CONSTRUCTIONS:
-                if one.pattern.search(sentence):
-                    yield f'{one.name}: "{sentence}"; better: {one.better}'
+            for construction in CONSTRUCTIONS:
+                if construction.pattern.search(sentence):
+                    yield f'{construction.name}: "{sentence}"; better: {construction.better}'
 
 
 def long_in(texts: Iterable[str]) -> Iterator[str]:
@@ -72,11 +72,11 @@ def of_help(complain: Complain) -> Complaints:
 
 
 def of_code(texts: Callable[[ast.Module], Iterator[str]]) -> Complaints:
-    found: Complaints = {}
+    complaints: Complaints = {}
     for path, module in prose.modules().items():
-        lines = found.setdefault(prose.package_file(path), [])
+        lines = complaints.setdefault(prose.package_file(path), [])
         lines += [f'{path}: {it}' for it in banned_in(texts(module))]
-    return found
+    return complaints
 
 
 def of_messages() -> Complaints:
@@ -110,7 +110,7 @@ def test_the_language_is_plain(kind: str) -> None:
 
 
 @pytest.mark.parametrize('one', CONSTRUCTIONS, ids=lambda one: one.name)
-def test_a_construction_is_caught_and_a_good_sentence_is_not(one: Construction) -> None:
+def test_banned_constructions_are_caught_and_good_sentences_pass(one: Construction) -> None:
     assert [it.partition(':')[0] for it in banned_in([one.caught])] == [one.name]
     assert list(banned_in([one.fine])) == []
 
@@ -128,14 +128,14 @@ def test_names_are_those_of_variables_and_parameters() -> None:
     assert sorted(prose.variables(ast.parse(code))) == ['found', 'it', 'one', 'self']
 
 
-def test_sentences_of_a_page_are_those_that_people_read() -> None:
+def test_sentences_of_a_page_are_its_readable_text() -> None:
     page = (
         '# What a title says\n\nFirst one, with `code of it` and\n[a link](x.md). Second one.\n\n'
         '- item\n- other (in brackets). Third.\n\n```sh\nnobody\n```\n\n| a | b |\n|---|---|\n'
         '| c d; f | e |\n<!-- generated: x -->\nnobody\n<!-- end -->\n'
     )
-    found = [sentence for sentence in prose.sentences_of_page(page) if '-' not in sentence]
-    assert found == [
+    sentences = [sentence for sentence in prose.sentences_of_page(page) if '-' not in sentence]
+    assert sentences == [
         'First one, with `…` and a link.',
         'Second one.',
         'item',

@@ -20,7 +20,7 @@ def manifest(name: str) -> ElementTree.Element:
     return ElementTree.parse(ROOT / name).getroot()
 
 
-def test_every_manifest_has_the_version_of_the_package_without_its_candidate() -> None:
+def test_manifest_versions_match_package_without_candidate_suffix() -> None:
     setup = re.findall(r"version='(\d+\.\d+\.\d+)',", (ROOT / 'setup.py').read_text())
     config = configparser.ConfigParser()
     config.read(ROOT / 'setup.cfg')
@@ -38,6 +38,6 @@ def test_the_index_of_rosdep_has_every_key(name: str) -> None:
     )
 
 
-def test_the_kept_list_has_no_key_that_no_manifest_names() -> None:
+def test_kept_list_has_no_unused_keys() -> None:
     named = {node.text for name in MANIFESTS for node in manifest(name)}
     assert {*KNOWN['of_ros'], *KNOWN['of_the_system']} - named == set()

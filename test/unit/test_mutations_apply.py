@@ -29,8 +29,8 @@ def tested() -> set[str]:
     """Rules that the names of the tests name."""
     files = (file for part in MUTATIONS.TESTS for file in (ROOT / part).glob('test_*.py'))
     texts = [file.read_text() for file in files]
-    found = re.findall(r'(?m)^def test_(\d)_(\d+)_', '\n'.join(texts))
-    return {f'{chapter}.{rule}' for chapter, rule in found}
+    numbers = re.findall(r'(?m)^def test_(\d)_(\d+)_', '\n'.join(texts))
+    return {f'{chapter}.{rule}' for chapter, rule in numbers}
 
 
 def test_every_patch_applies(tmp_path: Path) -> None:

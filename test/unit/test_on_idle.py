@@ -39,7 +39,7 @@ def test_the_first_processes_never_wait(worker: str, at_once: str, waits: bool) 
     ('texts', 'left'),
     [([BEFORE, BUSY, IDLE, 'never read'], 1), ([BEFORE, IDLE, 'never read'], 1), ([BUSY], 1)],
 )
-def test_it_waits_until_the_cores_have_time_or_long_enough(
+def test_wait_ends_when_cores_idle_or_time_expires(
     monkeypatch: pytest.MonkeyPatch, texts: list[str], left: int
 ) -> None:
     kernel = Kernel(texts)

@@ -131,26 +131,26 @@ def events() -> list[e.Event]:
 
 def ran(events: list[e.Event]) -> list[Ran]:
     started: dict[e.TaskKey, float] = {}
-    found = []
+    runs = []
     for event in events:
         if isinstance(event, e.TaskStarted):
             started[event.key] = event.time
         elif isinstance(event, e.TaskSucceeded):
             item = None if event.item is None else int(event.item.split('/')[1])
             start = started.pop(event.key)
-            found.append(Ran(event.section, item, event.task, start, event.time))
+            runs.append(Ran(event.section, item, event.task, start, event.time))
     assert not started
-    return found
+    return runs
 
 
-def test_every_task_starts_and_ends_when_the_durations_say(events: list[e.Event]) -> None:
-    found = ran(events)
+def test_tasks_start_and_end_as_durations_predict(events: list[e.Event]) -> None:
+    runs = ran(events)
 
-    assert set(found) == BY_HAND
-    assert len(found) == len(BY_HAND)
+    assert set(runs) == BY_HAND
+    assert len(runs) == len(BY_HAND)
 
 
-def test_every_item_moves_when_the_belt_comes_to_rest(events: list[e.Event]) -> None:
+def test_every_item_moves_when_belt_stops(events: list[e.Event]) -> None:
     moved = [event for event in events if isinstance(event, e.ItemMoved)]
 
     assert {(int(m.item[-1]), m.section, m.time) for m in moved} == MOVES

@@ -68,29 +68,29 @@ def rooms() -> list[Path]:
 
 
 @pytest.mark.parametrize('room', rooms(), ids=lambda room: str(room.relative_to(ROOT)))
-def test_no_room_has_too_many_lines_of_its_own(room: Path) -> None:
+def test_no_room_exceeds_its_line_limit(room: Path) -> None:
     lines = sum(len(file.read_text().splitlines()) for file in room.glob('*.py'))
     assert lines <= MOST_LINES, f'{lines} lines; make a room in it for what belongs together'
 
 
-def test_only_the_lean_way_uses_the_inside_of_rclpy() -> None:
-    found = {
+def test_only_the_lean_way_uses_rclpy_internals() -> None:
+    uses = {
         (name, inside)
         for name, file in ((file.relative_to(PACKAGE).as_posix(), file) for file in FILES)
         if not name.startswith(INSIDERS)
         for inside in used_of_the_inside(file.read_text())
     }
-    assert found == {UNASKED_CANCEL}, 'move it there, or use what rclpy documents'
+    assert uses == {UNASKED_CANCEL}, 'move it there, or use what rclpy documents'
 
 
 def test_people_see_a_cell_through_its_door_alone() -> None:
-    found = {
+    uses = {
         (name, outside)
         for name, file in ((file.relative_to(PACKAGE).as_posix(), file) for file in FILES)
         if name.startswith(SURFACES)
         for outside in behind_the_door(file.read_text())
     }
-    assert found == {DOOR}, 'ask and follow through ports.CellLink'
+    assert uses == {DOOR}, 'ask and follow through ports.CellLink'
 
 
 @pytest.mark.parametrize(
@@ -111,12 +111,12 @@ def behind_the_door(text: str) -> Iterator[str]:
     for node in ast.walk(ast.parse(text)):
         match node:
             case ast.Import(names):
-                found = [alias.name for alias in names]
+                modules = [alias.name for alias in names]
             case ast.ImportFrom(str(module)):
-                found = [module]
+                modules = [module]
             case _:
                 continue
-        yield from (name for name in found if _is_message_module(name))
+        yield from (name for name in modules if _is_message_module(name))
 
 
 def _is_message_module(name: str) -> bool:
@@ -186,12 +186,12 @@ def _imported(tree: ast.Module) -> Iterator[str]:
     for node in ast.walk(tree):
         match node:
             case ast.Import(names):
-                found = [alias.name for alias in names]
+                modules = [alias.name for alias in names]
             case ast.ImportFrom(str(module), names):
-                found = [module if '.impl.' in module else f'{module}.{a.name}' for a in names]
+                modules = [module if '.impl.' in module else f'{module}.{a.name}' for a in names]
             case _:
                 continue
-        yield from (name for name in found if name.split('.')[0] == 'rclpy')
+        yield from (name for name in modules if name.split('.')[0] == 'rclpy')
 
 
 def _inherited(kind: ast.ClassDef, imported: set[str]) -> Iterator[str]:
@@ -215,8 +215,8 @@ def _is_private(name: str) -> bool:
 
 
 def test_few_entries_stand_at_the_top() -> None:
-    found = {path.name for path in PACKAGE.iterdir()} - {'__pycache__'}
-    assert len(found) <= MOST_ENTRIES, sorted(found)
+    entries = {path.name for path in PACKAGE.iterdir()} - {'__pycache__'}
+    assert len(entries) <= MOST_ENTRIES, sorted(entries)
 
 
 def test_rooms_know_few_others() -> None:
@@ -283,7 +283,7 @@ def named_requests(file: Path) -> Iterator[str]:
     """Yield the constants of requests and the classes of commands that a file imports."""
     for node in ast.walk(ast.parse(file.read_text())):
         module = f'{node.module}.' if isinstance(node, ast.ImportFrom) else ''
-        if not isinstance(node, ast.ImportFrom) or not any(one in module for one in REQUESTS):
+        if not isinstance(node, ast.ImportFrom) or not any(part in module for part in REQUESTS):
             continue
         names = [alias.name for alias in node.names if alias.name not in NO_REQUESTS]
         is_table = '.model.requests.' in module

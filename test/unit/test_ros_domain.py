@@ -18,24 +18,24 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def places(*domains: OwnDomain) -> list[str]:
     """Let each move in turn, and return where they are then."""
-    found = []
+    numbers = []
     for domain in domains:
         domain.move()
-        found.append(os.environ['ROS_DOMAIN_ID'])
-    return found
+        numbers.append(os.environ['ROS_DOMAIN_ID'])
+    return numbers
 
 
 def test_nobody_else_is_in_it() -> None:
-    with OwnDomain() as one, OwnDomain() as other:
+    with OwnDomain() as domain, OwnDomain() as other:
         for _ in range(4):
-            assert len(set(places(one, other))) == 2
+            assert len(set(places(domain, other))) == 2
 
 
-def test_a_kept_one_stays_free_of_others_until_it_is_let_go() -> None:
-    with OwnDomain() as one, OwnDomain() as other:
-        [kept] = places(one)
-        with one.keep():
-            places(one)
+def test_kept_domain_stays_reserved_until_released() -> None:
+    with OwnDomain() as domain, OwnDomain() as other:
+        [kept] = places(domain)
+        with domain.keep():
+            places(domain)
             with pytest.raises(pytest.UsageError, match='all ROS domains'):
                 places(other)
         assert places(other) == [kept]
@@ -47,5 +47,5 @@ def test_nor_is_anybody_who_takes_no_lock(monkeypatch: pytest.MonkeyPatch, tmp_p
     monkeypatch.setattr('ros_domain.SOCKETS', tmp_path / 'udp')
     monkeypatch.setattr('ros_domain.DOMAINS', range(41, 44))
     monkeypatch.setattr('ros_domain.LOCKS', tmp_path)  # others may be in these domains
-    with OwnDomain() as one:
-        assert set(places(one, one, one)) == {'41', '43'}
+    with OwnDomain() as domain:
+        assert set(places(domain, domain, domain)) == {'41', '43'}

@@ -28,7 +28,7 @@ FILES = {
     [(schema, path) for schema, paths in FILES.items() for path in paths],
     ids=lambda value: value.name if isinstance(value, Path) else value,
 )
-def test_a_shipped_file_names_its_schema_and_fits_it(schema: str, path: Path) -> None:
+def test_shipped_file_names_and_fits_its_schema(schema: str, path: Path) -> None:
     text = path.read_text(encoding='utf-8')
     named = re.match(r'# yaml-language-server: \$schema=(\S+)\n', text)
     assert named is not None
@@ -36,6 +36,6 @@ def test_a_shipped_file_names_its_schema_and_fits_it(schema: str, path: Path) ->
     assert refusals(schema, text) == []
 
 
-def test_every_kind_of_file_is_shipped_with_its_schema() -> None:
+def test_every_file_kind_ships_with_its_schema() -> None:
     assert {path.name for path in SCHEMAS.iterdir()} == {*FILES}
     assert all(FILES.values())

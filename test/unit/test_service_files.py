@@ -17,8 +17,8 @@ PROGRAM = '/opt/bt_orchestrator/bin/bt-orchestrator'
 
 
 def lines(unit: Path, key: str) -> list[str]:
-    found = unit.read_text(encoding='utf-8').splitlines()
-    return [line.partition('=')[2] for line in found if line.startswith(f'{key}=')]
+    unit_lines = unit.read_text(encoding='utf-8').splitlines()
+    return [line.partition('=')[2] for line in unit_lines if line.startswith(f'{key}=')]
 
 
 def hardening(unit: Path) -> list[str]:

@@ -69,11 +69,11 @@ class SseClient:
 
     def seqs(self, last: int) -> list[int]:
         """Return the numbers of events that come next, up to one."""
-        found: list[int] = []
-        while not found or found[-1] < last:
-            message = self.until(lambda one: one.kind in ('happened', 'gap'))
+        numbers: list[int] = []
+        while not numbers or numbers[-1] < last:
+            message = self.until(lambda event: event.kind in ('happened', 'gap'))
             if message.kind == 'gap':
-                found += range(-message.data['first'], -message.data['last'] - 1, -1)
+                numbers += range(-message.data['first'], -message.data['last'] - 1, -1)
             else:
-                found += [record['seq'] for record in message.data['records']]
-        return found
+                numbers += [record['seq'] for record in message.data['records']]
+        return numbers

@@ -35,7 +35,7 @@ CELLS = (
 
 def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageServer]:
     """Return a cell with a queue, and the server of its page, which is to be started."""
-    faults = None if args.fail is None else [one for one in args.fail if one != 'none']
+    faults = None if args.fail is None else [fault for fault in args.fail if fault != 'none']
     stand = StandCell(
         folder, MemoryStore(), sections=args.sections, faults=faults, speed=args.speed
     )

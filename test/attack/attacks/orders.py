@@ -225,7 +225,7 @@ def _refused(peer: Peer, what: str, answer: Any) -> None:
     if answer.accepted:
         peer.complain(f'accepted: {what}')
     findings = getattr(answer, 'findings', None) or [
-        finding for one in getattr(answer, 'answers', ()) for finding in one.findings
+        finding for reply in getattr(answer, 'answers', ()) for finding in reply.findings
     ]
     _judge_words(peer, what, answer.message, findings)
 
@@ -241,10 +241,10 @@ def _refused_goal(peer: Peer, what: str, goal: RunJob.Goal) -> None:
 
 
 def _judge_words(peer: Peer, what: str, message: str, findings: Any) -> None:
-    said = ' '.join([message, *findings])
-    if _SECRET in said or 'root:' in said:
-        peer.complain(f'the answer to {what} quotes a file: {said[:200]}')
+    text = ' '.join([message, *findings])
+    if _SECRET in text or 'root:' in text:
+        peer.complain(f'the answer to {what} quotes a file: {text[:200]}')
     if len(findings) > _MOST_FINDINGS:
         peer.complain(f'the answer to {what} has {len(findings)} findings')
-    if len(said) > 200_000:
-        peer.complain(f'the answer to {what} has {len(said):,} characters')
+    if len(text) > 200_000:
+        peer.complain(f'the answer to {what} has {len(text):,} characters')

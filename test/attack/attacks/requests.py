@@ -196,15 +196,15 @@ def _while_there_is_time(peer: Peer, requests: Iterator[Any]) -> Iterator[Any]:
 def _services(peer: Peer) -> Iterator[tuple[Any, str]]:
     """Yield class and name of every service of the node, actions aside."""
     node, space = peer.target.node.rpartition('/')[2], peer.target.node.rpartition('/')[0] or '/'
-    found: list[Any] = []
+    services: list[Any] = []
 
     def look() -> bool:
         with contextlib.suppress(NodeNameNonExistentError):  # not discovered yet
-            found[:] = peer.ros.node.get_service_names_and_types_by_node(node, space)
-        return any(name.endswith('/command') for name, _ in found)
+            services[:] = peer.ros.node.get_service_names_and_types_by_node(node, space)
+        return any(name.endswith('/command') for name, _ in services)
 
     peer.ros.spin_until(look, 'the services of the node')
-    for name, (type_name,) in sorted(found):
+    for name, (type_name,) in sorted(services):
         package, folder, kind = type_name.split('/')
         if '/_action/' not in name:
             service = name.removeprefix(f'{peer.target.node}/')

@@ -165,7 +165,7 @@ class _Running:
         return bool(self.goal)
 
     def _hear(self, message: GoalStatusArray) -> None:
-        goals = [one for one in message.status_list if one.status == GoalStatus.STATUS_EXECUTING]
+        goals = [row for row in message.status_list if row.status == GoalStatus.STATUS_EXECUTING]
         self.goal = str(uuid.UUID(bytes=bytes(goals[-1].goal_info.goal_id.uuid))) if goals else ''
 
 

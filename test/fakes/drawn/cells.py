@@ -69,40 +69,42 @@ def lasting(cell: Row, seconds: Sequence[float]) -> list[float]:
     Whether a goal that is cancelled as it starts is cancelled, or dies with its server in that
     moment, is open.
     """
-    dying = [one for one in devices(cell) if any('die' in text for text in one.get('faults', []))]
+    dying = [
+        entry for entry in devices(cell) if any('die' in text for text in entry.get('faults', []))
+    ]
     for device in dying:
         for task, nominal in device.get('durations', {}).items():
             device['durations'][task] = nominal or 1.0
-    return [one or 1.0 if dying else one for one in seconds]
+    return [entry or 1.0 if dying else entry for entry in seconds]
 
 
 def _component(draw: Draw, name: str, place: Any, number: int, traits: Traits) -> Row:
-    found: Row = {'action': f'/{name}/do', 'type': TYPE}
+    row: Row = {'action': f'/{name}/do', 'type': TYPE}
     if place != []:
-        found['section'] = place
+        row['section'] = place
     seconds = draw(st.sampled_from(SECONDS))
     if not traits.tied:
         seconds = 0.2 + seconds / 10 + number * 0.0171
-    found['durations'] = dict.fromkeys(('PREPARE', 'TASK_A', 'TASK_B', 'TASK_C'), seconds)
+    row['durations'] = dict.fromkeys(('PREPARE', 'TASK_A', 'TASK_B', 'TASK_C'), seconds)
     if chance(draw, 20):
-        found['results'] = {'TASK_A': {'item_present': False, 'measurement': 2.5}}
+        row['results'] = {'TASK_A': {'item_present': False, 'measurement': 2.5}}
     if traits.faults and (faults := _faults(draw, 70 if traits.rejects else 15)):
-        found['faults'] = faults
-    dies = any('die' in text for text in found.get('faults', []))
+        row['faults'] = faults
+    dies = any('die' in text for text in row.get('faults', []))
     if traits.setups and not dies and not chance(draw, 40):
-        found['setups'] = {'tool': ['x', 'y']}
-        found['changes'] = {'tool': {'task': 'TASK_C', 'argument': 'special_argument_1'}}
+        row['setups'] = {'tool': ['x', 'y']}
+        row['changes'] = {'tool': {'task': 'TASK_C', 'argument': 'special_argument_1'}}
         # Where a controller takes no goal any more, no change is ever told, whatever is answered.
-        is_deaf = any('ignore_cancel' in text for text in found.get('faults', []))
+        is_deaf = any('ignore_cancel' in text for text in row.get('faults', []))
         if not is_deaf and chance(draw, 40):
-            found['changes']['tool']['reads'] = 'value'
-            found['state'] = {
+            row['changes']['tool']['reads'] = 'value'
+            row['state'] = {
                 'topic': f'/{name}/state',
                 'type': 'diagnostic_msgs/msg/KeyValue',
                 'field': 'key',
                 'ready': ['READY'],
             }
-    return found
+    return row
 
 
 def _reader(draw: Draw, section: int, traits: Traits) -> Row:

@@ -87,13 +87,13 @@ def _short_orders(draw: Draw) -> tuple[Order, ...]:
 
 def _variant(draw: Draw, script: Row) -> Row:
     """Return a script of another name that shares the flags of one, and moves at other times."""
-    found = copy.deepcopy(script)
-    found['script'] = 'script_2'
-    for listed in found['sections'].values():
+    variant = copy.deepcopy(script)
+    variant['script'] = 'script_2'
+    for listed in variant['sections'].values():
         if isinstance(listed, dict) and draw(st.booleans()):
             listed['release_conveyor'] = 'end_of_cycle'
         for task in tasks_of(listed['tasks'] if isinstance(listed, dict) else listed):
             if task.get('qty_change', 0) == 0 and chance(draw, 30):
                 task.pop('when', None)
                 task['retries'] = 1
-    return found
+    return variant

@@ -57,7 +57,7 @@ def draw_flags(draw: Draw, name: str, tasks: Sequence[Placed]) -> list[Row]:
     """Draw the flags of a script, between tasks so near that a capacity of 3 can be enough."""
     pairs = [(u, d) for u in tasks for d in tasks if u is not d and abs(u[0] - d[0]) <= 3]
     count = draw(st.integers(0, 3)) if pairs else 0
-    found = []
+    flags = []
     for number in range(count):
         (first, upstream), (second, downstream) = draw(st.sampled_from(pairs))
         capacity = draw(st.integers(1, 3))
@@ -65,10 +65,10 @@ def draw_flags(draw: Draw, name: str, tasks: Sequence[Placed]) -> list[Row]:
         if chance(draw, 75):
             capacity, initial = _fitting(draw, second - first, capacity)
         ids = {'upstream': upstream['id'], 'downstream': downstream['id']}
-        found.append(
+        flags.append(
             {'flag': f'{name}_f{number}', **ids, 'capacity': capacity, 'initial': initial}
         )
-    return found
+    return flags
 
 
 def _fitting(draw: Draw, distance: int, capacity: int) -> tuple[int, int]:

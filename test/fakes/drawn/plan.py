@@ -141,9 +141,9 @@ def chance(draw: Draw, percent: int) -> bool:
 
 def tasks_of(steps: Sequence[Any]) -> list[Row]:
     """Return the tasks of steps, those of groups and their lists too."""
-    found: list[Row] = []
+    tasks: list[Row] = []
     for step in steps:
         members = step.get('parallel', [step])
         for member in members:
-            found += member if isinstance(member, list) else member.get('repeat', [member])
-    return found
+            tasks += member if isinstance(member, list) else member.get('repeat', [member])
+    return tasks

@@ -121,9 +121,9 @@ class QueueOperator:
     def _arrange(self, run: VirtualRun) -> Answer:
         """Put jobs whose places nobody chose into any order, now and then of another queue."""
         jobs = run.state.jobs
-        free = [one.job.id for one in jobs.queue() if one.ranked]
+        free = [job.job.id for job in jobs.queue() if job.ranked]
         others = iter(self._chance.sample(free, len(free)))
-        wanted = [next(others) if one.ranked else one.job.id for one in jobs.queue()]
+        wanted = [next(others) if job.ranked else job.job.id for job in jobs.queue()]
         digest = queue_digest(jobs) if self._chance.random() < 0.9 else ''
         return run.ask(Arrange(wanted, digest, BY))
 

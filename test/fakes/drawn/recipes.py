@@ -50,12 +50,14 @@ class DrawnRecipe:
         self._skills = [f'skill{number}' for number in range(random.randint(1, 6))]
         self._needing = self._skills[-1] if len(self._skills) > 2 else ''
         """What has to be told `size`."""
-        self._free = {one for one in self._skills if random.random() < 0.3}
+        self._free = {skill for skill in self._skills if random.random() < 0.3}
         """What needs no belt, whoever does it."""
-        self._given = {one for one in self._skills if random.random() < 0.3}
+        self._given = {skill for skill in self._skills if random.random() < 0.3}
         """What tells `size`."""
         self._held = {
-            one for one in self._skills if holds and one not in self._given and self._chance(0.15)
+            skill
+            for skill in self._skills
+            if holds and skill not in self._given and self._chance(0.15)
         }
         """What makes a device keep `pose`."""
         self.cell: Cell = self._cell()
@@ -71,12 +73,12 @@ class DrawnRecipe:
         cell = line_of(self.size).cell
         belt_s = {'MOVE_ONE_INDEX': self._random.choice((0.5, 2.0))}
         components = {}
-        for name, one in cell.components.items():
+        for name, device in cell.components.items():
             if name == 'conveyor':
                 prepare = Preparation('home', 'HOME', options={'once': True})
-                components[name] = replace(one, durations_s=belt_s, prepare=prepare)
+                components[name] = replace(device, durations_s=belt_s, prepare=prepare)
             else:
-                components[name] = self._component(one)
+                components[name] = self._component(device)
         conveyor = replace(cell.conveyor, component=components['conveyor'])
         return replace(cell, components=components, conveyor=conveyor)
 
@@ -152,7 +154,7 @@ class DrawnRecipe:
         return (Rework((first.id, second.id), 1),)
 
     def _operation(self, name: str, written: list[Operation]) -> Operation:
-        earlier = [one.id for one in written]
+        earlier = [op.id for op in written]
         after = tuple(earlier[-1:])
         if earlier and self._chance(0.4) and name != 'take':
             after = tuple(self._random.sample(earlier, min(len(earlier), 2)))
@@ -161,16 +163,16 @@ class DrawnRecipe:
         many = min(len(self._skills), 2 if self._chance(0.2) else 1)
         do = tuple(self._random.sample(self._skills, many))
         givers = [
-            one.id
-            for one in written
-            if {*one.do} <= self._given and 'put' not in one.do and not one.options
+            op.id
+            for op in written
+            if {*op.do} <= self._given and 'put' not in op.do and not op.options
         ]
         needs: dict[str, str] = {}
         if self._needing in do and not givers:
             do = (self._skills[0],)
         elif self._needing in do:
             needs['size'] = self._random.choice(givers)
-        keepers = [one.id for one in written if {*one.do} <= self._held]
+        keepers = [op.id for op in written if {*op.do} <= self._held]
         if keepers and self._chance(0.5):
             needs['pose'] = self._random.choice(keepers)
         return Operation(name, do, after, needs=needs, options=self._options(givers))
@@ -194,7 +196,7 @@ class DrawnRecipe:
         operation = self._random.choice(self.recipe.operations)
         able = [
             name
-            for name, one in self.cell.components.items()
-            if not {*operation.do}.isdisjoint(one.capabilities)
+            for name, component in self.cell.components.items()
+            if not {*operation.do}.isdisjoint(component.capabilities)
         ]
         return Overrides(bind={operation.id: self._random.choice(able)} if able else {})

@@ -123,12 +123,12 @@ class DrawnScript:
         return {'parallel': members}
 
     def _devices(self, number: int) -> list[str]:
-        found = ['a', 'b']
+        names = ['a', 'b']
         for name, component in self.cell['components'].items():
             place = component.get('section', [])
             if isinstance(place, list) and (not place or number in place):
-                found.append(name)
-        return found
+                names.append(name)
+        return names
 
     def _task(self, number: int, device: str, **fixed: Any) -> Row:
         draw = self.draw
@@ -239,7 +239,7 @@ class DrawnScript:
 
 def with_tools(cell: Row) -> list[str]:
     """Return the components that have a setup."""
-    return [name for name, one in cell['components'].items() if 'setups' in one]
+    return [name for name, component in cell['components'].items() if 'setups' in component]
 
 
 def _ids(lists: dict[int, list[Any]]) -> list[str]:

@@ -15,7 +15,7 @@ class Blocker:
 
     def find_spec(self, name: str, path: object = None, target: object = None) -> None:
         """Raise what Python raises where a module is missing."""
-        if any(name == one or name.startswith(f'{one}.') for one in self._modules):
+        if any(name == module or name.startswith(f'{module}.') for module in self._modules):
             raise ModuleNotFoundError(f'No module named {name!r}', name=name)
 
 

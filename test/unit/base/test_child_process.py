@@ -46,10 +46,10 @@ def until_gone(pid: int) -> None:
         time.sleep(0.01)
 
 
-def test_questions_of_every_size_are_answered_by_one_process(child: ChildProcess) -> None:
+def test_one_process_answers_questions_of_every_size(child: ChildProcess) -> None:
     answers = [child.ask(b'x' * size) for size in (0, 1, 70_000, 5_000_000)]
     pid = child.pid
-    assert [len(one) for one in answers] == [0, 1, 70_000, 5_000_000]
+    assert [len(answer) for answer in answers] == [0, 1, 70_000, 5_000_000]
     assert child.ask(b'again') == b'again'
     assert child.pid == pid
 
@@ -62,7 +62,7 @@ def test_what_it_prints_is_no_answer(child: ChildProcess) -> None:
     assert child.ask(b'print') == b'print'
 
 
-def test_one_that_takes_too_long_is_ended_and_the_next_question_has_another(
+def test_late_child_is_killed_and_replaced(
     child: ChildProcess,
 ) -> None:
     child.ready()
@@ -75,7 +75,7 @@ def test_one_that_takes_too_long_is_ended_and_the_next_question_has_another(
     assert child.pid != pid
 
 
-def test_one_that_is_stopped_takes_too_long_as_well(child: ChildProcess) -> None:
+def test_stopped_child_raises_too_late(child: ChildProcess) -> None:
     child.ready()
     assert child.pid is not None
     os.kill(child.pid, signal.SIGSTOP)
@@ -83,7 +83,7 @@ def test_one_that_is_stopped_takes_too_long_as_well(child: ChildProcess) -> None
         child.ask(b'x' * 5_000_000, within_s=0.2)  # more than a pipe takes
 
 
-def test_one_that_dies_is_told_and_followed_by_another(child: ChildProcess) -> None:
+def test_dead_child_is_reported_and_replaced(child: ChildProcess) -> None:
     with pytest.raises(ChildFailed, match='the process ended by signal SIGKILL'):
         child.ask(b'die')
     assert child.ask(b'next') == b'next'
@@ -107,24 +107,24 @@ def test_one_that_cannot_be_started_is_told(
 
 def test_closing_ends_a_question_that_is_being_answered(child: ChildProcess) -> None:
     child.ready()
-    said: list[str] = []
+    errors: list[str] = []
 
     def ask() -> None:
         try:
             child.ask(b'compute')
         except ChildFailed as error:
-            said.append(str(error))
+            errors.append(str(error))
 
     asking = threading.Thread(target=ask)
     asking.start()
     child.close()
     asking.join(LONGEST_S)
-    assert len(said) == 1
+    assert len(errors) == 1
     with pytest.raises(ChildFailed, match='it was closed meanwhile'):
         child.ask(b'question')
 
 
-def test_it_ends_with_its_parent_even_in_the_middle_of_an_answer() -> None:
+def test_child_ends_with_parent_during_answer() -> None:
     words = [sys.executable, '-c', 'from fakes.asked_child import ask_and_wait; ask_and_wait()']
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as parent:
         assert parent.stdout is not None

@@ -76,7 +76,7 @@ EPOCHS_S = st.sampled_from([0.0, 1.7e9, 4.0e9])
 
 
 @given(EPOCHS_S, st.integers(0, 10**8), st.integers(0, 10**7), st.integers(-3, 3))
-def test_a_time_has_come_exactly_when_its_clock_rings(
+def test_has_come_agrees_with_clock_callback(
     epoch_s: float, began_ms: int, after_ms: int, beside_us: int
 ) -> None:
     clock = VirtualClock(epoch_s + began_ms / 1000)

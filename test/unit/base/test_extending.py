@@ -18,14 +18,14 @@ ROOT = Path(__file__).parents[3]
 
 
 def test_the_extras_are_the_extensions() -> None:
-    (found,) = (
+    (extras,) = (
         ast.literal_eval(node.value)
         for node in ast.walk(ast.parse((ROOT / 'setup.py').read_text()))
         if isinstance(node, ast.keyword) and node.arg == 'extras_require'
     )
-    del found['test']
-    assert found.pop('signed') == ['cryptography>=40'], 'the core signs with it, if it is there'
-    assert found == {one.name: list(one.packages.values()) for one in EXTENSIONS}
+    del extras['test']
+    assert extras.pop('signed') == ['cryptography>=40'], 'the core signs with it, if it is there'
+    assert extras == {entry.name: list(entry.packages.values()) for entry in EXTENSIONS}
 
 
 @pytest.mark.parametrize('one', EXTENSIONS, ids=lambda one: one.name)
@@ -37,10 +37,10 @@ def test_none_is_forgotten_by_the_contract(one: Extension) -> None:
     assert not one.verb or one.verb in VERBS
 
 
-def test_each_room_of_the_extensions_is_one_of_the_table() -> None:
+def test_extension_folders_match_the_table() -> None:
     folder = Path(extensions.__file__).parent
-    found = {one.name for one in folder.iterdir() if (one / '__init__.py').exists()}
-    assert found == {one.name for one in EXTENSIONS}
+    names = {entry.name for entry in folder.iterdir() if (entry / '__init__.py').exists()}
+    assert names == {entry.name for entry in EXTENSIONS}
 
 
 def test_recipes_are_what_the_core_asks_for() -> None:
@@ -48,7 +48,7 @@ def test_recipes_are_what_the_core_asks_for() -> None:
     assert recipes is extension
 
 
-def test_what_is_missing_is_named_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_package_error_names_install_command(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, 'uvicorn', None)
     with pytest.raises(ExtensionMissing) as raised:
         PAGE.demand()

@@ -18,7 +18,7 @@ def test_the_content_comes_up_to_a_limit(tmp_path: Path) -> None:
         read_ordinary(path, 1999)
 
 
-def test_what_would_wait_or_has_no_end_is_none(tmp_path: Path) -> None:
+def test_pipes_and_devices_are_not_ordinary_files(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / 'pipe')
     (tmp_path / 'link').symlink_to('/dev/zero')
     for path in (tmp_path / 'pipe', tmp_path / 'link', Path('/dev/full')):
@@ -30,6 +30,6 @@ def test_what_would_wait_or_has_no_end_is_none(tmp_path: Path) -> None:
 
 def test_other_errors_are_those_of_the_system(tmp_path: Path) -> None:
     (tmp_path / 'loop').symlink_to('loop')
-    for path, told in {'': 'Is a directory', 'none': 'No such file', 'loop': 'symbolic'}.items():
-        with pytest.raises(OSError, match=told):
+    for path, reason in {'': 'Is a directory', 'none': 'No such file', 'loop': 'symbolic'}.items():
+        with pytest.raises(OSError, match=reason):
             read_ordinary(tmp_path / path, 1000)

@@ -13,7 +13,7 @@ from bt_orchestrator.base.stop_signals import StopSignals
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-def test_a_stop_signal_is_a_request_and_wakes_the_one_who_waits(number: signal.Signals) -> None:
+def test_stop_signal_sets_request_and_wakes_waiter(number: signal.Signals) -> None:
     woken = threading.Event()
     with StopSignals() as stop:
         stop.notify(woken.set)
@@ -25,7 +25,7 @@ def test_a_stop_signal_is_a_request_and_wakes_the_one_who_waits(number: signal.S
         assert stop.requested
 
 
-def test_a_request_that_came_before_anyone_waited_is_not_lost() -> None:
+def test_earlier_request_wakes_later_waiter() -> None:
     first, second = threading.Event(), threading.Event()
     with StopSignals() as stop:
         stop.notify(first.set)

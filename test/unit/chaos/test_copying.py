@@ -23,7 +23,7 @@ WRITER = 'import sys; file = open(sys.argv[1]); sys.stdin.read()'
 
 
 @pytest.mark.parametrize('path', [os.environ['PATH'], ''], ids=['as found', 'without sqlite3'])
-def test_copies_for_as_long_as_somebody_has_the_journal_open(tmp_path: Path, path: str) -> None:
+def test_copying_continues_while_journal_is_open(tmp_path: Path, path: str) -> None:
     journal = tmp_path / 'journal.sqlite3'
     with closing(sqlite3.connect(journal)) as database, database:
         database.execute('CREATE TABLE events (seq INTEGER PRIMARY KEY, record TEXT)')

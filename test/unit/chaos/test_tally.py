@@ -12,7 +12,7 @@ from chaos.tally import Tally, lines
 SHOTS = [Shot('landed'), Shot('sent'), Shot('orchestrator')]
 
 
-def test_a_planned_point_without_a_kill_is_a_fault() -> None:
+def test_planned_point_without_kill_is_fault() -> None:
     tally = Tally()
     tally.plan(SHOTS)
     tally.kills.update(['landed', 'orchestrator'])
@@ -33,15 +33,15 @@ def test_points_are_judged_over_all_parts() -> None:
 
 def test_every_fault_is_in_the_report() -> None:
     total = Tally()
-    for name, found in vars(total.verdict).items():
-        found.append(f'a fault of {name}')
+    for name, faults in vars(total.verdict).items():
+        faults.append(f'a fault of {name}')
     report = list(lines(total))
     for name in vars(total.verdict):
         assert f'a fault of {name}' in report
         assert f'{name.replace("_", " ")} 1' in '\n'.join(report)
 
 
-def test_a_plan_has_each_point_and_each_way_to_start() -> None:
+def test_plan_covers_each_point_and_restart_kind() -> None:
     shots = list(draw(random.Random(1), 40))
     ours = [shot for shot in shots if shot.target not in SHARES]
     assert len(ours) >= 40
@@ -51,22 +51,22 @@ def test_a_plan_has_each_point_and_each_way_to_start() -> None:
     assert min(steps) < -60.0 < -1.0 < 0.0 < max(steps)
 
 
-def test_forgotten_is_later_than_servers_remember_by_every_clock_but_the_wall_clock() -> None:
+def test_forgotten_exceeds_server_memory_despite_wall_clock() -> None:
     restart = forgotten(random.Random(1))
     assert restart.away_s > REMEMBERED_S
     assert restart.away_s + restart.clock_step_s < 0.0
 
 
-def test_parts_have_so_many_orchestrators_each_and_leave_nothing_out() -> None:
+def test_parts_split_plan_evenly_and_completely() -> None:
     shots = list(draw(random.Random(1), 45))
-    found = list(parts(shots, 20))
-    assert [shot for part in found for shot in part] == shots
-    counts = [sum(shot.target not in SHARES for shot in part) for part in found]
+    groups = list(parts(shots, 20))
+    assert [shot for part in groups for shot in part] == shots
+    counts = [sum(shot.target not in SHARES for shot in part) for part in groups]
     assert counts[:-1] == [20] * len(counts[:-1])
     assert 0 < counts[-1] <= 20
 
 
-def test_a_plan_with_a_database_has_all_that_was_asked_for() -> None:
+def test_database_plan_has_requested_kills_and_stops() -> None:
     strikes = {strike: number for number, strike in enumerate(STRIKES, 1)}
     shots = list(draw_with_database(random.Random(1), 20, 12, strikes))
     assert {name: sum(shot.target == name for shot in shots) for name in STRIKES} == strikes

@@ -72,11 +72,11 @@ def test_a_task_done_twice(tmp_path: Path) -> None:
 
 
 def test_a_goal_executed_twice(tmp_path: Path) -> None:
-    found = verdict(tmp_path, [started(), succeeded(), *answered('retry')], *GOOD, *GOOD)
-    assert found.twice == ['goal g1 was executed more than once']
+    result = verdict(tmp_path, [started(), succeeded(), *answered('retry')], *GOOD, *GOOD)
+    assert result.twice == ['goal g1 was executed more than once']
 
 
-def test_a_task_done_twice_by_a_goal_that_only_a_client_heard_of(tmp_path: Path) -> None:
+def test_goal_only_client_heard_counts_as_repeat(tmp_path: Path) -> None:
     events = [started('g2'), succeeded('g2'), PLACED, PACKED]
     done = (*GOOD, ('started', 'g2'), ('ended', 'g2'))
     assert len(verdict(tmp_path, events, *done, heard=[started()]).twice) == 1
@@ -130,17 +130,15 @@ def test_doubt_about_what_the_controller_knew(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(('seq', 'ahead_s'), [(7, 500.0), (8, -100.0)])
-def test_doubt_by_the_real_time_whatever_the_clock_of_the_orchestrator(
-    tmp_path: Path, seq: int, ahead_s: float
-) -> None:
+def test_doubt_is_judged_by_real_time(tmp_path: Path, seq: int, ahead_s: float) -> None:
     file = tmp_path / 'clocks.jsonl'
     records = [{'after_seq': 0, 'ahead_s': 500.0}, {'after_seq': 7, 'ahead_s': -100.0}]
     file.write_text('\n'.join(map(json.dumps, records)))
     known_until = 2.0 + REMEMBERED_S + ahead_s
     for late_s, count in ((-0.1, 1), (0.1, 0)):
         doubt = in_doubt(time=0.0).stamped(seq, known_until + late_s)
-        found = verdict(tmp_path, [started(), doubt], *GOOD, clocks=Clocks(file))
-        assert len(found.needless_doubt) == count
+        result = verdict(tmp_path, [started(), doubt], *GOOD, clocks=Clocks(file))
+        assert len(result.needless_doubt) == count
 
 
 def test_doubt_about_a_killed_controller(tmp_path: Path) -> None:

@@ -32,23 +32,23 @@ def test_what_is_in_the_journal_has_not_vanished() -> None:
 
 
 @pytest.mark.parametrize('heard', [record(4), record(2, 'task.failed')])
-def test_an_event_that_was_heard_and_is_not_there(heard: dict[str, Any]) -> None:
-    (found,) = vanished(JOURNAL, [JOURNAL[0], heard], 'A')
-    assert f'1 events that are not in the journal, first {heard["seq"]}' in found
+def test_heard_event_missing_in_journal_is_fault(heard: dict[str, Any]) -> None:
+    (fault,) = vanished(JOURNAL, [JOURNAL[0], heard], 'A')
+    assert f'1 events that are not in the journal, first {heard["seq"]}' in fault
 
 
 def test_a_reader_that_is_told_all() -> None:
     assert list(misled([record(n) for n in (4, 5, 6)], 'A')) == []
 
 
-def test_a_reader_that_is_told_something_twice_or_not() -> None:
+def test_repeated_or_skipped_event_misleads_reader() -> None:
     assert list(misled([record(4), record(5), record(5)], 'A')) == [
         'A was told of event 5 after event 5'
     ]
     assert list(misled([record(4), record(7)], 'A')) == ['A was not told of the events 5 to 6']
 
 
-def test_a_reader_begins_anew_with_another_history_and_with_no_other_start() -> None:
+def test_only_new_history_lets_reader_restart() -> None:
     first = [begun(1, 'x'), record(2), record(3)]
     assert list(misled([*first, begun(1, 'y'), record(2)], 'A')) == []
     assert len(list(misled([*first, begun(1, 'x'), record(2)], 'A'))) == 1
@@ -68,7 +68,7 @@ def test_good_copies() -> None:
         copy(6, digest=digest_of([*ROWS, (6, '{}')])),
     ],
 )
-def test_a_copy_that_is_damaged_or_of_other_events(bad: dict[str, Any]) -> None:
+def test_damaged_or_foreign_copies_are_bad(bad: dict[str, Any]) -> None:
     assert len(list(bad_copies(ROWS, [copy(2), bad]))) == 1
 
 

@@ -47,8 +47,8 @@ def test_all_alarms_the_last_first(journal: Path, capsys: pytest.CaptureFixture[
 def test_what_is_chosen(
     journal: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...], keys: list[str]
 ) -> None:
-    found = alarms(journal, capsys, '--json', *words)
-    assert [json.loads(line)['key'] for line in found] == keys
+    lines = alarms(journal, capsys, '--json', *words)
+    assert [json.loads(line)['key'] for line in lines] == keys
 
 
 def test_counts_a_table_and_nothing(

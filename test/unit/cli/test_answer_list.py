@@ -65,17 +65,17 @@ def ids(link: VirtualLink, *tasks: str) -> str:
 
 
 def decided(store: MemoryStore) -> list[tuple[str, str]]:
-    made = (one for one in store.read() if isinstance(one, e.OperatorDecided))
-    return [(one.answer, one.reason) for one in made if one.reason == 'looked']
+    made = (event for event in store.read() if isinstance(event, e.OperatorDecided))
+    return [(event.answer, event.reason) for event in made if event.reason == 'looked']
 
 
-def test_each_answer_of_a_list_is_a_record_of_its_own(
+def test_each_answer_of_list_has_own_record(
     link: VirtualLink, store: MemoryStore, capsys: pytest.CaptureFixture[str]
 ) -> None:
     both = ids(link, 'look', 'mark')
     assert main(['answer', both, 'mark_done', '--reason', 'looked']) == 0
     assert [line.partition(':')[0] for line in capsys.readouterr().out.splitlines()] == [
-        f'hold {one}' for one in both.split(',')
+        f'hold {hold_id}' for hold_id in both.split(',')
     ]
     assert decided(store) == [('mark_done', 'looked')] * 2
     assert [hold.task for hold in link.status().holds] == ['place']
@@ -88,7 +88,7 @@ def test_each_answer_of_a_list_is_a_record_of_its_own(
         (('look', 'mark'), 'retry', 'a list can answer it with mark_done, skip, reject'),
     ],
 )
-def test_a_list_that_may_not_be_is_refused_whole(
+def test_invalid_answer_list_is_refused_whole(
     link: VirtualLink,
     store: MemoryStore,
     capsys: pytest.CaptureFixture[str],
@@ -97,14 +97,14 @@ def test_a_list_that_may_not_be_is_refused_whole(
     said: str,
 ) -> None:
     assert main(['answer', ids(link, *tasks), answer, '--reason', 'looked']) == 1
-    told = capsys.readouterr().err
-    assert said in told
-    assert told.endswith('nothing was answered\n')
+    errors = capsys.readouterr().err
+    assert said in errors
+    assert errors.endswith('nothing was answered\n')
     assert decided(store) == []
     assert len(link.status().holds) == 3
 
 
 def test_a_status_says_which_list_can_be_typed(link: VirtualLink) -> None:
     both = ids(link, 'look', 'mark')
-    (line,) = [one for one in words.status_lines(link.status(), Shell()) if 'alike:' in one]
+    (line,) = [text for text in words.status_lines(link.status(), Shell()) if 'alike:' in text]
     assert f'bt-orchestrator answer {both} mark_done --reason "WHY" (or skip, reject)' in line

@@ -32,31 +32,31 @@ def command(request: Request) -> list[str]:
 ASKED = [one for one in TABLE if one.about is not About.HOLD]
 
 
-@pytest.mark.parametrize('request_', ASKED, ids=lambda one: one.name)
+@pytest.mark.parametrize('request_', ASKED, ids=lambda request: request.name)
 def test_each_request_has_its_own_help(
     request_: Request, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = command(request_)
     with pytest.raises(SystemExit, match='0'):
         main([*words, '--help'])
-    told = ' '.join(capsys.readouterr().out.split())
-    assert told.startswith(f'usage: bt-orchestrator {" ".join(words)} ')
-    assert request_.effect[1:] in told
+    output = ' '.join(capsys.readouterr().out.split())
+    assert output.startswith(f'usage: bt-orchestrator {" ".join(words)} ')
+    assert request_.effect[1:] in output
     for role in request_.roles:
-        assert role.value in told
+        assert role.value in output
 
 
 def test_a_group_lists_its_actions(capsys: pytest.CaptureFixture[str]) -> None:
     for about in IN_GROUPS:
         with pytest.raises(SystemExit, match='0'):
             main([about.value, '--help'])
-        told = ' '.join(capsys.readouterr().out.split())
-        for one in TABLE:
-            if one.about is about and 'stop_after' not in one.word:
-                assert f' {one.word.replace("_", "-")} {one.effect}' in told
+        output = ' '.join(capsys.readouterr().out.split())
+        for request in TABLE:
+            if request.about is about and 'stop_after' not in request.word:
+                assert f' {request.word.replace("_", "-")} {request.effect}' in output
 
 
-def test_the_help_in_groups_names_what_a_person_looks_for() -> None:
+def test_group_help_lists_common_actions() -> None:
     assert {word for word in actions_of('cell') if word != 'stop-after'} <= set(
         help_line('cell').partition(': ')[2].split(', ')
     )
@@ -84,22 +84,22 @@ OLD_FORMS = [
 
 
 @pytest.mark.parametrize(('old', 'new'), OLD_FORMS)
-def test_an_old_form_works_and_says_the_new_one(
+def test_old_form_works_and_names_new_one(
     old: str, new: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     before, after = parsed(shlex.split(old)), parsed(shlex.split(new))
-    told = capsys.readouterr()
+    captured = capsys.readouterr()
     assert vars(before).keys() == vars(after).keys()
     for name, value in vars(before).items():
         if name not in ('carry_out', 'ros_args'):
             assert value == getattr(after, name), name
-    assert told.out == ''
-    assert told.err.endswith(f'` is now `{after.verb}`\n')
-    assert len(told.err.splitlines()) == 1
+    assert captured.out == ''
+    assert captured.err.endswith(f'` is now `{after.verb}`\n')
+    assert len(captured.err.splitlines()) == 1
 
 
 def test_every_old_form_is_known() -> None:
-    requests = {' '.join(command(one)): one for one in TABLE if one.about in IN_GROUPS}
+    requests = {' '.join(command(entry)): entry for entry in TABLE if entry.about in IN_GROUPS}
     for name, request in requests.items():
         word = name.split()[1]
         if request in CONTROLS.values() or request in UNIT_MODES.values() or request.is_manual:
@@ -135,7 +135,7 @@ def test_a_wrong_action_is_told(line: str, said: str, capsys: pytest.CaptureFixt
 
 @pytest.mark.parametrize('word', ['pause', 'stop', 'abort', 'reset', 'start', 'resume'])
 def test_danger_does_not_wait_for_a_reason(word: str, capsys: pytest.CaptureFixture[str]) -> None:
-    (request,) = (one for one in TABLE if one.about is About.CELL and one.word == word)
+    (request,) = (entry for entry in TABLE if entry.about is About.CELL and entry.word == word)
     if request.why is Why.AFTERWARDS:
         assert parsed(['cell', word]).reason is None
     else:
@@ -147,7 +147,7 @@ def test_danger_does_not_wait_for_a_reason(word: str, capsys: pytest.CaptureFixt
 def test_every_answer_is_in_the_help(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(['answer', '--help'])
-    told = capsys.readouterr().out
+    output = capsys.readouterr().out
     for word, request in ANSWERS.items():
-        assert word in told
-        assert request.effect in told
+        assert word in output
+        assert request.effect in output

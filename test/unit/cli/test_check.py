@@ -62,7 +62,7 @@ def test_a_script_that_fits_is_summed_up(capsys: pytest.CaptureFixture[str]) -> 
     ]
 
 
-def test_recipes_are_checked_against_what_the_cell_can_do(
+def test_recipes_are_checked_against_cell_capabilities(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert checked(GEAR_MOTOR, cell=GEAR_MOTOR_CELL) == 0
@@ -71,17 +71,17 @@ def test_recipes_are_checked_against_what_the_cell_can_do(
         '9 of them in more than one way\n'
     )
     assert checked(GEAR_MOTOR, '--json', cell=GEAR_MOTOR_CELL) == 0
-    (told,) = json.loads(capsys.readouterr().out)['recipes']
-    assert told == {'recipe': 'GM-37', 'version': 3, 'operations': 31, 'with_choice': 9}
+    (recipe,) = json.loads(capsys.readouterr().out)['recipes']
+    assert recipe == {'recipe': 'GM-37', 'version': 3, 'operations': 31, 'with_choice': 9}
 
 
-def test_a_recipe_and_a_script_are_told_all_their_mistakes_together(bad: Path) -> None:
-    found = mistakes(GEAR_MOTOR, bad)
-    assert any('gear_motor.yaml:13:28: no component has the capability' in one for one in found)
-    assert any('bad.yaml' in one and 'no task `TASKA`' in one for one in found)
+def test_recipe_and_script_mistakes_are_reported_together(bad: Path) -> None:
+    lines = mistakes(GEAR_MOTOR, bad)
+    assert any('gear_motor.yaml:13:28: no component has the capability' in line for line in lines)
+    assert any('bad.yaml' in line and 'no task `TASKA`' in line for line in lines)
 
 
-def test_the_deck_s_recipe_fits_the_cell_with_capabilities(
+def test_deck_recipe_fits_cell_with_capabilities(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     cell = ROOT / 'config' / 'cell_with_capabilities.yaml'
@@ -151,40 +151,40 @@ def test_what_is_likely_gives_an_expected_pace(capsys: pytest.CaptureFixture[str
     assert (expected['items'], expected['always'], expected['holds']) == (1000, [], 0)
 
 
-def test_scripts_are_looked_up_by_name_in_the_folders_named(
+def test_script_names_resolve_in_given_folders(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert checked('reference_process', '--trees', STUCK.parent, '--trees', TREES) == 0
     assert capsys.readouterr().out.startswith('reference_process: ')
 
 
-def test_a_script_that_gets_stuck_is_refused_where_its_flag_is_declared() -> None:
-    (found,) = mistakes(STUCK)
-    assert found.startswith(f'{STUCK}:14:5: the line gets stuck with stuck, at item 4 in beat 3: ')
-    assert 'section 2 is waiting for assemble to take flag read_before_assemble' in found
-    assert 'section 4 is waiting for an item' in found
-    assert 'belt is waiting for section 2 to finish with item 2' in found
-    assert found.endswith('; capacity 2 of flag read_before_assemble frees it')
+def test_stuck_script_is_refused_at_flag_declaration() -> None:
+    (error,) = mistakes(STUCK)
+    assert error.startswith(f'{STUCK}:14:5: the line gets stuck with stuck, at item 4 in beat 3: ')
+    assert 'section 2 is waiting for assemble to take flag read_before_assemble' in error
+    assert 'section 4 is waiting for an item' in error
+    assert 'belt is waiting for section 2 to finish with item 2' in error
+    assert error.endswith('; capacity 2 of flag read_before_assemble frees it')
 
 
 def test_the_mistakes_of_all_scripts_are_told(bad: Path, tmp_path: Path) -> None:
     missing = tmp_path / 'missing.yaml'
-    found = mistakes(bad, STUCK, missing)
+    findings = mistakes(bad, STUCK, missing)
 
-    assert len(found) == 4
-    assert all(line.startswith(f'{bad}:') and 'TASKA' in line for line in found[:2])
-    assert found[2].startswith(f'{STUCK}:14:5: the line gets stuck')
-    assert found[3].startswith(f'{missing}:1:1: there is no script file')
+    assert len(findings) == 4
+    assert all(line.startswith(f'{bad}:') and 'TASKA' in line for line in findings[:2])
+    assert findings[2].startswith(f'{STUCK}:14:5: the line gets stuck')
+    assert findings[3].startswith(f'{missing}:1:1: there is no script file')
 
 
 def test_the_mistakes_of_the_cell_are_told_too(tmp_path: Path) -> None:
     cell = tmp_path / 'cell.yaml'
     cell.write_text(REFERENCE_CELL.read_text().replace('section: 2', 'section: 6'))
     nowhere = tmp_path / 'nowhere.yaml'
-    found = mistakes(STUCK, nowhere, cell=cell)
+    findings = mistakes(STUCK, nowhere, cell=cell)
 
-    assert [line.split(':')[0] for line in found] == [str(cell), str(nowhere)]
-    assert 'section 6 is not on the belt' in found[0]
+    assert [line.split(':')[0] for line in findings] == [str(cell), str(nowhere)]
+    assert 'section 6 is not on the belt' in findings[0]
 
 
 def test_findings_as_json(bad: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -199,9 +199,9 @@ def test_findings_as_json(bad: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 def test_no_findings_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert checked(TREES / 'reference_process.yaml', '--json') == 0
-    found = json.loads(capsys.readouterr().out)
-    assert len(found.pop('paces')) == 1
-    assert found == {'findings': [], 'warnings': [], 'ok': True, 'recipes': [], 'orders': []}
+    report = json.loads(capsys.readouterr().out)
+    assert len(report.pop('paces')) == 1
+    assert report == {'findings': [], 'warnings': [], 'ok': True, 'recipes': [], 'orders': []}
 
 
 # --- warnings ---------------------------------------------------------------------------------
@@ -236,9 +236,9 @@ def of_cell(lines: list[str]) -> list[str]:
     return [line for line in lines if line.startswith('cell.yaml')]
 
 
-def test_a_misspelt_label_in_the_durations_is_a_warning(files: Files) -> None:
-    (found,) = of_cell(files.check(LINE + DRIVE, 'BRNG: 2.0'))
-    assert found == (
+def test_misspelt_duration_label_is_warning(files: Files) -> None:
+    (warning,) = of_cell(files.check(LINE + DRIVE, 'BRNG: 2.0'))
+    assert warning == (
         'cell.yaml:15:43: warning: no script has a task `BRNG` of `cart`: its nominal time has no '
         'effect; did you mean `BRING`?'
     )
@@ -256,7 +256,7 @@ def test_a_label_of_a_capability_is_no_warning(files: Files) -> None:
     assert of_cell(files.check(LINE + DRIVE, able)) == []
 
 
-def test_a_label_of_another_script_of_the_cell_is_no_warning(files: Files) -> None:
+def test_label_of_other_script_causes_no_warning(files: Files) -> None:
     trees = files.folder / 'trees'
     trees.mkdir()
     (trees / 'other.yaml').write_text(LINE + DRIVE.replace('BRING', 'FETCH'))
@@ -264,16 +264,16 @@ def test_a_label_of_another_script_of_the_cell_is_no_warning(files: Files) -> No
     assert of_cell(files.check(LINE + DRIVE, 'BRING: 2.0, FETCH: 3.0')) == []
 
 
-def test_a_component_that_no_script_uses_is_no_warning(files: Files) -> None:
+def test_unused_component_causes_no_warning(files: Files) -> None:
     assert of_cell(files.check(LINE, 'BRING: 2.0')) == []
 
 
-def test_a_task_without_a_nominal_time_is_a_warning_once(files: Files) -> None:
+def test_task_without_nominal_time_warns_once(files: Files) -> None:
     twice = DRIVE.replace(
         '}]', '}, {task: FETCH, action: /cart/drive}, {task: FETCH, action: /cart/drive}]'
     )
-    found = [line for line in files.check(LINE + twice, 'BRING: 2.0') if '`cart`' in line]
-    assert found == [
+    warnings = [line for line in files.check(LINE + twice, 'BRING: 2.0') if '`cart`' in line]
+    assert warnings == [
         (
             'line.yaml:5:54: warning: `FETCH` of `cart` has no nominal time: predictions take '
             '1 s; add `FETCH: SECONDS` to the `durations` of `cart`'
@@ -294,7 +294,7 @@ def without_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize('file', ['order.yaml', 'recipes/box.yaml'])
-def test_what_a_recipe_is_made_with_has_nominal_times(
+def test_recipe_tasks_need_nominal_times(
     file: str, without_time: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert checked(file, cell=without_time) == 0
@@ -352,7 +352,7 @@ sections:
 
 
 @pytest.mark.parametrize('giver', ['look', 'behind'])
-def test_a_result_that_no_rejected_item_has_is_a_warning(files: Files, giver: str) -> None:
+def test_result_missing_for_rejected_items_is_warning(files: Files, giver: str) -> None:
     assert files.check(REJECTING % ('', 'rejected', giver)) == [
         (
             f'line.yaml:11:7: warning: `${{results.{giver}.measurement}}` has no value here: a '
@@ -373,7 +373,7 @@ def test_a_result_that_no_rejected_item_has_is_a_warning(files: Files, giver: st
         (', on_failure: reject', 'rejected', 'first'),
     ],
 )
-def test_a_result_that_some_item_has_is_no_warning(
+def test_result_of_some_item_causes_no_warning(
     files: Files, options: str, runs_for: str, giver: str
 ) -> None:
     assert files.check(REJECTING % (options, runs_for, giver)) == []
@@ -387,9 +387,7 @@ BEFORE = GOOD_ONLY.replace('[{id: pack', f'[{DISCARD}, {{id: pack')
 
 
 @pytest.mark.parametrize(('text', 'behind'), [(GOOD_ONLY, ''), (BEFORE, ' behind `discard`')])
-def test_a_rejected_item_that_stays_on_the_belt_is_a_warning(
-    files: Files, text: str, behind: str
-) -> None:
+def test_rejected_item_left_on_belt_is_warning(files: Files, text: str, behind: str) -> None:
     (line,) = files.check(text)
     assert line.startswith('line.yaml:4:')
     assert line.partition(': warning: ')[2] == (
@@ -400,7 +398,7 @@ def test_a_rejected_item_that_stays_on_the_belt_is_a_warning(
 
 
 @pytest.mark.parametrize('text', [LINE, BEHIND])
-def test_a_rejected_item_that_is_taken_out_is_no_warning(files: Files, text: str) -> None:
+def test_removed_rejected_item_causes_no_warning(files: Files, text: str) -> None:
     assert files.check(text) == []
 
 
@@ -420,11 +418,11 @@ def test_warnings_as_json(files: Files) -> None:
     assert json.loads(files.out)['ok'] is False
 
 
-def test_the_place_of_a_task_in_a_group_is_found(files: Files) -> None:
+def test_warning_locates_task_in_group(files: Files) -> None:
     group = '  3:\n    tasks:\n      - parallel: [{task: TASK_A, action: /press/task},\n'
     group += '        [{task: X, action: /cart/drive}, {task: Y, action: /cart/drive}]]\n'
-    found = [line for line in files.check(LINE + group, 'X: 1.0') if '`cart`' in line]
-    assert found[0].startswith('line.yaml:8:42: warning: `Y` of `cart`')
+    warnings = [line for line in files.check(LINE + group, 'X: 1.0') if '`cart`' in line]
+    assert warnings[0].startswith('line.yaml:8:42: warning: `Y` of `cart`')
 
 
 def test_the_shipped_scripts_have_no_warnings(capsys: pytest.CaptureFixture[str]) -> None:
@@ -432,7 +430,7 @@ def test_the_shipped_scripts_have_no_warnings(capsys: pytest.CaptureFixture[str]
     assert capsys.readouterr().err == ''
 
 
-def test_changes_that_setups_imply_stand_in_no_file_and_are_no_warning(
+def test_changes_implied_by_setups_cause_no_warning(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     change = 'changes: {gripper: {task: TASK_C, argument: special_argument_1}}'

@@ -37,7 +37,7 @@ def events() -> Sequence[Event]:
     run.answer('retry')
     run.go()
     assert run.ended
-    return [one.stamped(one.seq, one.time + AT) for one in run.store.read()]
+    return [event.stamped(event.seq, event.time + AT) for event in run.store.read()]
 
 
 def journal_of(folder: Path, events: Sequence[Event]) -> str:
@@ -57,17 +57,17 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> str:
 
 def bars(svg: str) -> list[dict[str, str]]:
     """Return all that is drawn of time, without its words."""
-    return [dict(one.attrib) for one in ET.fromstring(svg).iter(f'{SVG}rect')]
+    return [dict(rect.attrib) for rect in ET.fromstring(svg).iter(f'{SVG}rect')]
 
 
 def title(svg: str) -> str:
-    return next(one.text or '' for one in ET.fromstring(svg).iter(f'{SVG}text'))
+    return next(element.text or '' for element in ET.fromstring(svg).iter(f'{SVG}text'))
 
 
 @either_way
 @pytest.mark.parametrize('share', [30, 60])
 @pytest.mark.parametrize('options', [(), ('--job', 'J')])
-def test_the_chart_shows_passed_time_where_the_clock_was_set(
+def test_chart_shows_elapsed_time_despite_clock_step(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     events: Sequence[Event],
@@ -82,13 +82,13 @@ def test_the_chart_shows_passed_time_where_the_clock_was_set(
     as_it_was = chart('as it was', events)
     was_set = chart('set', stepped(events, [(share, by_s)]))
     assert bars(was_set) == bars(as_it_was)
-    said = title(was_set).removeprefix(title(as_it_was))
+    note = title(was_set).removeprefix(title(as_it_was))
     way = 'back' if by_s < 0 else 'forward'
-    assert said.startswith(f'; the clock was set {way} by {abs(by_s):.0f} s at 1970-01-01 ')
-    assert said.endswith('times go on as if it had not been set')
+    assert note.startswith(f'; the clock was set {way} by {abs(by_s):.0f} s at 1970-01-01 ')
+    assert note.endswith('times go on as if it had not been set')
 
 
-def test_a_chart_of_some_time_has_what_happened_while_the_clock_showed_it(
+def test_chart_selection_follows_displayed_clock_time(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], events: Sequence[Event]
 ) -> None:
     def chart(*options: str) -> str:
@@ -96,10 +96,10 @@ def test_a_chart_of_some_time_has_what_happened_while_the_clock_showed_it(
 
     journal = journal_of(tmp_path / 'set', stepped(events, [(50, 3600.0)]))
     whole = chart()
-    (step,) = [one for one in stepped(events, [(50, 3600.0)]) if one.event == 'clock.stepped']
+    (step,) = [item for item in stepped(events, [(50, 3600.0)]) if item.event == 'clock.stepped']
     after = str(datetime.fromtimestamp(step.time))
     before = str(datetime.fromtimestamp(step.time - 3600.0))
-    drawn = [len(bars(one)) for one in (whole, chart('--to', before), chart('--from', after))]
+    drawn = [len(bars(item)) for item in (whole, chart('--to', before), chart('--from', after))]
     assert drawn[0] > max(drawn[1:])
     assert min(drawn[1:]) > 5
     skipped = datetime.fromtimestamp(step.time - 1800.0), datetime.fromtimestamp(step.time - 1700)
@@ -129,14 +129,14 @@ def test_process_mining_sees_the_time_that_passed(
 
     def told(log: ET.Element) -> Iterator[tuple[str, datetime, datetime | None]]:
         for event in log.iter(f'{XES}event'):
-            said = {one.get('key'): one.get('value') or '' for one in event}
-            clock = said.get('clock')
-            time = datetime.fromisoformat(said['time:timestamp'])
-            name = said['concept:name'] or ''
+            fields = {entry.get('key'): entry.get('value') or '' for entry in event}
+            clock = fields.get('clock')
+            time = datetime.fromisoformat(fields['time:timestamp'])
+            name = fields['concept:name'] or ''
             yield name, time, datetime.fromisoformat(clock) if clock else None
 
     as_it_was, was_set = log('as it was', events), log('set', stepped(events, [(50, by_s)]))
-    assert [one[:2] for one in was_set] == [one[:2] for one in as_it_was]
+    assert [entry[:2] for entry in was_set] == [entry[:2] for entry in as_it_was]
     clocks = [(clock - time).total_seconds() for _, time, clock in was_set if clock is not None]
     assert 3 < len(clocks) < len(was_set)
     assert set(clocks) == {by_s}
@@ -159,7 +159,7 @@ def test_tables_have_the_time_that_passed(
     as_it_was = seconds('as it was', events)
     assert len(as_it_was) > 9
     assert all(as_it_was)
-    flight = next(n for n, one in enumerate(events) if one.event == 'task.started') + 1
+    flight = next(n for n, event in enumerate(events) if event.event == 'task.started') + 1
     in_flight = 100 * flight // len(events) + 1
     for number, share in enumerate((in_flight, 50)):
         was_set = seconds(f'set {number}', stepped(events, [(share, by_s)]))
@@ -167,15 +167,15 @@ def test_tables_have_the_time_that_passed(
 
 
 @pytest.mark.parametrize('selection', [(), ('--job', 'J')])
-def test_tables_have_no_duration_of_an_attempt_across_a_restart(
+def test_tables_omit_attempt_duration_across_restart(
     tmp_path: Path, events: Sequence[Event], selection: tuple[str, ...]
 ) -> None:
     parquet = pytest.importorskip('pyarrow.parquet')
-    begun = next(n for n, one in enumerate(events) if one.event == 'task.started') + 1
+    begun = next(n for n, event in enumerate(events) if event.event == 'task.started') + 1
     node = OrchestratorStarted(cell='c', digest='d')
     lines = [*events[:begun], node.stamped(0, events[begun].time), *events[begun:]]
     journal = journal_of(
-        tmp_path / 'restarted', [one.stamped(n, one.time) for n, one in enumerate(lines, 1)]
+        tmp_path / 'restarted', [event.stamped(n, event.time) for n, event in enumerate(lines, 1)]
     )
     to = str(tmp_path / 'tables')
     words = ['events', '--journal', journal, '--format', 'parquet', '-o', to, *selection]

@@ -26,7 +26,7 @@ def test_a_run_that_fits_goes_on() -> None:
     after_beats(CostWatch(100_000, 1e9, lambda: next(used)), 100_000)
 
 
-def test_a_run_that_will_not_fit_ends_before_it_takes_much() -> None:
+def test_run_that_cannot_fit_ends_early() -> None:
     used = (1e9 + 1e7 * number for number in itertools.count())
     watch = CostWatch(2**31 - 1, 1e9, lambda: next(used))
     with pytest.raises(
@@ -35,14 +35,14 @@ def test_a_run_that_will_not_fit_ends_before_it_takes_much() -> None:
         after_beats(watch, 1_001)
 
 
-def test_a_run_that_takes_too_much_ends_whatever_its_orders_are() -> None:
+def test_excessive_memory_use_ends_any_run() -> None:
     used = (1e9 + 4e8 * number for number in itertools.count())
     with pytest.raises(TooCostly, match='ended after 3000 beats'):
         after_beats(CostWatch(1, 1e9, lambda: next(used)), 3_001)
 
 
 @pytest.mark.timeout(120)
-def test_simulate_of_two_thousand_million_items_ends_with_a_sentence(
+def test_simulate_refuses_order_of_two_billion_items(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr('bt_orchestrator.cli.bootstrap.installed_types', FakeActionTypes)

@@ -14,7 +14,7 @@ def drawn(text: str) -> DotText:
     return DotText(draw_tree(line.script(text), line.cell).dot)
 
 
-def test_the_tree_has_every_behaviour_in_the_order_of_ticks() -> None:
+def test_tree_shows_every_behaviour_in_tick_order() -> None:
     dot = drawn(with_section(2, '- {id: work, @a2, retries: 1}'))
     assert dot.nodes['root']['shape'] == 'parallelogram'
     parts = [dot.nodes[f'root.{n}']['label'] for n in range(1, 6)]
@@ -42,8 +42,8 @@ def test_drawing_the_tree_leaves_nothing_on_the_blackboard() -> None:
     assert set(Blackboard.clients) == before
 
 
-def test_equal_scripts_give_equal_trees_and_graphviz_lays_them_out() -> None:
+def test_equal_scripts_give_equal_trees_for_graphviz() -> None:
     line = Line()
-    one, other = (draw_tree(line.script(THREE), line.cell) for _ in range(2))
-    assert one == other
-    assert b'<svg' in one.content('svg')
+    first, other = (draw_tree(line.script(THREE), line.cell) for _ in range(2))
+    assert first == other
+    assert b'<svg' in first.content('svg')

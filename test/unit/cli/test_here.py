@@ -28,12 +28,12 @@ def files(folder: Path, *names: str) -> None:
         (folder / name).touch()
 
 
-def test_the_files_of_the_folder_are_taken_and_named(
+def test_files_of_folder_are_used_and_named(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     files(folder, 'cell.yaml', 'line.db', 'line.db-mark', 'line.db-wal', 'notes.db')
-    found = parsed()
-    assert (found.cell, found.journal) == (Path('cell.yaml'), Path('line.db'))
+    options = parsed()
+    assert (options.cell, options.journal) == (Path('cell.yaml'), Path('line.db'))
     assert capsys.readouterr().err == 'cell file: cell.yaml\njournal: line.db\n'
 
 
@@ -41,8 +41,8 @@ def test_a_named_file_is_taken_without_a_word(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     files(folder, 'cell.yaml', 'line.db', 'line.db-mark')
-    found = parsed('--cell', 'other.yaml', '--journal', 'other.db')
-    assert (found.cell, found.journal) == (Path('other.yaml'), Path('other.db'))
+    options = parsed('--cell', 'other.yaml', '--journal', 'other.db')
+    assert (options.cell, options.journal) == (Path('other.yaml'), Path('other.db'))
     assert capsys.readouterr().err == ''
 
 

@@ -63,11 +63,11 @@ def test_as_text(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_as_data(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    found = json.loads(compared(journal, capsys, '--job', 'WO-1', '--json'))
-    assert found['late_s'] == 6.0
-    assert found['items'] == [{'what': 'packed', 'forecast': 3, 'real': 3}]
-    assert found['components'][0] == {'what': 'a2', 'forecast_s': 3.0, 'real_s': 9.0}
-    assert found['worst_deviation']['item'] == 'WO-1/3'
+    comparison = json.loads(compared(journal, capsys, '--job', 'WO-1', '--json'))
+    assert comparison['late_s'] == 6.0
+    assert comparison['items'] == [{'what': 'packed', 'forecast': 3, 'real': 3}]
+    assert comparison['components'][0] == {'what': 'a2', 'forecast_s': 3.0, 'real_s': 9.0}
+    assert comparison['worst_deviation']['item'] == 'WO-1/3'
 
 
 def test_as_a_chart(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:

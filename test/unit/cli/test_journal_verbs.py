@@ -79,8 +79,8 @@ def test_history_as_job_responses(journal: str, capsys: pytest.CaptureFixture[st
     (line,) = said(capsys, *words).splitlines()
     response = json.loads(line)['JobResponse']
     assert (response['JobOrderID'], response['JobState']) == ('J1', 'Ended')
-    found = {one['ID']: one['Value'][0]['ValueString'] for one in response['JobResponseData']}
-    assert (found['GoodQuantity'], found['JobResult']) == ('3', '1')
+    values = {item['ID']: item['Value'][0]['ValueString'] for item in response['JobResponseData']}
+    assert (values['GoodQuantity'], values['JobResult']) == ('3', '1')
 
 
 def test_history_for_programs_without_a_job_is_nothing(
@@ -97,7 +97,7 @@ def test_history_by_time(journal: str, capsys: pytest.CaptureFixture[str]) -> No
     assert "'yesterday' is not a time; write 2026-05-17" in capsys.readouterr().err
 
 
-def test_a_job_or_a_journal_that_is_not_there(
+def test_missing_job_or_journal_is_reported(
     journal: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(['history', '--journal', journal, '--job', 'J7']) == 1
@@ -178,5 +178,5 @@ def _append_from_elsewhere(journal: str) -> None:
 
 
 def test_a_full_disk_is_told(journal: str, capsys: pytest.CaptureFixture[str]) -> None:
-    told = said(capsys, 'events', '--journal', journal, '-o', '/dev/full', status=1)
-    assert told == 'bt-orchestrator events: error: No space left on device\n'
+    output = said(capsys, 'events', '--journal', journal, '-o', '/dev/full', status=1)
+    assert output == 'bt-orchestrator events: error: No space left on device\n'

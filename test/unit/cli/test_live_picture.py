@@ -42,11 +42,11 @@ def test_a_file_that_holds_none(text: str | None, words: str, tmp_path: Path) ->
 
 
 def jobs(*states: JobWord, script: str = 'small') -> CellStatus:
-    found = [changed(statuses.job(state=state), script=script) for state in states]
-    return statuses.status(jobs=found)
+    entries = [changed(statuses.job(state=state), script=script) for state in states]
+    return statuses.status(jobs=entries)
 
 
-def test_it_is_over_when_the_jobs_of_the_script_have_ended() -> None:
+def test_course_ends_when_jobs_of_script_end() -> None:
     course = Course('small')
     waiting, ended = JobWord.ALLOWED_TO_START, JobWord.ENDED
     for status in (jobs(), jobs(ended), jobs(ended, waiting), jobs(JobWord.RUNNING)):

@@ -61,7 +61,7 @@ def test_every_verb_has_its_file(verb: str) -> None:
     assert importlib.util.find_spec(module_name(verb)) is not None
 
 
-def test_the_verb_gets_its_options_and_its_status_is_the_programs(use: Use) -> None:
+def test_verb_gets_options_and_returns_exit_status(use: Use) -> None:
     seen = []
 
     def run(args: argparse.Namespace) -> int:
@@ -87,7 +87,7 @@ def test_wrong_use(use: Use, words: list[str], capsys: pytest.CaptureFixture[str
     assert capsys.readouterr().err.startswith('usage: bt-orchestrator')
 
 
-def test_ros_arguments_are_left_to_verbs_that_are_nodes(use: Use) -> None:
+def test_only_node_verbs_accept_ros_arguments(use: Use) -> None:
     seen = []
 
     def run(args: argparse.Namespace) -> int:
@@ -157,9 +157,9 @@ def test_an_argument_that_is_no_text_is_refused(
     """Neither ROS 2 nor a journal can carry it: rclpy fails at the command line alone."""
     use(raising(AssertionError()))
     assert main(['check', '--speed', os.fsdecode(b'1\xff')]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(r"bt-orchestrator: error: the argument '1\udcff' is not UTF-8, ")
-    assert told.count('\n') == 1
+    errors = capsys.readouterr().err
+    assert errors.startswith(r"bt-orchestrator: error: the argument '1\udcff' is not UTF-8, ")
+    assert errors.count('\n') == 1
 
 
 def test_a_missing_package_is_named(use: Use, capsys: pytest.CaptureFixture[str]) -> None:
@@ -169,7 +169,7 @@ def test_a_missing_package_is_named(use: Use, capsys: pytest.CaptureFixture[str]
     assert 'the Python package rclpy is not installed' in capsys.readouterr().err
 
 
-def test_a_missing_module_of_our_own_is_a_defect(use: Use) -> None:
+def test_missing_own_module_is_a_defect(use: Use) -> None:
     use(raising(ModuleNotFoundError('gone', name='bt_orchestrator.cli.gone')))
 
     with pytest.raises(ModuleNotFoundError):
@@ -280,9 +280,9 @@ def test_a_terminal_shows_fifty_mistakes(use: Use, monkeypatch: pytest.MonkeyPat
 
 
 def test_one_mistake_is_counted_as_one() -> None:
-    one = Finding('a.yaml', 1, 1, 'wrong', 'mend it')
-    assert Refused([one]).count == 'refused with 1 finding'
-    assert Refused([one, one]).count == 'refused with 2 findings'
+    finding = Finding('a.yaml', 1, 1, 'wrong', 'mend it')
+    assert Refused([finding]).count == 'refused with 1 finding'
+    assert Refused([finding, finding]).count == 'refused with 2 findings'
 
 
 class RCLError(RuntimeError):

@@ -50,7 +50,7 @@ def test_the_files_work_as_they_are(
 
 
 @pytest.mark.parametrize('sections', ['1', '4'])
-def test_the_files_with_a_recipe_work_as_they_are(
+def test_files_with_recipe_work_as_written(
     sections: str, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert write('mine', '--sections', sections, '--recipe') == 0
@@ -66,7 +66,7 @@ def test_the_files_with_a_recipe_work_as_they_are(
     assert json.loads(schema.read_text())['title']
 
 
-def test_the_files_name_schemas_that_are_moved_with_them(here: Path) -> None:
+def test_moved_files_still_find_their_schemas(here: Path) -> None:
     write('mine', '--sections', '2')
     assert len([*(here / 'mine' / 'schemas').iterdir()]) == 3
     moved = here / 'mine'

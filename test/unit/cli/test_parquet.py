@@ -95,7 +95,7 @@ def test_a_folder_that_cannot_be_written(
     assert f'cannot write {journal}: File exists' in capsys.readouterr().err
 
 
-def test_without_the_package_it_says_how_to_get_it(
+def test_missing_package_error_says_how_to_install(
     journal: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, 'pyarrow', None)

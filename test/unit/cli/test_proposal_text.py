@@ -18,7 +18,7 @@ JOBS = (
 FOUND = Proposal(JOBS, 'd1ge57', 15.0, 2.0, 2, 2, True, {'C': 'hold 1 waits'})
 
 
-def test_each_job_has_its_places_and_ends_and_what_is_known_follows() -> None:
+def test_jobs_show_places_ends_and_remarks() -> None:
     head, *rows, together, sure, stays, unknown, left = lines(FOUND, 1000.0, left_out=3)
     assert head.split() == [
         'job',
@@ -51,7 +51,7 @@ def test_it_says_how_sure_it_is() -> None:
     assert how_sure(FOUND._replace(orders=1)).startswith('it is the only order that keep')
     some = how_sure(FOUND._replace(orders=40320, looked_at=41, is_best=False))
     assert some.startswith('it is the best of 41 orders looked at, of 40320 that keep')
-    same = FOUND._replace(jobs=[one._replace(new_place=one.place) for one in JOBS])
+    same = FOUND._replace(jobs=[job._replace(new_place=job.place) for job in JOBS])
     assert 'the queue stays unchanged' in list(lines(same, 1000.0))
 
 

@@ -40,9 +40,7 @@ def test_a_line_has_no_dot_text(tmp_path: Path) -> None:
         run(arguments('x', '-o', tmp_path / 'x.dot'))
 
 
-def test_the_tree_is_another_view_and_needs_no_dot(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_tree_view_renders_without_dot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv('PATH', '/nowhere')
     output = tmp_path / 'tree.dot'
     assert rendered(TREES / 'reference_process.yaml', '--view', 'tree', '-o', output) == 0
@@ -96,7 +94,7 @@ def test_options_that_mean_nothing_together(
         run(arguments('x', '-o', tmp_path / 'x.svg', *words))
 
 
-def test_a_saved_status_is_drawn_and_the_file_replaced_at_once(tmp_path: Path) -> None:
+def test_drawn_status_replaces_output_file_atomically(tmp_path: Path) -> None:
     saved, output = tmp_path / 'status.json', tmp_path / 'x.svg'
     saved.write_text(json.dumps(to_plain(EMPTY, whole=True)))
     output.write_text('old')

@@ -40,8 +40,8 @@ def of_shift(journal: Path, name: str = 'early', day: str = '2026-05-18') -> tup
 
 def plain(journal: Path, capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
     assert report(journal, '--json', *words) == 0
-    found: dict[str, object] = json.loads(capsys.readouterr().out)
-    return found
+    data: dict[str, object] = json.loads(capsys.readouterr().out)
+    return data
 
 
 def test_a_shift_as_text(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -59,16 +59,16 @@ def test_a_shift_as_text(journal: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert '    retry by ann: cleared the jam' in lines
 
 
-def test_without_a_cell_file_there_is_no_oee_but_all_else(
+def test_report_without_cell_file_omits_only_oee(
     journal: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    found = plain(journal, capsys, *of_shift(journal))
-    assert found['oee'] == {
+    data = plain(journal, capsys, *of_shift(journal))
+    assert data['oee'] == {
         'availability': 0.813561, 'performance': None, 'quality': 0.965251, 'oee': None,
     }  # fmt: skip
-    said = 'no performance and no OEE: for the pace of test the cell file is needed: --cell CELL'
-    assert said in found['notes']  # type: ignore[operator]
-    assert found['waterfall'][-1]['title'] == 'actual production time'  # type: ignore[index]
+    note = 'no performance and no OEE: for the pace of test the cell file is needed: --cell CELL'
+    assert note in data['notes']  # type: ignore[operator]
+    assert data['waterfall'][-1]['title'] == 'actual production time'  # type: ignore[index]
 
 
 def test_other_periods(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -111,22 +111,22 @@ def test_days_and_shifts_side_by_side(
     early = plain(journal, capsys, *of_days, '--shift', 'early')
     each = plain(journal, capsys, *of_days, '--each-shift')
     assert early == each
-    assert [one['title'] for one in each['columns']] == ['early 05-17', 'early 05-18']  # type: ignore[attr-defined]
+    assert [entry['title'] for entry in each['columns']] == ['early 05-17', 'early 05-18']  # type: ignore[attr-defined]
     alone = plain(journal, capsys, *of_shift(journal), *of_days[-2:])
-    rows = {one['name']: one for one in each['groups'][0]['rows']}  # type: ignore[index]
+    rows = {entry['name']: entry for entry in each['groups'][0]['rows']}  # type: ignore[index]
     assert rows['own_fault']['values'] == [None, alone['losses']['own_fault']]  # type: ignore[index]
     assert rows['oee']['values'] == [None, alone['oee']['oee']]  # type: ignore[index]
 
 
-def test_side_by_side_as_a_table_and_as_a_page(
+def test_side_by_side_report_as_table_and_page(
     journal: Path, tmp_path: Path, of_days: tuple[str, ...]
 ) -> None:
     out = tmp_path / 'days.csv'
     assert report(journal, *of_days, '--csv', '-o', str(out)) == 0
     with out.open(encoding='utf-8', newline='') as file:
-        told = {(row['column'], row['figure']): row['value'] for row in csv.DictReader(file)}
-    assert (told['Mon 05-18', 'good'], told['Sun 05-17', 'good']) == ('500', '')
-    assert told['together', 'own_fault'] == '1320.0'
+        values = {(row['column'], row['figure']): row['value'] for row in csv.DictReader(file)}
+    assert (values['Mon 05-18', 'good'], values['Sun 05-17', 'good']) == ('500', '')
+    assert values['together', 'own_fault'] == '1320.0'
     page = tmp_path / 'days.html'
     assert report(journal, *of_days, '--html', '-o', str(page)) == 0
     assert '<b>cleared the jam' not in page.read_text(encoding='utf-8')
@@ -163,7 +163,7 @@ def journal_at(
     def grown(clock: str) -> Path:
         monkeypatch.setattr(following, 'time', SimpleNamespace(time=lambda: at(clock)))
         store = SqliteStore(tmp_path / f'at {clock}.db')
-        store.append([one for one in the_day().events if one.time <= at(clock)])
+        store.append([event for event in the_day().events if event.time <= at(clock)])
         store.close()
         return tmp_path / f'at {clock}.db'
 
@@ -175,20 +175,20 @@ def test_the_shift_that_runs_is_followed(
 ) -> None:
     shifts = ('--follow', '--shifts', str(journal.parent / 'shifts.yaml'))
     cell = ('--cell', str(journal.parent / 'cell.yaml'))
-    found = plain(journal_at('13:11'), capsys, *shifts, *cell)
-    assert found['runs']
-    assert found['ends'] == '2026-05-18T14:00:00+00:00'
-    assert found['stopped']['hold'] == '3'  # type: ignore[index]
+    data = plain(journal_at('13:11'), capsys, *shifts, *cell)
+    assert data['runs']
+    assert data['ends'] == '2026-05-18T14:00:00+00:00'
+    assert data['stopped']['hold'] == '3'  # type: ignore[index]
     assert report(journal_at('07:10'), *shifts, *cell) == 0
     (line,) = capsys.readouterr().out.splitlines()
-    said = '07:10:00  shift early of 2026-05-18: OEE 33.3 % = 66.7 % x 50.0 % x 100.0 %, made 400'
-    assert line.startswith(said)
+    text = '07:10:00  shift early of 2026-05-18: OEE 33.3 % = 66.7 % x 50.0 % x 100.0 %, made 400'
+    assert line.startswith(text)
     assert line.endswith('own fault, a2, TASK_A aborted since 07:00:00')
     late = journal_at('15:00')
-    found = plain(late, capsys, *shifts, *cell)
+    data = plain(late, capsys, *shifts, *cell)
     ended = plain(late, capsys, *of_shift(journal), *cell)
-    assert {name: found[name] for name in ended} == ended
-    assert found['next'] == {'shift': 'early', 'begins': '2026-05-19T06:00:00+00:00'}
+    assert {name: data[name] for name in ended} == ended
+    assert data['next'] == {'shift': 'early', 'begins': '2026-05-19T06:00:00+00:00'}
     assert report(late, *shifts) == 0
     assert 'it is over; early begins 2026-05-19 06:00:00' in capsys.readouterr().out
 

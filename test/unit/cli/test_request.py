@@ -49,7 +49,7 @@ def test_wrong_arguments_are_told_with_the_right_ones(words: tuple[str, ...], to
 def test_without_a_name_all_requests_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(['request']) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines if line[0] != ' '] == [one.name for one in TABLE]
+    assert [line.split()[0] for line in lines if line[0] != ' '] == [row.name for row in TABLE]
     assert '  position=N: place in the queue, from 1 (required)' in lines
 
 

@@ -72,7 +72,7 @@ def test_the_prediction_as_json(capsys: pytest.CaptureFixture[str]) -> None:
         'margin_s': 1.5,
     }
     assert answer['forecast']['jobs'][0]['packed'] == 3
-    assert [one['per_item_s'] for one in answer['paces']] == [6.5]
+    assert [pace['per_item_s'] for pace in answer['paces']] == [6.5]
 
 
 def test_a_mix_is_told_by_its_jobs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -91,7 +91,7 @@ def test_a_mix_is_told_by_its_jobs(tmp_path: Path, capsys: pytest.CaptureFixture
     assert paces[1].startswith('pace           of inspect_and_assemble: 7.5 s per item or longer')
 
 
-def test_a_line_that_gets_stuck_says_who_waits_for_whom(
+def test_stuck_line_says_what_sections_wait_for(
     stuck: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert simulated(stuck) == 1
@@ -133,7 +133,7 @@ def test_a_held_line_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert hold['reason'] == 'task_result_false'
 
 
-def test_the_trace_keeps_everything_up_to_where_the_run_got(stuck: Path, tmp_path: Path) -> None:
+def test_trace_keeps_events_until_stuck_run_ends(stuck: Path, tmp_path: Path) -> None:
     trace = tmp_path / 'trace.jsonl'
     assert simulated(stuck, '--trace', trace) == 1
     events = [from_record(json.loads(line)) for line in trace.read_text().splitlines()]
@@ -142,7 +142,7 @@ def test_the_trace_keeps_everything_up_to_where_the_run_got(stuck: Path, tmp_pat
     assert events[-1].time == 9.0
 
 
-def test_orders_run_one_after_the_other_and_get_ids_that_are_free(
+def test_orders_run_in_sequence_with_free_ids(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     nameless = {'script': 'reference_process', 'quantity': 1}
@@ -159,7 +159,7 @@ def test_orders_run_one_after_the_other_and_get_ids_that_are_free(
     assert ends == sorted(ends)
 
 
-def test_one_id_given_twice_is_refused_where_it_stands(tmp_path: Path) -> None:
+def test_duplicate_order_id_is_refused_at_its_line(tmp_path: Path) -> None:
     again = order(tmp_path, 'again', script='reference_process', quantity=1, order='WO-1001')
     with pytest.raises(Refused) as refused:
         simulated(REFERENCE_ORDER, again)
@@ -175,14 +175,14 @@ def test_the_mistakes_of_all_orders_are_told(tmp_path: Path) -> None:
     with pytest.raises(Refused) as refused:
         simulated(wrong, nowhere, REFERENCE_ORDER)
 
-    found = [str(finding) for finding in refused.value.findings]
-    assert len(found) == 3
-    assert 'names no quantity' in found[0]
-    assert 'did you mean `label`?' in found[1]
-    assert found[2].startswith(f'{nowhere}:1:9: there is no script `referenc_process`')
+    findings = [str(finding) for finding in refused.value.findings]
+    assert len(findings) == 3
+    assert 'names no quantity' in findings[0]
+    assert 'did you mean `label`?' in findings[1]
+    assert findings[2].startswith(f'{nowhere}:1:9: there is no script `referenc_process`')
 
 
-def test_what_is_wrong_with_an_order_hides_nothing_of_its_script(tmp_path: Path) -> None:
+def test_order_mistakes_hide_no_script_mistakes(tmp_path: Path) -> None:
     wrong = order(tmp_path, 'wrong', script='referenc_process', quantity=0)
     with pytest.raises(Refused) as refused:
         simulated(wrong)
@@ -192,7 +192,7 @@ def test_what_is_wrong_with_an_order_hides_nothing_of_its_script(tmp_path: Path)
     assert quantity.startswith('`quantity` must be at least 1')
 
 
-def test_scripts_that_disagree_about_a_flag_are_refused_at_the_later_order(
+def test_conflicting_flags_are_refused_at_later_order(
     stuck: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = STUCK.read_text().replace('downstream: assemble}', 'downstream: assemble, capacity: 2}')
@@ -218,7 +218,7 @@ def test_options_that_cannot_be_had_are_wrong_use(option: str, value: str, what:
         simulated(REFERENCE_ORDER, option, value)
 
 
-def test_the_chart_in_the_docs_is_what_is_drawn(tmp_path: Path) -> None:
+def test_chart_in_docs_matches_drawing(tmp_path: Path) -> None:
     chart = tmp_path / 'chart.svg'
     assert simulated(REFERENCE_ORDER, '--gantt', chart) == 0
 
@@ -227,7 +227,7 @@ def test_the_chart_in_the_docs_is_what_is_drawn(tmp_path: Path) -> None:
     assert chart.read_bytes() == shown.read_bytes(), 'see simulate.md for the command'
 
 
-def test_the_chart_goes_up_to_where_the_run_got(stuck: Path, tmp_path: Path) -> None:
+def test_chart_ends_where_stuck_run_stops(stuck: Path, tmp_path: Path) -> None:
     chart = tmp_path / 'chart.svg'
     assert simulated(stuck, '--gantt', chart) == 1
 
@@ -307,7 +307,7 @@ def test_a_file_that_is_neither_is_refused() -> None:
         simulated(REFERENCE_ORDER, '--what-if', REFERENCE_ORDER)
 
 
-def test_it_has_to_be_clear_which_script_is_replaced(tmp_path: Path) -> None:
+def test_ambiguous_script_replacement_is_wrong_use(tmp_path: Path) -> None:
     orders = [
         order(tmp_path, 'one', script='reference_process', quantity=1),
         order(tmp_path, 'two', script='inspect_and_assemble', quantity=1),
@@ -334,14 +334,14 @@ def test_two_runs_have_no_single_chart(quick_cell: Path) -> None:
         ('inspect.measurement', 'a result is FIELD=VALUE'),
     ],
 )
-def test_a_result_that_no_task_has_is_wrong_use(tmp_path: Path, result: str, said: str) -> None:
+def test_unknown_task_result_is_wrong_use(tmp_path: Path, result: str, said: str) -> None:
     asked = order(tmp_path, 'order', script='inspect_and_assemble', quantity=1)
     with pytest.raises(WrongUse) as wrong:
         simulated(asked, '--on-hold', 'mark_done', '--result', result)
     assert said in str(wrong.value)
 
 
-def test_a_start_is_waited_for_from_the_begin_of_the_run(
+def test_order_start_is_counted_from_run_begin(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     start = {'start': '2026-05-18T06:00:00Z', 'due': '2026-05-18T07:00:00Z'}

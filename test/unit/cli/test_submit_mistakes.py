@@ -105,7 +105,7 @@ def checked(files: Sequence[str]) -> list[str]:
     )
     with pytest.raises(Refused) as refused:
         check(given, TYPES)
-    return [str(one) for one in refused.value.findings]
+    return [str(finding) for finding in refused.value.findings]
 
 
 def told(
@@ -124,10 +124,10 @@ def test_every_mistake_is_named_with_its_line(
 ) -> None:
     files = written(text)
     assert sorted(told(capsys, words, files)) == sorted(checked(files))
-    assert not any(isinstance(one, e.JobQueued) for one in store.read())
+    assert not any(isinstance(event, e.JobQueued) for event in store.read())
 
 
-def test_mistakes_of_several_files_are_named_and_nothing_is_queued(
+def test_mistakes_of_several_files_queue_nothing(
     capsys: pytest.CaptureFixture[str], store: MemoryStore
 ) -> None:
     other = WRONG['of the script'].replace('order: A', 'order: B')
@@ -139,12 +139,12 @@ def test_mistakes_of_several_files_are_named_and_nothing_is_queued(
     ):
         files = written(*texts)
         assert sorted(told(capsys, ['submit'], files)) == sorted(checked(files))
-    assert not any(isinstance(one, e.JobQueued) for one in store.read())
+    assert not any(isinstance(event, e.JobQueued) for event in store.read())
     assert main(['submit', *written(FINE)]) == 0
-    assert [one.job for one in store.read() if isinstance(one, e.JobQueued)] == ['A']
+    assert [event.job for event in store.read() if isinstance(event, e.JobQueued)] == ['A']
 
 
-def test_without_a_node_a_file_is_told_its_own_mistakes(
+def test_file_mistakes_are_reported_without_node(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     files = written(WRONG['of both'])

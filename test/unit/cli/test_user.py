@@ -48,9 +48,9 @@ def test_add_list_role_remove(path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert user(path, 'remove', 'mes') == 0
     capsys.readouterr()
     assert user(path, 'list', '--json') == 0
-    told = json.loads(capsys.readouterr().out)
+    listing = json.loads(capsys.readouterr().out)
     users = [{'name': 'ann', 'role': 'engineer'}]
-    assert told == {'users': users, 'panels': [], 'keys': []}
+    assert listing == {'users': users, 'panels': [], 'keys': []}
 
 
 def test_a_key_is_made_listed_and_removed(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -73,9 +73,9 @@ def test_a_key_is_made_listed_and_removed(path: Path, capsys: pytest.CaptureFixt
     assert lines[:3] == ['there are no users', 'panels: key ann', f'key ann: operate, {public}']
     assert lines[3].startswith('key the page: engineer, of a page, ')
     assert user(path, 'list', '--json') == 0
-    told = json.loads(capsys.readouterr().out)['keys']
-    assert told[0] == {'name': 'ann', 'role': 'operate', 'door': '', 'public': public}
-    assert told[1]['door'] == 'page'
+    listing = json.loads(capsys.readouterr().out)['keys']
+    assert listing[0] == {'name': 'ann', 'role': 'operate', 'door': '', 'public': public}
+    assert listing[1]['door'] == 'page'
     assert user(path, 'no-key', 'ann') == 0
     assert list(UsersFile(path).content().keys) == ['the page']
     assert not UsersFile(path).content().panels
@@ -114,15 +114,15 @@ def test_panels_are_named_listed_and_taken_back(
     assert user(path, 'list') == 0
     assert user(path, 'no-panel', 'user', 'ann') == 0
     assert user(path, 'no-panel', 'user', 'ann') == 1
-    said = capsys.readouterr()
-    assert said.out.splitlines()[1:] == [
+    captured = capsys.readouterr()
+    assert captured.out.splitlines()[1:] == [
         'the user ann is a panel',
         'the address 192.168.3.20 is a panel',
         'ann  operate',
         'panels: user ann, address 192.168.3.20',
         'the user ann is no panel any more',
     ]
-    assert 'the user ann is no panel; there are: address 192.168.3.20' in said.err
+    assert 'the user ann is no panel; there are: address 192.168.3.20' in captured.err
     assert user(path, 'panel', 'ann') == 2
     assert user(path, 'panel', 'room', 'ann') == 2
 
@@ -172,9 +172,7 @@ def terminal(path: Path) -> Iterator[PseudoTerminal]:
     terminal.close()
 
 
-def test_on_a_terminal_it_asks_twice_and_shows_nothing(
-    path: Path, terminal: PseudoTerminal
-) -> None:
+def test_terminal_asks_password_twice_without_echo(path: Path, terminal: PseudoTerminal) -> None:
     terminal.until_shows('password of ann:')
     terminal.press(f'{PASSWORD}\n')
     terminal.until_shows('the same again:')
@@ -195,9 +193,7 @@ def test_two_that_differ_are_refused(path: Path, terminal: PseudoTerminal) -> No
     assert not path.exists()
 
 
-def test_the_end_of_input_leaves_the_terminal_as_it_was(
-    path: Path, terminal: PseudoTerminal
-) -> None:
+def test_end_of_input_restores_terminal(path: Path, terminal: PseudoTerminal) -> None:
     terminal.until_shows('password of ann:')
     terminal.press('\x04')  # Ctrl-D, on an empty line
     assert terminal.wait() == 2

@@ -10,7 +10,7 @@ from bt_orchestrator.cli.node_options import user_name
 
 
 @pytest.mark.parametrize('error', [KeyError, OSError, ImportError])
-def test_a_user_id_without_a_name_is_named_by_its_number(
+def test_unnamed_user_id_is_shown_as_number(
     error: type[Exception], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As containers have it, which run programs under any user id."""
@@ -23,6 +23,6 @@ def test_a_user_id_without_a_name_is_named_by_its_number(
     assert user_name() == 'user 12345'
 
 
-def test_a_name_can_be_sent_whatever_the_environment_says(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_user_name_is_always_valid_text(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv('LOGNAME', 'J\udcfcrgen')
     assert user_name() == 'J?rgen'

@@ -10,7 +10,7 @@ from bt_orchestrator.ports import Consequence, ExpectedJob
 KNOWN = Consequence([ExpectedJob('A', 5.0)], [ExpectedJob('A', 6.0)], ())
 
 
-def test_what_only_the_node_knows_is_said_below_the_table() -> None:
+def test_refusals_and_notes_follow_the_table() -> None:
     asked = KNOWN._replace(refusals=['job.move: J-120 is not there'], notes=['whether …'])
     *_, refused, note, without = lines(asked, left_out=20)
     assert (refused, note) == ('would be refused: job.move: J-120 is not there', 'whether …')
@@ -20,7 +20,7 @@ def test_what_only_the_node_knows_is_said_below_the_table() -> None:
     )
 
 
-def test_a_prediction_with_all_jobs_is_the_table_alone() -> None:
+def test_complete_prediction_is_table_alone() -> None:
     assert len(list(lines(KNOWN))) == 2
 
 
@@ -38,11 +38,11 @@ def test_a_prediction_with_all_jobs_is_the_table_alone() -> None:
 def test_a_change_has_one_word_everywhere(
     before_s: float | None, after_s: float | None, word: str, shown: str
 ) -> None:
-    found = KNOWN._replace(before=[ExpectedJob('A', before_s)], after=[ExpectedJob('A', after_s)])
-    assert [one.change for one in found.changes] == [word]
-    assert list(lines(found))[1].endswith(f' {shown}')
+    result = KNOWN._replace(before=[ExpectedJob('A', before_s)], after=[ExpectedJob('A', after_s)])
+    assert [entry.change for entry in result.changes] == [word]
+    assert list(lines(result))[1].endswith(f' {shown}')
 
 
-def test_jobs_of_one_side_alone_are_new_or_gone() -> None:
-    found = Consequence([ExpectedJob('A', 5.0)], [ExpectedJob('B', None)], ())
-    assert {one.job: one.change for one in found.changes} == {'A': 'gone', 'B': 'new'}
+def test_jobs_on_one_side_are_new_or_gone() -> None:
+    result = Consequence([ExpectedJob('A', 5.0)], [ExpectedJob('B', None)], ())
+    assert {entry.job: entry.change for entry in result.changes} == {'A': 'gone', 'B': 'new'}

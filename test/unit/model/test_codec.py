@@ -195,7 +195,7 @@ def test_every_event_comes_back_as_it_was(name: str) -> None:
 @pytest.mark.parametrize(
     'value', ['größer ☃', '"\\\n\x01\x7f', 'a\ud800ö', None, 3, 2.5, True, [1]]
 )
-def test_the_text_of_an_event_is_that_of_its_record(value: Any) -> None:
+def test_event_text_equals_text_of_its_record(value: Any) -> None:
     event = e.TaskFailed(
         **e.INDEX_KEY._asdict(), seq=1, time=2.0, attempt=value, reason=value, message=value
     )
@@ -204,7 +204,7 @@ def test_the_text_of_an_event_is_that_of_its_record(value: Any) -> None:
 
 
 @pytest.mark.parametrize('name', event_types())
-def test_every_event_comes_back_without_what_may_be_absent(name: str) -> None:
+def test_every_event_survives_without_optional_fields(name: str) -> None:
     full = sample(name)
     places = ('job', 'section', 'item', 'goal', 'hold')
     absent: dict[str, Any] = {
@@ -222,7 +222,7 @@ def test_the_names_that_users_rely_on() -> None:
     assert set(NAMES.split()) <= set(event_types())
 
 
-def test_a_record_begins_with_what_a_reader_looks_for() -> None:
+def test_record_begins_with_fields_used_for_search() -> None:
     event = e.ItemPlaced(seq=1, time=0.0, job='J', item='J/1', section=1)
     assert list(to_record(event)) == ['seq', 'time', 'event', 'job', 'section', 'item']
 
@@ -248,7 +248,7 @@ def test_scripts_that_say_the_same_have_one_digest() -> None:
     assert digest(line.script(THREE)) != digest(line.script(with_section(2, '- {id: w, @b2}')))
 
 
-def test_conditions_of_older_scripts_are_read_and_keep_their_digest() -> None:
+def test_older_conditions_are_read_and_keep_digest() -> None:
     boolean = {'value': {'$': [{'source': 'params', 'name': 'b'}]}, 'negated': True}
     named = Template((Reference('params', 'b'),))
     assert from_plain(Condition, boolean) == Condition(named, negated=True)
@@ -258,7 +258,7 @@ def test_conditions_of_older_scripts_are_read_and_keep_their_digest() -> None:
 
 
 @pytest.mark.parametrize('name', ['gear_motor_cell.yaml', 'cell_with_capabilities.yaml'])
-def test_a_cell_comes_back_as_it_was_with_what_its_components_can_do(name: str) -> None:
+def test_cell_with_capabilities_survives_round_trip(name: str) -> None:
     text = (ROOT / 'config' / name).read_text(encoding='utf-8')
     written = parse_cell(text, name, FakeActionTypes())
     read = from_plain(Cell, json.loads(json.dumps(to_plain(written))))
@@ -274,7 +274,7 @@ def test_a_digest_survives_the_journal() -> None:
 
 
 @pytest.mark.parametrize('wanted', [True, 1, 1.0])
-def test_a_number_that_equals_true_is_kept_as_it_is(wanted: object) -> None:
+def test_number_equal_to_true_keeps_its_type(wanted: object) -> None:
     condition = Condition(Template((Reference('item', 'number'),)), equals=wanted)
     read = from_plain(Condition, json.loads(json.dumps(to_plain(condition))))
     assert (read.words, type(read.equals)) == (condition.words, type(wanted))

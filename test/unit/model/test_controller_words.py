@@ -34,12 +34,12 @@ def test_message_else_every_text(result: dict[str, Any], said: str) -> None:
 
 @pytest.mark.parametrize('result', [{'message': 'x' * 900}, {'a': 'x' * 300, 'b': 'y' * 300}])
 def test_long_words_are_cut_with_a_mark(result: dict[str, Any]) -> None:
-    said = controller_words(result)
-    assert len(said) == 500
-    assert said.endswith('characters, the rest is cut)')
+    text = controller_words(result)
+    assert len(text) == 500
+    assert text.endswith('characters, the rest is cut)')
 
 
-def test_simulated_controllers_speak_in_message_else_in_the_first_text() -> None:
+def test_simulated_controllers_use_message_or_first_text() -> None:
     flag = FieldType('bool', 'boolean')
     assert words_field(MessageType('R', {'code': STRING, 'message': STRING})) == 'message'
     assert words_field(MessageType('R', {'ok': flag, 'code': STRING, 'note': STRING})) == 'code'

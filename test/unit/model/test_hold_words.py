@@ -37,7 +37,7 @@ OF_CELL = hold(job=None, section=None, item=None, task=None, reason='paused', me
         (OF_CELL, 'hold 1 (paused, Ann: tea)', 'paused (Ann: tea)'),
     ],
 )
-def test_a_hold_is_named_in_a_sentence_and_told_in_full(held: Hold, name: str, words: str) -> None:
+def test_hold_has_short_name_and_full_text(held: Hold, name: str, words: str) -> None:
     assert hold_name(held) == name
     assert hold_words(held) == words
     assert hold_wait_words([held]) == f'waiting for an answer to {name}'
@@ -61,7 +61,7 @@ def test_why() -> None:
         (' \n', 'aborted'),
     ],
 )
-def test_what_a_controller_says_is_one_line_that_no_terminal_obeys(said: str, words: str) -> None:
+def test_controller_message_is_one_printable_line(said: str, words: str) -> None:
     assert why_words('aborted', said) == words
     assert hold_words(hold(message=said)).endswith(words)
     of_cell = hold(job=None, section=None, item=None, task=None, message=said)

@@ -5,25 +5,25 @@ from __future__ import annotations
 from bt_orchestrator.model.limits import MESSAGE, cut, listed, without_longest
 
 
-def test_a_text_that_is_not_too_long_stays_whole() -> None:
+def test_short_text_stays_whole() -> None:
     assert cut('x' * MESSAGE, MESSAGE) == 'x' * MESSAGE
 
 
-def test_a_cut_text_begins_as_it_did_and_says_how_long_it_was() -> None:
+def test_cut_text_keeps_beginning_and_names_length() -> None:
     kept = cut('abc' * 10_000, MESSAGE)
     assert len(kept) == MESSAGE
     assert kept.startswith('abcabc')
     assert kept.endswith('c … (30000 characters, the rest is cut)')
 
 
-def test_a_few_names_are_all_listed_and_many_are_counted() -> None:
+def test_few_names_are_listed_and_many_counted() -> None:
     assert listed(['a', 'b'], 'none') == 'a, b'
     assert listed([], 'none') == 'none'
     names = [f'J{number}' for number in range(10_000)]
     assert listed(names, 'none') == f'{", ".join(names[:20])} and 9980 more'
 
 
-def test_the_longest_fields_are_left_out_until_the_rest_fits() -> None:
+def test_longest_fields_are_dropped_until_rest_fits() -> None:
     image, text = [0] * 1000, 'x' * 900
     assert without_longest({'a': 1, 'image': image, 'text': text}, 1000) == {'a': 1, 'text': text}
     assert without_longest({'a': 1, 'text': text}, 1000) == {'a': 1, 'text': text}

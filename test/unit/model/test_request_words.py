@@ -22,8 +22,8 @@ def listed(service: str, field: str) -> set[str]:
 
 def words(about: About) -> set[str]:
     """Return the words that a service with typed fields may carry."""
-    found = [each for each in TABLE if each.about is about and not each.is_manual]
-    return {request.word for request in found} | {w for request in found for w in request.also}
+    rows = [each for each in TABLE if each.about is about and not each.is_manual]
+    return {request.word for request in rows} | {w for request in rows for w in request.also}
 
 
 @pytest.mark.parametrize(

@@ -100,12 +100,12 @@ def test_arguments_are_checked() -> None:
     asked = ask('hold.mark_done', ANN, hold='3', results={'x': 1.5})
     assert asked.arguments == {'hold': '3', 'results': {'x': 1.5}}
     assert ask('cell.resume', ANN, hold=None).arguments == {}
-    for name, arguments, said in (
+    for name, arguments, message in (
         ('hold.retry', {}, 'hold.retry needs hold: id of the hold'),
         ('job.move', {'job': 'A', 'position': True}, 'position of job.move is whole number'),
         ('job.hold', {'job': 'A', 'place': 1}, 'job.hold takes job; found place'),
         ('cell.reset', {'x': 1}, 'cell.reset takes nothing; found x'),
         ('cell.fly', {}, "there is no request 'cell.fly'; one of cell.reset"),
     ):
-        with pytest.raises(BadArguments, match=said):
+        with pytest.raises(BadArguments, match=message):
             ask(name, ANN, **arguments)

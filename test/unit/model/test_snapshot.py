@@ -84,7 +84,7 @@ def _sample_of_class(kind: type, number: int) -> Any:
 
 @examples(4, 100)
 @given(lines())
-def test_a_run_is_the_same_with_its_state_read_back_after_every_event(plan: Plan) -> None:
+def test_run_survives_read_back_after_every_event(plan: Plan) -> None:
     bench = ProductBench(plan)
     operate(bench, plan.moments)
     state, copied = CellState(bench.cell), CellState(bench.cell)
@@ -96,7 +96,7 @@ def test_a_run_is_the_same_with_its_state_read_back_after_every_event(plan: Plan
 
 
 @pytest.mark.parametrize('name', kept_fields())
-def test_every_field_of_the_state_and_of_what_is_in_it_comes_back(name: str) -> None:
+def test_every_state_field_survives_read_back(name: str) -> None:
     state = CellState(LINE.cell)
     filled = sample(hints_of(CellState)[name], 2)
     if name in ('sections', 'readings'):  # as the cell has them
@@ -123,7 +123,7 @@ def test_what_stands_in_two_places_is_one_thing() -> None:
     assert job.job.script is again.scripts[job.digest]
 
 
-def test_a_state_survives_as_text_and_scripts_are_not_written_again(
+def test_state_text_does_not_rewrite_scripts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     state = CellState(LINE.cell)
@@ -148,13 +148,13 @@ def test_an_annotation_that_cannot_be_kept_is_refused() -> None:
         kept.Writer().write(int | str | None, 3)
 
 
-def test_a_field_that_a_record_lacks_has_its_default() -> None:
+def test_missing_record_field_has_its_default() -> None:
     state = CellState(LINE.cell)
     before = sample(JobState, 3)
     state.jobs.add(before)
     plain = state_to_plain(state)
     del plain['state']['beat']
-    (job,) = [one for one in plain['objects'] if 'aborting' in one]
+    (job,) = [entry for entry in plain['objects'] if 'aborting' in entry]
     del job['aborting']
     again = state_from_plain(LINE.cell, plain)
     assert again.beat == 1
@@ -174,7 +174,7 @@ def test_a_field_that_a_record_lacks_has_its_default() -> None:
         ('Execute', False, None),
     ],
 )
-def test_what_an_older_program_knew_of_a_stop_is_an_operators_wish(
+def test_old_stop_state_becomes_operator_command(
     mode: str, arrived: bool, wish: str | None
 ) -> None:
     plain = state_to_plain(CellState(LINE.cell))
@@ -188,7 +188,7 @@ def test_what_an_older_program_knew_of_a_stop_is_an_operators_wish(
     assert state.stop_after_by.command == 'stop_after_job'
 
 
-def test_what_an_older_program_knew_to_be_done_once_is_kept() -> None:
+def test_old_done_once_entries_are_kept() -> None:
     plain = state_to_plain(CellState(LINE.cell))
     plain['state']['done_once'] = ['/belt/do HOME []', "/a2/do LOAD [('recipe', 'a b')]"]
     state = state_from_plain(LINE.cell, plain)

@@ -32,12 +32,12 @@ def succeeded(time: float, attempt: int = 1) -> e.TaskSucceeded:
 def test_every_attempt_is_a_span_of_its_own() -> None:
     spans = TaskSpans()
     events = [started(1.0), failed(2.5), started(3.0, 2), succeeded(7.0, 2)]
-    found = [span for span in map(spans.follow, events) if span is not None]
-    assert found == [(events[0], events[1]), (events[2], events[3])]
-    assert [span.seconds for span in found] == [1.5, 4.0]
+    closed_spans = [span for span in map(spans.follow, events) if span is not None]
+    assert closed_spans == [(events[0], events[1]), (events[2], events[3])]
+    assert [span.seconds for span in closed_spans] == [1.5, 4.0]
 
 
-def test_the_same_task_of_two_items_is_told_apart() -> None:
+def test_same_task_of_two_items_has_two_spans() -> None:
     spans = TaskSpans()
     other = started(2.0, item='J/2')
     assert spans.follow(started(1.0)) is None
@@ -48,7 +48,7 @@ def test_the_same_task_of_two_items_is_told_apart() -> None:
     assert list(spans.open()) == [other]
 
 
-def test_a_task_that_fails_before_it_is_sent_is_no_span() -> None:
+def test_task_that_fails_unsent_has_no_span() -> None:
     assert TaskSpans().follow(failed(1.0)) is None
 
 

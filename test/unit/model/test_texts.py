@@ -11,7 +11,7 @@ OTHERS = ['\x00', '\x1b', '\x7f', '\x9b', '\u200b', '\ufeff', '\ud800', '\u2028'
 
 
 @pytest.mark.parametrize('char', [*BIDI, *OTHERS])
-def test_what_is_not_seen_or_turns_the_rest_is_named(char: str) -> None:
+def test_invisible_or_direction_changing_characters_are_named(char: str) -> None:
     fault = text_fault(f'by hand {char}')
     assert fault is not None
     assert f'U+{ord(char):04X}' in fault

@@ -85,7 +85,7 @@ def test_a_number_that_jumps_is_a_gap(node: LossyNode) -> None:
     assert node.fetch() == [6, 7, 8, 9]
 
 
-def test_a_status_that_is_further_on_is_a_gap(node: LossyNode) -> None:
+def test_status_ahead_of_events_shows_gap(node: LossyNode) -> None:
     node.follow()
     node.happen(True, True)
     assert node.fetch() == []
@@ -101,7 +101,7 @@ def test_what_was_removed_is_said(node: LossyNode) -> None:
     assert node.seen.gaps == [(1, 2)]
 
 
-def test_where_all_that_is_missing_was_removed_it_is_said_once(node: LossyNode) -> None:
+def test_removed_events_are_reported_once(node: LossyNode) -> None:
     node.follow(2)
     node.first = 6
     node.tell_status()
@@ -112,7 +112,7 @@ def test_where_all_that_is_missing_was_removed_it_is_said_once(node: LossyNode) 
     assert node.seen.gaps == [(3, 5)]
 
 
-def test_what_was_fetched_and_comes_then_is_told_once(node: LossyNode) -> None:
+def test_event_fetched_and_received_is_handled_once(node: LossyNode) -> None:
     node.follow()
     node.happen(True, True)
     node.tell_status()
@@ -133,7 +133,7 @@ def test_what_is_heard_while_somebody_fetches(node: LossyNode) -> None:
     assert node.fetch() == [6, 7, 8, 9, 10]
 
 
-def test_a_fetch_that_came_to_nothing_waits_for_a_sign_of_life(node: LossyNode) -> None:
+def test_failed_fetch_waits_for_sign_of_life(node: LossyNode) -> None:
     node.follow()
     node.happen(True, False)
     assert node.follower.next_fetch() == 5
@@ -143,7 +143,7 @@ def test_a_fetch_that_came_to_nothing_waits_for_a_sign_of_life(node: LossyNode) 
     assert node.fetch() == [6, 7]
 
 
-def test_a_journal_behind_its_status_is_not_asked_in_a_loop(
+def test_journal_behind_its_status_is_not_polled(
     node: LossyNode,
 ) -> None:
     node.follow()
@@ -154,7 +154,7 @@ def test_a_journal_behind_its_status_is_not_asked_in_a_loop(
     assert node.fetch() == [6, 7, 8, 9]
 
 
-def test_not_all_that_is_heard_too_early_is_kept(node: LossyNode) -> None:
+def test_number_of_kept_early_events_is_limited(node: LossyNode) -> None:
     node.follow()
     node.happen(True, *[False] * (MOST_AHEAD + 10))
     assert node.fetch() == list(range(6, len(node.journal) + 1))
@@ -162,7 +162,7 @@ def test_not_all_that_is_heard_too_early_is_kept(node: LossyNode) -> None:
 
 @pytest.mark.parametrize('lost', [(False, False), (True, False), (True, True)])
 @pytest.mark.parametrize('more', [0, 9])
-def test_a_node_with_another_journal_is_followed_from_its_beginning(
+def test_new_journal_is_followed_from_its_beginning(
     node: LossyNode, lost: tuple[bool, bool], more: int
 ) -> None:
     node.follow()
@@ -190,7 +190,7 @@ def test_a_fetch_that_the_next_node_answers(node: LossyNode) -> None:
     assert node.fetch() == [1, 2, 3]
 
 
-def test_last_words_of_a_node_that_is_gone_begin_nothing_anew(node: LossyNode) -> None:
+def test_last_messages_of_old_journal_restart_nothing(node: LossyNode) -> None:
     node.follow()
     before = node.history
     node.forget()

@@ -26,7 +26,7 @@ def test_equal_readings_are_two_readings() -> None:
     assert list(news.drain()) == readings
 
 
-def test_wakes_at_ends_and_readings_and_not_at_an_acceptance() -> None:
+def test_end_and_reading_wake_but_acceptance_does_not() -> None:
     news = News()
     seen: list[int] = []
     news.listen(lambda: seen.append(len(news.drain())))

@@ -17,8 +17,8 @@ def parsed(*words: str) -> argparse.Namespace:
 
 def test_without_options_a_node_has_the_defaults() -> None:
     args = vars(parsed())
-    told = {name: args[name] for name, _ in described() if name not in ('trees', 'recipes')}
-    assert NodeParameters(**told) == NodeParameters()
+    options = {name: args[name] for name, _ in described() if name not in ('trees', 'recipes')}
+    assert NodeParameters(**options) == NodeParameters()
 
 
 def test_every_parameter_is_an_option() -> None:
@@ -58,9 +58,9 @@ def test_every_parameter_is_an_option() -> None:
             'required',
         ),
     )
-    told = NodeParameters(**{name: getattr(args, name) for name, _ in described()})
-    for one in fields(NodeParameters):
-        assert getattr(told, one.name) != one.default, one.name
+    parameters = NodeParameters(**{name: getattr(args, name) for name, _ in described()})
+    for field in fields(NodeParameters):
+        assert getattr(parameters, field.name) != field.default, field.name
 
 
 def test_what_is_no_choice_is_refused_in_words() -> None:

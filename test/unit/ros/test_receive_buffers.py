@@ -13,12 +13,12 @@ from bt_orchestrator.ros import memory
 
 @pytest.fixture
 def listening() -> Iterator[socket.socket]:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        one.bind(('127.0.0.1', 0))
-        yield one
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(('127.0.0.1', 0))
+        yield receiver
 
 
-def test_a_burst_that_the_default_would_lose_is_received(listening: socket.socket) -> None:
+def test_burst_beyond_default_buffer_is_received(listening: socket.socket) -> None:
     largest = int(Path('/proc/sys/net/core/rmem_max').read_text())
     memory.widen_buffers()
     given = listening.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)

@@ -7,7 +7,7 @@ import pytest
 from bt_orchestrator.ros.service_manager import watchdog
 
 
-def test_a_take_over_may_take_longer_than_a_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_takeover_may_take_longer_than_tick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv('WATCHDOG_USEC', '4000000')
     assert watchdog(patient=True) == 'WATCHDOG_USEC=300000000'
     assert watchdog(patient=False) == 'WATCHDOG_USEC=4000000'

@@ -23,7 +23,7 @@ def proc(folder: Path, boot: str = BOOT, offsets: str | None = NO_OFFSETS) -> Pa
     return folder
 
 
-def test_the_boot_has_an_id_and_time_goes_on(tmp_path: Path) -> None:
+def test_boot_has_id_and_uptime_advances(tmp_path: Path) -> None:
     uptime = MachineUptime(proc(tmp_path))
     first, second = uptime.now(), uptime.now()
     assert first is not None
@@ -36,9 +36,7 @@ def test_an_old_kernel_has_no_time_namespaces(tmp_path: Path) -> None:
     assert MachineUptime(proc(tmp_path, offsets=None)).now() is not None
 
 
-def test_nothing_is_known_of_a_clock_that_cannot_be_read(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_unreadable_clock_gives_no_uptime(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     uptime = MachineUptime(proc(tmp_path))
 
     def no_clock(number: int) -> float:
@@ -56,6 +54,6 @@ def test_nothing_is_known_where_the_id_is_empty(tmp_path: Path) -> None:
     assert MachineUptime(proc(tmp_path, boot='')).now() is None
 
 
-def test_a_container_with_its_own_time_has_no_uptime_to_compare(tmp_path: Path) -> None:
+def test_container_with_own_time_has_no_uptime(tmp_path: Path) -> None:
     offsets = 'monotonic           0         0\nboottime       86400         0\n'
     assert MachineUptime(proc(tmp_path, offsets=offsets)).now() is None

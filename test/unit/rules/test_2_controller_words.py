@@ -51,11 +51,11 @@ def test_2_3_an_attempt_without_words_and_feedback_records_neither() -> None:
 
 def test_2_3_each_attempt_has_its_own_words() -> None:
     run = Reading(faults='"#1=abort:first", "#2=abort"').go(options=', retries: 1')
-    assert [one.get('controller_said') for one in run.all('task.failed')] == ['code: first', None]
+    assert [row.get('controller_said') for row in run.all('task.failed')] == ['code: first', None]
     assert one_hold(run).controller_said == ''
 
 
-def test_7_2_after_an_abort_the_hold_says_what_is_not_known() -> None:
+def test_7_2_hold_after_abort_names_what_is_unknown() -> None:
     run = Line().begin(THREE).go(until=0.5)
     run.command(Abort)
     run.go()

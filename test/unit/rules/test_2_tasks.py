@@ -90,13 +90,13 @@ def test_2_3_missing_result_ends_the_attempt_without_a_goal() -> None:
 # --- 2.4 ------------------------------------------------------------------------------------
 
 
-def test_2_4_at_the_timeout_the_goal_is_cancelled_and_its_end_awaited() -> None:
+def test_2_4_timeout_cancels_goal_and_awaits_its_end() -> None:
     run = faulty('#1=hang', 'timeout: 2.5')
     assert run.times('task.cancel_requested', cause='timeout') == [WORK_AT + 2.5]
     assert run.times('task.failed', reason='timeout') == [WORK_AT + 2.5]
 
 
-def test_2_4_without_a_terminal_status_the_component_is_in_doubt_after_the_grace() -> None:
+def test_2_4_missing_terminal_status_is_in_doubt_after_grace() -> None:
     run = faulty('#1=ignore_cancel', 'timeout: 2.5, retries: 3, on_failure: continue')
     assert run.times('task.failed', reason='in_doubt') == [WORK_AT + 2.5 + 5]
     assert run.starts('work') == [WORK_AT]
@@ -104,7 +104,7 @@ def test_2_4_without_a_terminal_status_the_component_is_in_doubt_after_the_grace
     assert [hold.reason for hold in run.state.holds.values()] == ['in_doubt']
 
 
-def test_2_4_the_grace_begins_anew_where_abort_asks_once_more() -> None:
+def test_2_4_grace_restarts_when_abort_cancels_again() -> None:
     line = Line(seconds={'a1': 6.0}, faults={'a2': '#1=ignore_cancel'})
     run = line.begin(work('timeout: 2.5'), 2).go(until=14.5)
     assert run.command(Abort).accepted  # at 14, when the second item was placed
@@ -199,7 +199,7 @@ def test_2_5_what_never_took_its_component_keeps_none() -> None:
     assert not run.state.reserved
 
 
-def test_2_5_a_component_that_is_not_ready_is_sent_no_goal() -> None:
+def test_2_5_component_that_is_not_ready_gets_no_goal() -> None:
     line = Line(topics=('a2',), faults={'a2': '#0=not_ready:8'})
     run = line.begin(work()).go(until=5.0)
     assert run.waits()['section 2'] == 'waiting for /a2/state = READY; it is NOT_READY'
@@ -219,9 +219,7 @@ BELT_TOPIC = 'state: {topic: /belt/state, type: std_msgs/msg/String, field: data
 
 
 @pytest.mark.parametrize(('fault', 'found'), [('#0=not_ready', 'it is'), ('#0=silent', 'nothing')])
-def test_2_5_the_belt_does_not_move_while_its_conveyor_is_not_ready(
-    fault: str, found: str
-) -> None:
+def test_2_5_belt_rests_while_conveyor_is_not_ready(fault: str, found: str) -> None:
     run = Line(faults={'conveyor': fault}, belt=BELT_TOPIC).run()
     assert not run.all('belt.index_started')
     assert not run.all('task.started', component='conveyor')
@@ -229,14 +227,14 @@ def test_2_5_the_belt_does_not_move_while_its_conveyor_is_not_ready(
     assert run.states[-1] == 'Execute'
 
 
-def test_2_5_the_belt_moves_when_its_conveyor_is_ready_again() -> None:
+def test_2_5_belt_moves_once_conveyor_is_ready_again() -> None:
     run = Line(faults={'conveyor': '#1=not_ready:7'}, belt=BELT_TOPIC).run()
     first, second, *_ = run.times('belt.index_started')
     assert second == first + 2.0 + 7.0
     assert run.counts()['packed'] == 1
 
 
-def test_2_5_a_move_is_tried_again_when_its_conveyor_is_ready_again() -> None:
+def test_2_5_failed_move_is_repeated_once_conveyor_is_ready() -> None:
     faults = {'conveyor': '#1=abort #1=not_ready:7'}
     run = Line(faults=faults, belt=f'retries: 1, {BELT_TOPIC}').run()
     first, again, *_ = run.times('task.started', component='conveyor')
@@ -249,7 +247,7 @@ def test_2_5_readiness_is_asked_again_for_the_next_item() -> None:
     assert run.starts('work') == [3.0, 24.0]
 
 
-def test_2_5_a_component_with_two_servers_is_sent_no_goal() -> None:
+def test_2_5_component_with_two_servers_gets_no_goal() -> None:
     run = Line().begin(work())
     bring_in(run, 'a2', servers=('/one', '/two'))
     run.go(until=5.0)
@@ -257,8 +255,8 @@ def test_2_5_a_component_with_two_servers_is_sent_no_goal() -> None:
         'waiting for a2 to have one server; there are 2 servers of /a2/do: /one, /two; '
         'stop all but one'
     )
-    [told] = run.all('component.contested')
-    assert (told['component'], told['servers']) == ('a2', ['/one', '/two'])
+    [event] = run.all('component.contested')
+    assert (event['component'], event['servers']) == ('a2', ['/one', '/two'])
     assert run.state.stop_reason is None
     assert run.starts('work') == []
     bring_in(run, 'a2')
@@ -267,7 +265,7 @@ def test_2_5_a_component_with_two_servers_is_sent_no_goal() -> None:
     assert run.ended
 
 
-def test_2_5_two_servers_of_the_conveyor_keep_the_belt_at_rest() -> None:
+def test_2_5_two_conveyor_servers_keep_belt_at_rest() -> None:
     run = Line().begin()
     bring_in(run, 'conveyor', servers=('/one', '/two'))
     run.go(until=5.0)
@@ -278,7 +276,7 @@ def test_2_5_two_servers_of_the_conveyor_keep_the_belt_at_rest() -> None:
     assert run.go().ended
 
 
-def test_2_5_a_second_server_of_the_conveyor_is_looked_for_before_the_move() -> None:
+def test_2_5_second_conveyor_server_is_checked_before_move() -> None:
     """It may be there before anybody was told of it."""
     run = Line().begin(work())
     run.sim.gateway._clients['conveyor'].contest = Contest(('/one', '/two'))
@@ -287,7 +285,7 @@ def test_2_5_a_second_server_of_the_conveyor_is_looked_for_before_the_move() -> 
     assert run.waits()['belt'].startswith('waiting for conveyor to have one server')
 
 
-def test_2_5_the_second_server_is_looked_for_at_the_moment_of_the_start() -> None:
+def test_2_5_second_server_is_checked_at_task_start() -> None:
     """It may be there before anybody was told of it."""
     run = Line().begin(work())
     run.go(until=2.5)
@@ -298,7 +296,7 @@ def test_2_5_the_second_server_is_looked_for_at_the_moment_of_the_start() -> Non
     assert run.waits()['section 2'].startswith('waiting for a2 to have one server')
 
 
-def test_2_5_a_goal_that_runs_goes_on_beside_a_second_server() -> None:
+def test_2_5_running_goal_continues_beside_second_server() -> None:
     run = Line().begin(work()).go(until=3.5)
     bring_in(run, 'a2', servers=('/one', '/two'))
     run.go(until=4.0)
@@ -306,7 +304,7 @@ def test_2_5_a_goal_that_runs_goes_on_beside_a_second_server() -> None:
     assert run.go().ended
 
 
-def test_2_5_stop_waits_for_a_cycle_that_waits_for_one_server() -> None:
+def test_2_5_stop_waits_for_cycle_blocked_by_second_server() -> None:
     run = Line().begin(work(), 2)
     bring_in(run, 'a2', servers=('/one', '/two'))
     run.go(until=5.0)
@@ -320,7 +318,7 @@ def test_2_5_stop_waits_for_a_cycle_that_waits_for_one_server() -> None:
     assert len(run.starts('work')) == 1
 
 
-def test_2_5_two_servers_at_the_source_are_no_lack_of_material() -> None:
+def test_2_5_two_source_servers_are_no_material_shortage() -> None:
     run = Line().begin(quantity=2)
     bring_in(run, 'a1', servers=('/one', '/two'))
     run.go()
@@ -329,7 +327,7 @@ def test_2_5_two_servers_at_the_source_are_no_lack_of_material() -> None:
     assert run.states[-1] == 'Execute'
 
 
-def test_2_5_a_component_that_runs_a_goal_of_another_client_is_not_free() -> None:
+def test_2_5_component_with_foreign_goal_is_not_free() -> None:
     run = Line().begin(work())
     bring_in(run, 'a2', goals=('of-hmi',))
     run.go(until=5.0)
@@ -352,7 +350,7 @@ def bring_in(
 # --- 2.6 ------------------------------------------------------------------------------------
 
 
-def test_2_6_a_failed_attempt_is_repeated_after_the_retry_delay() -> None:
+def test_2_6_failed_attempt_is_repeated_after_delay() -> None:
     run = faulty('#1=abort #2=reject #3=false', 'retries: 3, retry_delay: 1.5')
     assert run.starts('work') == [3.0, 5.5, 7.0, 9.5]
     assert [r['attempt'] for r in run.all('task.started', task='work')] == [1, 2, 3, 4]
@@ -378,7 +376,7 @@ def test_2_6_after_the_last_attempt_the_policy_decides() -> None:
     assert run.times('hold.raised') == [6.0]
 
 
-def test_2_6_server_lost_holds_whatever_the_policy_and_keeps_the_component() -> None:
+def test_2_6_lost_server_raises_hold_and_keeps_component() -> None:
     run = faulty('#1=die:1', 'retries: 2, on_failure: continue')
     assert run.starts('work') == [WORK_AT]
     assert run.state.reserved['a2'].task == 'work'
@@ -395,14 +393,14 @@ def test_2_6_server_lost_of_a_repeatable_task_is_retried() -> None:
     assert run.ended
 
 
-def test_2_6_server_lost_of_a_repeatable_task_obeys_its_policy() -> None:
+def test_2_6_lost_server_of_repeatable_task_follows_policy() -> None:
     run = faulty('#1=die:1', 'on_failure: continue, repeatable: true')
     assert run.all('hold.raised') == []
     assert run.counts()['nonconforming'] == 1
 
 
 @pytest.mark.parametrize('policy', ['hold', 'continue', 'reject', 'abort_job'])
-def test_2_6_what_somebody_else_cancelled_is_in_doubt_whatever_its_policy(policy: str) -> None:
+def test_2_6_foreign_cancel_is_in_doubt_under_any_policy(policy: str) -> None:
     text = work(f'retries: 3, repeatable: true, on_failure: {policy}')
     text = text.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
     run = Line(faults={'a2': '#1=cancel'}).run(text)
@@ -416,7 +414,7 @@ def test_2_6_what_somebody_else_cancelled_is_in_doubt_whatever_its_policy(policy
     assert run.go().ended
 
 
-def test_2_6_a_move_that_somebody_else_cancelled_is_in_doubt() -> None:
+def test_2_6_foreign_cancel_of_move_is_in_doubt() -> None:
     run = Line(faults={'conveyor': '#1=cancel'}, belt='retries: 2, on_failure: abort_job').run()
     assert run.reasons() == ['in_doubt']
     (hold,) = run.state.holds.values()
@@ -445,7 +443,7 @@ def test_2_6_initialization_that_somebody_else_cancelled_is_in_doubt(
     assert run.counts()['packed'] == 1
 
 
-def test_2_6_the_own_cancel_of_abort_job_is_no_failed_attempt() -> None:
+def test_2_6_own_cancel_by_abort_job_is_no_failure() -> None:
     text = with_section(
         2,
         """
@@ -487,12 +485,12 @@ def test_2_6_whatever_end_follows_the_cancel_of_abort_job(
     run.sim.gateway._clients['a2'].end(goal, end)  # type: ignore[arg-type]
     run.sim.orchestrator.settle()
     assert run.all(told, task='work')
-    assert [one.reason for one in run.state.holds.values()] == [hold][: bool(hold)]
+    assert [open_hold.reason for open_hold in run.state.holds.values()] == [hold][: bool(hold)]
     assert run.starts('work') == [3.0]
     assert run.go().ended is not bool(hold)
 
 
-def test_2_4_a_cancel_comes_before_the_end_of_a_goal_that_takes_no_time() -> None:
+def test_2_4_cancel_precedes_end_of_instant_goal() -> None:
     run = Line(seconds={'a2': 0.0}).begin(work())
     clock, orchestrator = run.sim.clock, run.sim.orchestrator
     orchestrator.settle()
@@ -505,7 +503,7 @@ def test_2_4_a_cancel_comes_before_the_end_of_a_goal_that_takes_no_time() -> Non
     assert not run.all('task.succeeded', task='work')
 
 
-def test_2_6_in_a_job_that_aborts_other_failures_keep_their_retries_and_policy() -> None:
+def test_2_6_other_failures_keep_policy_in_aborting_job() -> None:
     text = with_section(2, '- {id: work, @a2, on_failure: abort_job}').replace(
         'qty_change: -1', 'qty_change: -1, runs_for: all, retries: 1'
     )
@@ -556,7 +554,7 @@ def test_2_7_reject_rejects_the_item() -> None:
     assert run.counts()['packed'] == 1
 
 
-def test_2_7_abort_job_rejects_the_items_and_places_no_more() -> None:
+def test_2_7_abort_job_rejects_items_and_stops_placing() -> None:
     text = work('on_failure: abort_job').replace('qty_change: -1', 'qty_change: -1, runs_for: all')
     run = Line(faults={'a2': '#1=abort'}).run(text, 9)
     assert run.times('job.aborting') == [4.0]
@@ -564,7 +562,7 @@ def test_2_7_abort_job_rejects_the_items_and_places_no_more() -> None:
     assert run.times('job.aborted') == [10.0]
 
 
-def test_2_6_attempts_go_on_for_a_rejected_item_if_the_task_runs_for_it() -> None:
+def test_2_6_task_for_all_items_retries_rejected_item() -> None:
     text = """
     - parallel:
       - {id: look, @a2, on_failure: reject}
@@ -580,7 +578,7 @@ def test_2_6_attempts_go_on_for_a_rejected_item_if_the_task_runs_for_it() -> Non
     assert tries == {'runs_for: all': 2, 'runs_for: good': 1}
 
 
-def test_2_4_the_wait_for_a_server_counts_for_the_timeout() -> None:
+def test_2_4_waiting_for_server_counts_towards_timeout() -> None:
     run = faulty('=absent', 'timeout: 2.0')
     assert run.reasons() == ['timeout']
     assert run.times('task.failed') == [WORK_AT + 2.0]

@@ -44,16 +44,14 @@ def result(measurement: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ('read', 'refused'), [(4.5, False), (5.5, False), (4.4, True), (5.6, True)]
 )
-def test_2_8_a_result_that_does_not_meet_the_verdict_is_a_failed_attempt(
-    read: float, *, refused: bool
-) -> None:
+def test_2_8_result_outside_verdict_fails_attempt(read: float, *, refused: bool) -> None:
     run = judged(read)
     assert run.times('task.failed', reason='result_refused') == [WEIGHED_AT] * refused
     assert run.times('task.succeeded', task='weigh') == [WEIGHED_AT] * (not refused)
     assert run.ended is not refused
 
 
-def test_2_8_the_hold_says_what_was_expected_and_what_was_found() -> None:
+def test_2_8_hold_names_expected_and_found_values() -> None:
     run = judged(6.0, least=5.0)
     (hold,) = run.state.holds.values()
     assert hold.reason == 'result_refused'
@@ -78,9 +76,9 @@ def test_2_8_of_several_values_each_is_named() -> None:
 
 def test_2_8_every_reading_is_recorded() -> None:
     run = judged(6.0, 4.0, 5.0, options='retries: 2')
-    assert [one['results'] for one in run.all('task.failed')] == [result(6.0), result(4.0)]
-    assert [one['results'] for one in run.all('task.succeeded', task='weigh')] == [result(5.0)]
-    assert [one['args'] for one in run.all('task.started', task='mark')] == [
+    assert [event['results'] for event in run.all('task.failed')] == [result(6.0), result(4.0)]
+    assert [event['results'] for event in run.all('task.succeeded', task='weigh')] == [result(5.0)]
+    assert [event['args'] for event in run.all('task.started', task='mark')] == [
         {'special_argument_2': 5.0}
     ]
     assert run.state.ended['J'].progress.nonconforming == 0
@@ -93,13 +91,13 @@ def test_2_8_what_is_no_finite_number_is_refused(value: float, comparison: str) 
     run = Line(results={'a2': {'measurement': value}}).run(text)
     (failed,) = run.all('task.failed')
     assert failed['reason'] == 'result_refused'
-    found = f'${{results.weigh.measurement}} is {value}, which is no finite number'
-    assert failed['message'] == found
+    expected = f'${{results.weigh.measurement}} is {value}, which is no finite number'
+    assert failed['message'] == expected
 
 
 def test_2_8_continue_keeps_the_results_for_later_tasks() -> None:
     run = judged(6.0, options='on_failure: continue')
-    assert [one['args'] for one in run.all('task.started', task='mark')] == [
+    assert [record['args'] for record in run.all('task.started', task='mark')] == [
         {'special_argument_2': 6.0}
     ]
     assert run.ended
@@ -133,7 +131,7 @@ def test_2_8_who_lets_an_item_pass_marks_it(answer: str, ends: str) -> None:
 
 
 @pytest.mark.parametrize('answer', ['mark_done', 'skip'])
-def test_2_8_whatever_the_attempt_failed_for_nobody_gave_the_verdict(answer: str) -> None:
+def test_2_8_aborted_attempt_without_verdict_marks_item_nonconforming(answer: str) -> None:
     run = Line(faults={'a2': '#1=abort'}).run(JUDGED.replace('OPTIONS', ''))
     run.answer(answer)
     assert run.state.items['J/1'].nonconforming == ['weigh']
@@ -148,7 +146,7 @@ def test_2_8_a_position_without_an_item_is_not_marked() -> None:
     assert run.ended
 
 
-def test_2_8_results_of_other_tasks_are_needed_before_it_begins() -> None:
+def test_2_8_missing_result_of_other_task_prevents_start() -> None:
     text = JUDGED.replace('2:\n', '2:\n    - {id: look, @b2.TASK_B, on_failure: continue}\n')
     value = '{value: "${results.weigh.measurement}", between: ["${params.least}", 5.5]}'
     verdict = f'{{any: ["${{results.look.item_present}}", {value}]}}'

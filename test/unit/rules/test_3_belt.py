@@ -14,14 +14,14 @@ def test_3_5_the_belt_waits_for_all_turns() -> None:
     assert run.times('belt.index_started')[:2] == [1.0, 7.0]
 
 
-def test_3_5_with_nothing_on_the_belt_the_next_beat_begins_without_a_move() -> None:
+def test_3_5_empty_belt_begins_next_beat_without_move() -> None:
     text = 'sections:\n  1: [{id: place, @a1, qty_change: 1}, {id: pack, @b1, qty_change: -1}]'
     run = Line(2).run(text, 2)
     assert run.times('beat.started') == [2.0]
     assert run.all('belt.index_started') == []
 
 
-def test_3_5_the_next_beat_begins_for_a_last_cycle_that_was_begun_ahead() -> None:
+def test_3_5_next_beat_begins_for_cycle_begun_ahead() -> None:
     """The source has no cycles left to begin, but one that waits for its beat."""
     text = 'sections:\n  1: [{id: place, @a1, qty_change: 1}, {id: pack, @b1, qty_change: -1}]'
     run = Line(1, faults={'b1': '#1=abort'}).run(text, 2)
@@ -91,7 +91,7 @@ def test_3_5_the_conveyors_own_retries() -> None:
     assert run.all('hold.raised') == []
 
 
-def test_3_5_abort_job_aborts_every_job_on_the_belt_and_the_move_stays_held() -> None:
+def test_3_5_abort_job_aborts_belt_jobs_and_keeps_hold() -> None:
     text = THREE.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
     line = Line(faults={'conveyor': '#2=abort'})
     run = line.begin(text, 1)
@@ -127,7 +127,7 @@ def overrun() -> str:
     return with_section(2, '- {id: work, @a2}')
 
 
-def test_3_6_an_item_is_never_moved_out_of_the_last_section() -> None:
+def test_3_6_belt_never_moves_item_past_last_section() -> None:
     run = Line(faults={'a2': '#1=abort'}).run(overrun(), 2)
     run.answer('reject')
     run.go()
@@ -177,7 +177,7 @@ def test_3_7_leading_steps_run_while_the_belt_moves() -> None:
     assert run.starts('open') == [5.0, 8.0]
 
 
-def test_3_7_the_source_goes_ahead_when_its_own_cycle_is_complete() -> None:
+def test_3_7_source_goes_ahead_after_its_own_cycle() -> None:
     run = Line(seconds={'b2': 9.0}).run(AHEAD, 3)
     # Section 2 works until 13.0; the source picked part 3 at once, and places it at 15.0.
     assert run.times('belt.index_started')[1] == 13.0
@@ -185,12 +185,12 @@ def test_3_7_the_source_goes_ahead_when_its_own_cycle_is_complete() -> None:
     assert run.starts('place', item='J/3') == [15.0]
 
 
-def test_3_7_the_other_sections_go_ahead_when_the_index_starts() -> None:
+def test_3_7_other_sections_go_ahead_at_index_start() -> None:
     run = Line(seconds={'b2': 9.0}).run(AHEAD, 2)
     assert run.starts('open', item='J/1') == [13.0]
 
 
-def test_3_7_a_step_that_requires_the_conveyor_waits_for_its_own_beat() -> None:
+def test_3_7_conveyor_step_waits_for_its_own_beat() -> None:
     run = Line(seconds={'b2': 9.0}).begin(AHEAD, 3).go(until=8.0)
     assert run.waits()['section 1'] == 'waiting for the belt to move'
     assert run.state.sections[1].cycle is not None
@@ -221,7 +221,7 @@ EARLY = with_section(
 )
 
 
-def test_3_8_the_turn_is_complete_after_the_last_step_that_requires_the_conveyor() -> None:
+def test_3_8_last_conveyor_step_completes_turn() -> None:
     run = Line(seconds={'a2': 1.5}).run(EARLY, 2)
     assert run.times('turn.completed', section=2, item='J/1') == [4.0]
     assert run.starts('clean', item='J/1') == [4.0]
@@ -236,14 +236,14 @@ def test_3_8_the_next_cycle_waits_for_the_trailing_steps() -> None:
     assert run.starts('work', item='J/2') == [14.0]
 
 
-def test_3_8_without_it_the_belt_waits_for_the_end_of_the_cycle() -> None:
+def test_3_8_end_of_cycle_release_delays_belt() -> None:
     text = EARLY.replace('after_last_conveyor_task', 'end_of_cycle')
     run = Line(seconds={'a2': 1.5}).run(text, 2)
     assert run.times('turn.completed', section=2, item='J/1') == [5.5]
     assert run.times('belt.index_started')[1] == 5.5
 
 
-def test_3_8_a_job_is_not_complete_before_its_trailing_steps() -> None:
+def test_3_8_job_completes_after_its_trailing_steps() -> None:
     run = Line(seconds={'a2': 9.0}).run(EARLY)
     assert run.times('item.removed') == [14.0]
     assert run.times('job.completed') == [20.0]

@@ -30,7 +30,7 @@ def test_3_1_a_group_ends_when_all_its_members_ended() -> None:
     assert run.starts('after') == [6.0]
 
 
-def test_3_1_a_failure_in_a_group_leaves_the_other_members_alone() -> None:
+def test_3_1_group_failure_leaves_other_members_running() -> None:
     text = with_section(2, '[parallel: [{id: bad, @a2}, {id: long, @b2}]]')
     run = Line(seconds={'b2': 3.0}, faults={'a2': '#1=abort'}).run(text)
     assert run.times('hold.raised', task='bad') == [4.0]
@@ -41,7 +41,7 @@ def test_3_1_a_failure_in_a_group_leaves_the_other_members_alone() -> None:
 # --- 3.2 ------------------------------------------------------------------------------------
 
 
-def test_3_2_the_item_exists_from_the_start_of_its_source_cycle() -> None:
+def test_3_2_item_exists_from_start_of_source_cycle() -> None:
     text = with_section(
         1,
         """
@@ -59,7 +59,7 @@ def test_3_2_the_item_exists_from_the_start_of_its_source_cycle() -> None:
     assert run.times('item.placed', section=1) == [2.0]
 
 
-def test_3_2_the_success_of_minus_one_takes_the_item_out() -> None:
+def test_3_2_success_of_minus_one_removes_item() -> None:
     run = Line().run()
     assert run.times('item.removed', item='J/1', section=3, how='packed') == [7.0]
     assert run.state.sections[3].slot is None
@@ -74,7 +74,7 @@ def test_3_2_a_single_section_is_source_and_sink() -> None:
     assert run.counts() == {'started': 3, 'placed': 3, 'processed': 3, 'packed': 3}
 
 
-def test_3_2_a_plus_one_that_failed_and_continued_leaves_an_empty_position() -> None:
+def test_3_2_continued_plus_one_failure_leaves_empty_position() -> None:
     text = THREE.replace('qty_change: 1}', 'qty_change: 1, on_failure: continue}')
     run = Line(faults={'a1': '#1=abort'}).run(text, 2)
     assert run.times('item.missing', item='J/1', section=1) == [1.0]
@@ -90,7 +90,7 @@ def test_3_2_a_plus_one_that_failed_and_continued_leaves_an_empty_position() -> 
     }
 
 
-def test_3_2_an_item_rejected_before_its_plus_one_is_an_empty_position() -> None:
+def test_3_2_item_rejected_before_plus_one_leaves_empty_position() -> None:
     text = with_section(
         1,
         """
@@ -115,7 +115,7 @@ def test_3_2_a_skipped_plus_one_leaves_an_empty_position() -> None:
     assert run.counts() == {'started': 1, 'missing': 1}
 
 
-def test_3_2_an_item_taken_out_before_the_sink_leaves_an_empty_position() -> None:
+def test_3_2_removal_before_sink_leaves_empty_position() -> None:
     text = """
     sections:
       1: [{id: place, @a1, qty_change: 1}]
@@ -131,7 +131,7 @@ def test_3_2_an_item_taken_out_before_the_sink_leaves_an_empty_position() -> Non
     assert run.counts() == {'started': 2, 'placed': 2, 'processed': 1, 'packed': 1, 'rejected': 1}
 
 
-def test_3_2_twins_take_out_good_and_rejected_items_in_one_section() -> None:
+def test_3_2_twins_remove_good_and_rejected_items() -> None:
     text = """
     sections:
       1: [{id: place, @a1, qty_change: 1}]
@@ -171,14 +171,14 @@ def test_3_2_the_source_waits_while_its_slot_is_taken() -> None:
 # --- 3.3 ------------------------------------------------------------------------------------
 
 
-def test_3_3_a_step_requires_the_conveyor_unless_the_script_says_false() -> None:
+def test_3_3_step_requires_conveyor_unless_script_says_false() -> None:
     text = with_section(2, '[{id: hand, @a2, requires_conveyor: false}, {id: work, @b2}]')
     run = Line(seconds={'a2': 0.5}).run(text)
     assert run.starts('hand') == [1.0]  # while the belt moves from 1 to 3
     assert run.starts('work') == [3.0]
 
 
-def test_3_3_a_group_requires_the_conveyor_if_any_member_does() -> None:
+def test_3_3_group_requires_conveyor_if_any_member_does() -> None:
     text = with_section(
         2, '[parallel: [{id: hand, @a2, requires_conveyor: false}, {id: work, @b2}]]'
     )
@@ -186,7 +186,7 @@ def test_3_3_a_group_requires_the_conveyor_if_any_member_does() -> None:
     assert run.starts('hand') == run.starts('work') == [3.0]
 
 
-def test_3_3_a_group_without_the_conveyor_runs_while_the_belt_moves() -> None:
+def test_3_3_group_without_conveyor_runs_during_belt_move() -> None:
     text = with_section(
         2,
         """
@@ -199,7 +199,7 @@ def test_3_3_a_group_without_the_conveyor_runs_while_the_belt_moves() -> None:
     assert run.starts('left') == run.starts('right') == [1.0]
 
 
-def test_3_3_the_belt_does_not_move_until_the_turn_is_complete() -> None:
+def test_3_3_belt_waits_until_turn_is_complete() -> None:
     text = with_section(2, '[{id: work, @a2}, {id: write, @b2, requires_conveyor: false}]')
     run = Line(seconds={'b2': 7.0}).run(text)
     assert run.starts('write') == [4.0]
@@ -209,7 +209,7 @@ def test_3_3_the_belt_does_not_move_until_the_turn_is_complete() -> None:
 # --- 3.4 ------------------------------------------------------------------------------------
 
 
-def test_3_4_the_source_has_a_turn_while_its_job_has_cycles_left() -> None:
+def test_3_4_source_has_turn_while_cycles_remain() -> None:
     run = Line(seconds={'a1': 5.0}).run(quantity=2)
     # At 8.0 item 1 has been worked on for long, and the belt waits for item 2 alone.
     assert run.starts('place') == [0.0, 7.0]
@@ -232,7 +232,7 @@ def test_3_4_a_section_without_an_item_counts_as_released() -> None:
     assert run.times('belt.index_started') == [1.0, 4.0]
 
 
-def test_3_4_a_section_whose_list_has_handled_its_item_has_no_second_turn() -> None:
+def test_3_4_section_takes_no_second_turn_for_item() -> None:
     run = Line(seconds={'a1': 4.0}).run(quantity=2)
     assert run.starts('work', item='J/1') == [6.0]
     assert run.times('turn.completed', section=2, item='J/1') == [7.0]

@@ -39,13 +39,13 @@ def reworked(
 
     :param read: what the scale says of each attempt in turn
     """
-    told = ' '.join([faults, *(f'#{n}=reads:{value}' for n, value in enumerate(read, 1))])
-    run = Line(faults={'a2': told.strip()}).begin(REWORK.replace('OPTIONS', options), quantity)
+    spec = ' '.join([faults, *(f'#{n}=reads:{value}' for n, value in enumerate(read, 1))])
+    run = Line(faults={'a2': spec.strip()}).begin(REWORK.replace('OPTIONS', options), quantity)
     return run.go(until=until)
 
 
 def rounds(run: VirtualRun) -> list[tuple[float, int]]:
-    return [(one['time'], one['n']) for one in run.all('round.begun')]
+    return [(record['time'], record['n']) for record in run.all('round.begun')]
 
 
 def test_3_9_a_refused_result_begins_another_round_at_once() -> None:
@@ -53,14 +53,14 @@ def test_3_9_a_refused_result_begins_another_round_at_once() -> None:
     assert rounds(run) == [(5.0, 1), (7.0, 2)]
     assert run.starts('glue') == [3.0, 5.0, 7.0]
     assert run.starts('weigh') == [4.0, 6.0, 8.0]
-    assert [one.get('round') for one in run.all('task.started', task='glue')] == [None, 1, 2]
+    assert [record.get('round') for record in run.all('task.started', task='glue')] == [None, 1, 2]
     (begun, _) = run.all('round.begun')
     assert (begun['repeat'], begun['tasks']) == ('glue', ['glue', 'weigh'])
     assert run.ended
     assert run.counts() == {'started': 1, 'placed': 1, 'processed': 1, 'packed': 1}
 
 
-def test_3_9_later_tasks_have_the_results_of_the_last_round() -> None:
+def test_3_9_later_tasks_use_results_of_last_round() -> None:
     run = reworked(0.0, 1.5)
     (used,) = run.all('task.started', task='use')
     assert used['args'] == {'special_argument_2': 1.5}
@@ -74,9 +74,9 @@ def test_3_9_after_the_last_round_on_failure_decides() -> None:
     assert run.counts()['rejected'] == 1
 
 
-def test_3_9_attempts_count_anew_and_a_refused_result_is_not_retried() -> None:
+def test_3_9_round_resets_attempts_and_uses_no_retry() -> None:
     run = reworked(0.0, 1.0, options='retries: 5')
-    attempts = [one['attempt'] for one in run.all('task.started', task='weigh')]
+    attempts = [record['attempt'] for record in run.all('task.started', task='weigh')]
     assert attempts == [1, 1]
     assert run.all('task.retrying') == []
 
@@ -85,14 +85,14 @@ def test_3_9_other_failures_are_retried_in_their_round() -> None:
     run = reworked(faults='#1=abort #2=reads:0.0 #3=abort #4=reads:1.0', options='retries: 1')
     assert len(rounds(run)) == 1
     attempts = [
-        (one.get('round', 0), one['attempt']) for one in run.all('task.started', task='weigh')
+        (goal.get('round', 0), goal['attempt']) for goal in run.all('task.started', task='weigh')
     ]
     assert attempts == [(0, 1), (0, 2), (1, 1), (1, 2)]
 
 
 def test_3_9_each_item_has_its_own_rounds() -> None:
     run = reworked(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, quantity=2)
-    assert [(one['item'], one['n']) for one in run.all('round.begun')] == [
+    assert [(record['item'], record['n']) for record in run.all('round.begun')] == [
         ('J/1', 1),
         ('J/1', 2),
         ('J/2', 1),
@@ -124,7 +124,7 @@ def held_rejected() -> VirtualRun:
     return Line(faults={'arm': '#1=abort', 'a2': '#1=reads:0.0 #2=reads:0.0'}).run(text)
 
 
-def test_3_9_no_round_begins_for_a_rejected_item_whatever_runs_for_it() -> None:
+def test_3_9_task_for_rejected_items_begins_no_round() -> None:
     """The policy decides at once, without retries."""
     run = held_rejected()
     (hold,) = run.state.holds.values()
@@ -135,7 +135,7 @@ def test_3_9_no_round_begins_for_a_rejected_item_whatever_runs_for_it() -> None:
     run.answer('retry')
     run.go()
     assert (run.starts('glue'), len(run.starts('weigh'))) == ([4.0], 2)
-    assert [one.reason for one in run.state.holds.values()] == ['result_refused']
+    assert [open_hold.reason for open_hold in run.state.holds.values()] == ['result_refused']
 
 
 BEHIND = """
@@ -152,7 +152,7 @@ sections:
 """
 
 
-def test_3_9_rounds_of_a_packed_item_begin_and_end_with_its_job() -> None:
+def test_3_9_packed_item_repeats_until_job_is_aborted() -> None:
     run = Line(faults={'b3': '#1=reads:0.0 #2=reads:0.0'}).run(BEHIND)
     assert [n for _, n in rounds(run)] == [1]
     (hold,) = run.state.holds.values()
@@ -163,18 +163,18 @@ def test_3_9_rounds_of_a_packed_item_begin_and_end_with_its_job() -> None:
     assert 'no again or abort_job: the job is being aborted' in hold.answers_why
 
 
-def test_2_8_a_packed_item_is_marked_nonconforming_without_a_count() -> None:
+def test_2_8_packed_item_becomes_nonconforming_without_count() -> None:
     run = Line(faults={'b3': '#1=reads:0.0 #2=reads:0.0'}).run(BEHIND)
     run.answer('mark_done')
     run.go()
-    assert [one['item'] for one in run.all('item.nonconforming')] == ['J/1']
+    assert [record['item'] for record in run.all('item.nonconforming')] == ['J/1']
     assert run.counts() == {'started': 1, 'placed': 1, 'processed': 1, 'packed': 1}
 
 
 def test_3_9_again_is_recorded_at_once_under_a_pause() -> None:
     run = reworked(0.0, 0.0, 0.0, 1.0, until=10.0)
     run.pause()
-    (hold,) = (one.id for one in run.state.holds.values() if one.task)
+    (hold,) = (open_hold.id for open_hold in run.state.holds.values() if open_hold.task)
     assert run.answer('again', hold).accepted
     now = run.now
     run.go(until=20.0)
@@ -186,7 +186,7 @@ def test_3_9_again_is_recorded_at_once_under_a_pause() -> None:
     assert run.starts('glue')[-1] == run.now > now
 
 
-def test_3_3_a_repeat_requires_the_conveyor_if_one_of_its_tasks_does() -> None:
+def test_3_3_repeat_requires_conveyor_if_any_task_does() -> None:
     text = REWORK.replace('{id: glue, @b2}', '{id: glue, @b2, requires_conveyor: false}')
     run = Line(faults={'a2': '#1=reads:1.0'}).run(text.replace('OPTIONS', ''))
     assert run.starts('glue') == [BEGINS]
@@ -195,7 +195,7 @@ def test_3_3_a_repeat_requires_the_conveyor_if_one_of_its_tasks_does() -> None:
     assert run.starts('glue') == [1.0]  # while the belt moves
 
 
-def test_3_9_retry_repeats_the_task_and_skip_goes_on_behind_it() -> None:
+def test_3_9_retry_repeats_task_and_skip_passes_it() -> None:
     run = reworked(0.0, 0.0, 0.0, 0.0)
     assert run.answer('retry').accepted
     run.go()
@@ -207,7 +207,7 @@ def test_3_9_retry_repeats_the_task_and_skip_goes_on_behind_it() -> None:
     assert run.reasons()[-1] == 'missing_result'  # of `use`
 
 
-def test_3_9_again_is_offered_for_any_task_of_the_repeat() -> None:
+def test_3_9_every_task_of_repeat_offers_again() -> None:
     line = Line(faults={'b2': '#1=abort'}, results={'a2': {'measurement': 2.0}})
     run = line.run(REWORK.replace('OPTIONS', ''))
     assert run.state.reserved['b2'].task == 'glue', 'a held task keeps its component'
@@ -225,7 +225,7 @@ def test_3_9_a_round_frees_what_a_held_task_kept() -> None:
     assert len(run.starts('glue')) == 4
 
 
-def test_3_9_a_round_forgets_the_results_of_the_one_before() -> None:
+def test_3_9_round_forgets_results_of_previous_round() -> None:
     text = REWORK.replace('OPTIONS', '').replace('glue, @b2', 'glue, @b2, on_failure: continue')
     text = text.replace('results.weigh.measurement}"}}', 'results.glue.measurement}"}}')
     run = Line(
@@ -234,7 +234,7 @@ def test_3_9_a_round_forgets_the_results_of_the_one_before() -> None:
     assert run.reasons() == ['result_refused', 'aborted', 'missing_result']
 
 
-def test_3_9_a_goal_that_was_to_be_cancelled_begins_no_round() -> None:
+def test_3_9_goal_marked_for_cancel_begins_no_round() -> None:
     run = reworked(0.0, 1.0, until=4.5)
     assert run.pause().accepted
     run.go()
@@ -246,7 +246,7 @@ def test_3_9_a_goal_that_was_to_be_cancelled_begins_no_round() -> None:
     assert not may_repeat(run.state, key, task)
 
 
-def test_3_9_no_round_for_an_item_that_was_taken_out() -> None:
+def test_3_9_removed_item_begins_no_round() -> None:
     run = reworked(0.0, 1.0, until=4.5)
     assert run.remove('J/1').accepted
     run.go()
@@ -274,7 +274,7 @@ def test_3_9_a_pause_begins_none() -> None:
     assert run.ended
 
 
-def test_3_9_after_stop_rounds_belong_to_the_cycle_in_hand() -> None:
+def test_3_9_stop_lets_current_cycle_finish_rounds() -> None:
     run = reworked(0.0, 1.0, until=4.5)
     assert run.command(Stop).accepted
     run.go()
@@ -317,7 +317,7 @@ def test_3_9_a_repeat_is_one_track_of_a_group() -> None:
     assert run.ended
 
 
-def test_3_9_no_round_for_an_item_that_was_rejected_beside_it() -> None:
+def test_3_9_item_rejected_in_group_begins_no_round() -> None:
     run = in_group('on_failure: reject', faults={'a2': '#1=reads:0', 'b2': '#1=abort'})
     assert rounds(run) == []
     assert run.times('item.rejected') == [3.5]

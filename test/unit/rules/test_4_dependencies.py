@@ -32,13 +32,13 @@ def flag_counts(run: VirtualRun) -> list[tuple[float, str, int]]:
 # --- 4.1 ------------------------------------------------------------------------------------
 
 
-def test_4_1_the_downstream_task_waits_for_the_flag_and_takes_it() -> None:
+def test_4_1_downstream_task_waits_for_flag_and_takes_it() -> None:
     run = Line(seconds={'a3': 2.5}).run(CAMERA, 3)
     assert run.starts('look') == [3.0, 9.5, 16.0]
     assert flag_counts(run)[:3] == [(4.0, 'look', 0), (9.5, 'use', 1), (10.5, 'look', 0)]
 
 
-def test_4_1_the_upstream_task_waits_while_the_counter_is_full() -> None:
+def test_4_1_upstream_task_waits_while_counter_is_full() -> None:
     text = """
     sections:
       1: [{id: pick, @a1, requires_conveyor: false}, {id: place, @b1, qty_change: 1}]
@@ -72,7 +72,7 @@ def test_4_1_a_failed_attempt_does_not_touch_the_flag() -> None:
     assert run.times('flag.lowered') == [5.0]
 
 
-def test_4_1_nothing_is_asked_twice_of_a_task_that_runs() -> None:
+def test_4_1_running_task_does_not_recheck_its_flag() -> None:
     """The flag is at 0 when `look` has taken it, and its own cycle goes on all the same."""
     run = Line().run(CAMERA)
     assert run.starts('other') == [4.0]
@@ -137,7 +137,7 @@ def mixed(line: Line) -> VirtualRun:
     return run.go()
 
 
-def test_4_1_scripts_whose_flags_would_stick_in_a_mix_are_not_mixed(
+def test_4_1_scripts_with_deadlocking_flags_are_not_mixed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     line = Line(6)
@@ -156,7 +156,7 @@ def test_4_1_scripts_whose_flags_would_stick_in_a_mix_are_not_mixed(
     assert run.waits()['section 2'] == 'waiting for turn to take flag near'
 
 
-def test_4_1_a_flag_that_no_live_job_uses_is_made_anew() -> None:
+def test_4_1_unused_flag_is_created_anew() -> None:
     line = Line()
     run = line.run(CAMERA)
     other = CAMERA.replace(
@@ -173,7 +173,7 @@ def test_4_1_a_flag_that_no_live_job_uses_is_made_anew() -> None:
 # --- 4.2 ------------------------------------------------------------------------------------
 
 
-def test_4_2_a_skipped_task_waits_for_its_flag_and_takes_it() -> None:
+def test_4_2_skipped_task_waits_for_flag_and_takes_it() -> None:
     text = CAMERA.replace(
         'id: look, @a2', 'id: look, @a2, when: {value: "${item.number}", equals: 1}'
     )
@@ -188,14 +188,14 @@ def test_4_2_a_skipped_task_waits_for_its_flag_and_takes_it() -> None:
     ]
 
 
-def test_4_2_a_task_that_failed_and_continued_performs_its_flag_operations() -> None:
+def test_4_2_continued_failure_performs_flag_operations() -> None:
     text = CAMERA.replace('id: use, @a3', 'id: use, @a3, on_failure: continue')
     run = Line(faults={'a3': '#1=abort'}).run(text, 2)
     assert run.times('flag.raised', item='J/1') == run.times('task.continued', item='J/1')
     assert run.ended
 
 
-def test_4_2_a_rejected_item_takes_its_flags_through_the_line() -> None:
+def test_4_2_rejected_item_carries_flags_through_line() -> None:
     text = CAMERA.replace('id: other, @b2', 'id: other, @b2, on_failure: reject')
     run = Line(faults={'b2': '#1=abort'}).run(text, 3)
     assert run.times('task.skipped', task='use', item='J/1') != []
@@ -203,7 +203,7 @@ def test_4_2_a_rejected_item_takes_its_flags_through_the_line() -> None:
     assert run.ended
 
 
-def test_4_2_an_empty_position_takes_its_flags_through_the_line() -> None:
+def test_4_2_empty_position_carries_flags_through_line() -> None:
     text = CAMERA.replace('qty_change: 1}', 'qty_change: 1, on_failure: continue}')
     run = Line(faults={'a1': '#2=abort'}).run(text, 3)
     assert run.order('item.missing', 'item') == ['J/2']
@@ -219,7 +219,7 @@ def test_4_2_an_operators_skip_performs_the_flag_operations() -> None:
     assert run.ended
 
 
-def test_4_2_a_skipped_task_needs_no_component_zone_or_readiness() -> None:
+def test_4_2_skipped_task_needs_no_component_zone_or_readiness() -> None:
     text = """
     sections:
       1: [{id: place, @a1, qty_change: 1}]
@@ -247,7 +247,7 @@ def test_4_3_abort_job_drains_the_line() -> None:
     assert len(run.all('flag.raised')) == len(run.all('flag.lowered'))
 
 
-def test_4_3_a_source_cycle_in_hand_ends_with_an_empty_position() -> None:
+def test_4_3_aborted_source_cycle_leaves_empty_position() -> None:
     text = """
     sections:
       1: [{id: pick, @a1, requires_conveyor: false}, {id: place, @b1, qty_change: 1}]
@@ -278,9 +278,7 @@ def cut_off(task: str, fault: str = '#9=abort') -> VirtualRun:
 @pytest.mark.parametrize(
     ('task', 'asked'), [('place', 'placed in section 1'), ('pack', 'taken out of section 3')]
 )
-def test_4_3_the_belt_waits_until_somebody_says_what_the_slot_holds(
-    task: str, asked: str, fault: str
-) -> None:
+def test_4_3_belt_waits_for_answer_about_slot(task: str, asked: str, fault: str) -> None:
     run = cut_off(task, fault)
     moves = run.times('belt.index_started')
     (hold,) = run.state.holds.values()
@@ -291,14 +289,14 @@ def test_4_3_the_belt_waits_until_somebody_says_what_the_slot_holds(
     assert run.times('belt.index_started') == moves
 
 
-def test_4_3_a_placing_that_no_server_ever_had_leaves_no_doubt() -> None:
+def test_4_3_placing_without_server_raises_no_hold() -> None:
     run = cut_off('place', '=absent')
     assert run.times('hold.raised') == []
     assert run.ended
     assert run.counts() == {'started': 1, 'missing': 1}
 
 
-def test_4_3_after_an_abort_a_hold_says_that_no_server_had_the_goal() -> None:
+def test_4_3_hold_after_abort_reports_unsent_goal() -> None:
     run = Line(faults={'a1': '=absent'}).begin(THREE).go(until=1.0)
     assert run.command(Abort).accepted
     run.go()
@@ -315,7 +313,7 @@ def test_4_3_an_item_that_was_placed_after_all_drains() -> None:
     assert run.counts() == {'started': 1, 'placed': 1, 'rejected': 1}
 
 
-def test_4_3_an_item_that_was_not_placed_leaves_an_empty_position() -> None:
+def test_4_3_unplaced_item_leaves_empty_position() -> None:
     run = cut_off('place')
     run.answer('skip')
     run.go()
@@ -323,7 +321,7 @@ def test_4_3_an_item_that_was_not_placed_leaves_an_empty_position() -> None:
     assert run.counts() == {'started': 1, 'missing': 1}
 
 
-def test_4_3_an_item_that_was_taken_out_after_all_is_out() -> None:
+def test_4_3_mark_done_confirms_item_as_taken_out() -> None:
     run = cut_off('pack')
     run.answer('mark_done')
     run.go()
@@ -331,7 +329,7 @@ def test_4_3_an_item_that_was_taken_out_after_all_is_out() -> None:
     assert run.counts()['rejected'] == 1
 
 
-def test_4_3_what_was_taken_out_after_all_is_not_taken_out_by_the_twin() -> None:
+def test_4_3_twin_skips_item_confirmed_as_taken_out() -> None:
     twins = (
         '- {id: pack, @a3, qty_change: -1}\n'
         '- {id: unpack, @a3, qty_change: -1, runs_for: rejected}\n'
@@ -347,7 +345,7 @@ def test_4_3_what_was_taken_out_after_all_is_not_taken_out_by_the_twin() -> None
     assert run.all('task.skipped', task='unpack', reason='it was taken out before')
 
 
-def test_4_3_an_item_that_was_not_taken_out_still_stands_there() -> None:
+def test_4_3_item_not_taken_out_stays_in_slot() -> None:
     run = cut_off('pack')
     run.answer('skip')
     run.go()
@@ -373,7 +371,7 @@ def test_4_3_a_cancel_that_is_ignored_holds_in_doubt() -> None:
     assert run.counts() == {'started': 2, 'placed': 2, 'rejected': 2}
 
 
-def test_4_3_a_job_that_waits_is_aborted_by_nobody_else() -> None:
+def test_4_3_abort_job_leaves_waiting_job_alone() -> None:
     text = THREE.replace('id: work, @a2', 'id: work, @a2, on_failure: abort_job').replace(
         'qty_change: -1', 'qty_change: -1, runs_for: all'
     )
@@ -425,7 +423,7 @@ def test_4_4_a_held_task_keeps_its_zone(fault: str) -> None:
 
 
 @pytest.mark.parametrize('answer', ['mark_done', 'skip', 'reject', 'abort_job'])
-def test_4_4_an_answer_that_ends_the_task_frees_its_zone(answer: str) -> None:
+def test_4_4_answer_that_ends_task_frees_zone(answer: str) -> None:
     run = held_on_the_table()
     at = run.now
     run.answer(answer)
@@ -436,25 +434,25 @@ def test_4_4_an_answer_that_ends_the_task_frees_its_zone(answer: str) -> None:
 
 
 @pytest.mark.parametrize('policy', ['continue', 'reject', 'abort_job'])
-def test_4_4_a_policy_that_goes_on_frees_the_zone_at_once(policy: str) -> None:
+def test_4_4_continuing_policy_frees_zone_at_once(policy: str) -> None:
     run = held_on_the_table(f', on_failure: {policy}')
     assert run.times('task.continued', task='three') == [7.0]
     assert run.starts('two', item='J/2') == ([] if policy == 'abort_job' else [7.0])
 
 
-def test_4_4_between_its_own_retries_a_task_is_in_no_zone() -> None:
+def test_4_4_task_leaves_zone_between_own_retries() -> None:
     run = held_on_the_table(', retries: 1, retry_delay: 0.5')
     assert run.starts('two', item='J/2') == [7.0]
     assert run.starts('three', item='J/1') == [6.0, 8.0]
 
 
-def test_4_4_with_its_last_retry_gone_a_held_task_keeps_the_zone() -> None:
+def test_4_4_held_task_keeps_zone_after_last_retry() -> None:
     run = held_on_the_table(', retries: 1', '#1=abort #2=abort', seconds={'a2': 0.25})
     assert run.starts('two', item='J/2') == [7.0]
     assert run.state.zones['table'].task == 'three'
 
 
-def test_4_4_nobody_moves_in_between_an_answer_and_its_new_attempt() -> None:
+def test_4_4_answered_task_keeps_zone_until_new_attempt() -> None:
     text = TABLE.replace('{id: three', '{id: look, @b3}, {id: three')
     run = Line(faults={'a2': '#2=abort'}).run(text, 2)
     # Downstream goes first, but `two` stands where it failed.
@@ -471,7 +469,7 @@ def test_4_4_nobody_moves_in_between_an_answer_and_its_new_attempt() -> None:
     assert run.ended
 
 
-def test_4_4_an_item_that_is_removed_frees_the_zone_with_the_answer() -> None:
+def test_4_4_answer_frees_zone_of_removed_item() -> None:
     run = held_on_the_table()
     run.remove('J/1')
     assert run.starts('two', item='J/2') == []  # the robot still stands there

@@ -33,7 +33,7 @@ def test_5_1_dependencies_order_it() -> None:
     assert run.starts('one') == [2.0]
 
 
-def test_5_1_tasks_of_one_component_run_one_after_the_other() -> None:
+def test_5_1_tasks_of_one_component_run_sequentially() -> None:
     run = Line().run(with_initialization('[{id: one, @a1.PREPARE}, {id: two, @a1.TASK_B}]'))
     assert run.starts('one') == [0.0]
     assert run.starts('two') == [1.0]
@@ -65,7 +65,7 @@ def test_5_2_every_section_waits_for_components_of_no_section() -> None:
     assert run.starts('place') == [4.0]
 
 
-def test_5_2_a_component_is_prepared_when_its_sections_have_finished_the_jobs_before() -> None:
+def test_5_2_component_preparation_waits_for_its_section() -> None:
     text = with_initialization('[{id: two, @a2.PREPARE}]')
     line = Line(seconds={'b3': 1.0})
     run = line.begin(text, 2)
@@ -78,7 +78,7 @@ def test_5_2_a_component_is_prepared_when_its_sections_have_finished_the_jobs_be
     assert run.times('job.completed', job='J') == [10.0]
 
 
-def test_5_2_a_shared_component_waits_for_each_of_its_sections() -> None:
+def test_5_2_shared_component_waits_for_each_section() -> None:
     text = with_initialization('[{id: arm, @arm.PREPARE}]')
     line = Line()
     run = line.begin(text, 1)
@@ -87,7 +87,7 @@ def test_5_2_a_shared_component_waits_for_each_of_its_sections() -> None:
     assert run.starts('arm', job='K') == [8.0]  # section 3 is done with J
 
 
-def test_5_2_the_source_waits_for_what_waits_for_the_line_behind_it() -> None:
+def test_5_2_source_waits_for_dependent_initialization() -> None:
     """K's item must not be placed: section 2 waits for section 3, which waits for J's item."""
     text = with_initialization(
         '[{id: two, @a2.PREPARE}, {id: three, @a3.PREPARE}]',
@@ -103,7 +103,7 @@ def test_5_2_the_source_waits_for_what_waits_for_the_line_behind_it() -> None:
     assert run.starts('place', job='K') == run.times('task.succeeded', job='K', task='two')
 
 
-def test_5_2_a_job_that_may_not_begin_gives_no_turn() -> None:
+def test_5_2_job_awaiting_initialization_gives_no_turn() -> None:
     """The belt moves on with J's item while K waits for the line to drain."""
     text = with_initialization('[{id: light, @lamp}]')
     line = Line()
@@ -169,7 +169,7 @@ def late_initialization(second: str) -> VirtualRun:
     return run
 
 
-def test_5_2_initialization_of_a_component_keeps_the_order_of_jobs() -> None:
+def test_5_2_initialization_of_component_keeps_job_order() -> None:
     """J's recipe must not be loaded over K's."""
     run = late_initialization(with_initialization('[{id: load, @a2.PREPARE}]'))
     run.go(until=20.0)
@@ -181,20 +181,20 @@ def test_5_2_initialization_of_a_component_keeps_the_order_of_jobs() -> None:
     assert run.ended
 
 
-def test_5_2_no_section_begins_before_the_initialization_of_earlier_jobs() -> None:
+def test_5_2_section_waits_for_initialization_of_earlier_jobs() -> None:
     """J's recipe must not be loaded in the middle of K, which prepares nothing there."""
     run = late_initialization(THREE)
     run.go(until=20.0)
     assert run.starts('place', job='K') == [3.0, 6.0]  # only section 2 waits
     assert run.waits()['section 2'] == 'waiting for initialization load of J'
-    (wait,) = [one.wait for one in run.sim.waits() if one.part == 'section 2']
+    (wait,) = [part_wait.wait for part_wait in run.sim.waits() if part_wait.part == 'section 2']
     assert (wait.kind, wait.name, wait.task) == (WaitKind.INITIALIZATION, 'load', 'load')
     run.go()
     assert run.starts('work', job='K')[0] == run.times('task.succeeded', task='load')[0] == 32.0
     assert run.ended
 
 
-def test_5_2_the_source_waits_for_the_initialization_of_earlier_jobs() -> None:
+def test_5_2_source_waits_for_initialization_of_earlier_jobs() -> None:
     """J is placed in section 2; K, whose source is section 1, must not begin before J's `load`."""
     first = PASSED.replace('@a2.PREPARE', '@a1.PREPARE').replace(
         '1: [{id: place, @a1', '2: [{id: place, @a2'

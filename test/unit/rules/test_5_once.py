@@ -18,7 +18,7 @@ def jobs_of(run: VirtualRun, *tasks: str) -> list[str]:
     return [record['job'] for record in run.all('task.started') if record['task'] in tasks]
 
 
-def test_5_1_once_is_skipped_when_the_source_has_finished_the_jobs_before() -> None:
+def test_5_1_once_is_skipped_after_source_finishes_earlier_jobs() -> None:
     line = Line()
     run = line.begin(HOME, 3)
     run.go(until=1.0)
@@ -29,7 +29,7 @@ def test_5_1_once_is_skipped_when_the_source_has_finished_the_jobs_before() -> N
     assert run.starts('place', job='K') == [11.0]  # at once behind the last item of J
 
 
-def test_5_1_without_once_it_waits_for_the_line_to_drain() -> None:
+def test_5_1_task_without_once_waits_for_drained_line() -> None:
     text = HOME.replace(', once: true', '')
     line = Line()
     run = line.begin(text, 1)
@@ -73,7 +73,7 @@ def test_5_1_once_is_forgotten_in_stopped() -> None:
     assert jobs_of(run, 'home') == ['J', 'K']
 
 
-def test_5_1_once_is_not_skipped_for_a_queued_job_and_then_forgotten() -> None:
+def test_5_1_queued_job_runs_once_task_after_stop() -> None:
     """Somebody may have moved the belt by hand while the cell stood: K homes it again."""
     line = Line()
     run = line.begin(HOME)
@@ -87,7 +87,7 @@ def test_5_1_once_is_not_skipped_for_a_queued_job_and_then_forgotten() -> None:
     assert jobs_of(run, 'home') == ['J', 'K']
 
 
-def test_5_1_skips_of_a_job_without_a_cycle_are_forgotten_in_stopped() -> None:
+def test_5_1_stopped_cell_forgets_skips_of_unbegun_job() -> None:
     text = HOME.replace('once: true}', 'once: true}, {id: load, @b1.PREPARE}')
     line = Line(seconds={'b1': 5.0})
     run = line.begin(text)
@@ -103,7 +103,7 @@ def test_5_1_skips_of_a_job_without_a_cycle_are_forgotten_in_stopped() -> None:
     assert jobs_of(run, 'load') == ['J', 'K']
 
 
-def test_5_1_skips_of_a_job_without_a_cycle_are_forgotten_in_aborted() -> None:
+def test_5_1_aborted_cell_forgets_skips_of_unbegun_job() -> None:
     text = HOME.replace('once: true}', 'once: true}, {id: load, @b1.PREPARE}')
     line = Line(seconds={'b1': 5.0})
     run = line.begin(text)
@@ -136,13 +136,11 @@ def recipes(values: str, line: Line | None = None, text: str = RECIPE) -> Virtua
     ('values', 'loaded'),
     [('111', 'J'), ('121', 'JKL'), ('112', 'JL'), ('1221', 'JKM'), ('12121', 'JKLMN')],
 )
-def test_5_1_another_recipe_in_between_is_loaded_and_then_the_first_again(
-    values: str, loaded: str
-) -> None:
+def test_5_1_recipe_is_loaded_at_each_change(values: str, loaded: str) -> None:
     assert jobs_of(recipes(values), 'load') == list(loaded)
 
 
-def test_5_1_a_job_put_in_front_may_load_something_else() -> None:
+def test_5_1_job_put_in_front_loads_its_recipe() -> None:
     line = Line()
     run = line.begin(RECIPE, 2, x=1.0)
     run.submit('K', line.script(RECIPE), 1, x=1.0)
@@ -153,7 +151,7 @@ def test_5_1_a_job_put_in_front_may_load_something_else() -> None:
     assert jobs_of(run, 'load') == ['J', 'L', 'K']
 
 
-def test_5_1_an_attempt_with_other_arguments_that_failed_leaves_nothing_loaded() -> None:
+def test_5_1_failed_attempt_with_other_arguments_unloads_recipe() -> None:
     text = RECIPE.replace('once: true', 'once: true, on_failure: continue')
     run = recipes('121', Line(faults={'a2': 'PREPARE#2=abort'}), text)
     assert jobs_of(run, 'load') == ['J', 'K', 'L']
@@ -173,7 +171,7 @@ def test_5_1_an_attempt_in_doubt_leaves_nothing_loaded() -> None:
     assert jobs_of(run, 'load') == ['J', 'K', 'L']
 
 
-def test_5_1_an_attempt_with_the_same_arguments_that_failed_leaves_nothing_loaded() -> None:
+def test_5_1_failed_attempt_with_same_arguments_unloads_recipe() -> None:
     line = Line(faults={'a2': 'PREPARE#2=abort'})
     always = RECIPE.replace('once: true', 'on_failure: continue')
     run = line.begin(RECIPE, x=1.0)
@@ -191,7 +189,7 @@ def test_5_1_a_task_of_a_section_counts_as_well(x: float, loaded: str) -> None:
     assert jobs_of(recipes('11', text=text), 'load') == list(loaded)
 
 
-def test_5_1_what_earlier_jobs_will_still_do_is_waited_for() -> None:
+def test_5_1_skip_waits_for_tasks_of_earlier_jobs() -> None:
     """The list of section 2 loads 2 at its end; K's `load` is not skipped before that."""
     other = '@a2.PREPARE, args: {special_argument_2: 2.0}'
     text = RECIPE.replace('{id: work, @a2}', f'{{id: slow, @b2}}, {{id: work, {other}}}')
@@ -199,7 +197,7 @@ def test_5_1_what_earlier_jobs_will_still_do_is_waited_for() -> None:
     assert jobs_of(run, 'load') == ['J', 'K']
 
 
-def test_5_1_a_pending_task_of_an_earlier_job_comes_first() -> None:
+def test_5_1_pending_task_of_earlier_job_comes_first() -> None:
     """K's `load` waits for section 2, which still works for J; L's `load` is not skipped."""
     run = recipes('121', Line(seconds={'a2': 5.0}))
     assert [record['args'] for record in run.all('task.started', task='load')] == [
@@ -208,9 +206,9 @@ def test_5_1_a_pending_task_of_an_earlier_job_comes_first() -> None:
     assert jobs_of(run, 'load') == ['J', 'K', 'L']
 
 
-def test_5_1_another_task_of_the_job_counts_although_it_depends_on_it() -> None:
+def test_5_1_skip_considers_dependent_task_of_same_job() -> None:
     """K's `first` is skipped when it could start, not when the source has finished J."""
-    one = RECIPE.replace('"${params.x}"', '1.0')
+    recipe = RECIPE.replace('"${params.x}"', '1.0')
     two = with_initialization(
         """
       - {id: first, @a2.PREPARE, once: true, args: {special_argument_2: 1.0}}
@@ -218,7 +216,7 @@ def test_5_1_another_task_of_the_job_counts_although_it_depends_on_it() -> None:
 initialization_dependencies: [{upstream: first, downstream: second}]"""
     )
     line = Line(seconds={'a2': 5.0})
-    run = line.begin(one, x=1.0)
+    run = line.begin(recipe, x=1.0)
     run.submit('K', line.script(two, 'two'), 1)
     run.go()
     assert run.times('task.skipped', task='first') == run.times(
@@ -240,7 +238,7 @@ initialization_dependencies: [{upstream: first, downstream: second}]"""
     assert jobs_of(run, 'first', 'second') == ['J', 'J', 'K', 'K']
 
 
-def test_5_1_a_skip_begins_the_job_as_a_start_would() -> None:
+def test_5_1_skip_begins_job_like_a_start() -> None:
     line = Line()
     run = line.begin(HOME, 2)
     run.submit('K', line.script(HOME), 1)

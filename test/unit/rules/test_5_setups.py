@@ -42,8 +42,8 @@ def gripped(
 def changes(run: VirtualRun) -> list[tuple[float, str, str]]:
     """Return when each change began, for which job, and to what."""
     return [
-        (one['time'], one['job'], one['args']['special_argument_1'])
-        for one in run.all('task.started', name='TASK_C')
+        (record['time'], record['job'], record['args']['special_argument_1'])
+        for record in run.all('task.started', name='TASK_C')
     ]
 
 
@@ -55,7 +55,7 @@ def stopped_and_started(run: VirtualRun) -> None:
     run.command(Start)
 
 
-def test_5_3_a_component_is_set_up_before_its_first_task_of_a_job() -> None:
+def test_5_3_component_is_set_up_before_first_task() -> None:
     run = gripped().run(SMALL, 2)
     assert run.ended
     assert changes(run) == [(0.0, 'J', 'small')]
@@ -72,7 +72,7 @@ def test_5_3_a_change_happens_only_where_the_setup_differs() -> None:
     assert [(job, value) for _, job, value in changes(run)] == [('J', 'small'), ('L', 'large')]
 
 
-def test_5_3_a_change_waits_for_its_section_and_not_for_the_line() -> None:
+def test_5_3_change_waits_for_section_not_for_line() -> None:
     line = gripped()
     run = line.begin(SMALL, 2)
     run.submit('K', line.script(LARGE), 1)
@@ -83,7 +83,7 @@ def test_5_3_a_change_waits_for_its_section_and_not_for_the_line() -> None:
     assert begun < run.times('job.completed', job='J')[0]
 
 
-def test_5_3_whether_it_is_needed_is_decided_when_it_could_start() -> None:
+def test_5_3_change_is_decided_when_it_could_start() -> None:
     """The job between, which needs another gripper, leaves the queue after K was queued."""
     line = gripped()
     run = line.begin(SMALL, 2)
@@ -95,7 +95,7 @@ def test_5_3_whether_it_is_needed_is_decided_when_it_could_start() -> None:
     assert run.all('task.skipped', job='L')[0]['reason'] == 'set up'
 
 
-def test_5_3_a_shared_component_that_is_set_up_does_not_drain_the_line() -> None:
+def test_5_3_matching_shared_component_does_not_drain_line() -> None:
     line = gripped('arm')
     text = with_section(2, '- {id: work, @arm, setup: {gripper: small}}')
     run = line.begin(text, 3)
@@ -106,7 +106,7 @@ def test_5_3_a_shared_component_that_is_set_up_does_not_drain_the_line() -> None
     assert begun < run.times('job.completed', job='J')[0]
 
 
-def test_5_3_a_shared_component_waits_for_an_earlier_job_that_changes_it() -> None:
+def test_5_3_shared_component_waits_for_earlier_change() -> None:
     line = gripped('arm')
     text = with_section(2, '- {id: work, @arm, setup: {gripper: small}}')
     run = line.begin(text, 2)
@@ -121,7 +121,7 @@ def test_5_3_a_shared_component_waits_for_an_earlier_job_that_changes_it() -> No
     ]
 
 
-def test_5_3_a_value_that_an_earlier_job_only_passes_through_counts_for_nothing() -> None:
+def test_5_3_temporary_setup_of_earlier_job_is_ignored() -> None:
     """Section 2 has the large gripper for a task of J, and the small one when K comes."""
     line = gripped(seconds={'a2': 5.0})
     run = line.begin(BOTH, 1)
@@ -154,7 +154,7 @@ initialization_dependencies: [{upstream: home, downstream: ready}]"""
     assert run.order('task.succeeded')[:3] == ['home', 'ready', 'a2.gripper.small']
 
 
-def test_5_3_a_change_that_fails_is_held_and_may_be_tried_again() -> None:
+def test_5_3_failed_change_is_held_and_retried() -> None:
     run = gripped(a2='TASK_C#1=abort').run(SMALL)
     (hold,) = run.state.holds.values()
     assert (hold.task, hold.reason) == ('a2.gripper.small', 'aborted')
@@ -204,7 +204,7 @@ def test_5_3_the_answer_change_changes_it_and_goes_on() -> None:
     assert run.starts('work')[0] == run.times('task.succeeded', task='a2.gripper.small')[0]
 
 
-def test_5_3_the_change_of_an_answer_starts_while_earlier_jobs_are_on_the_line() -> None:
+def test_5_3_answered_change_starts_despite_earlier_jobs() -> None:
     """Section 3 has not finished J, whose item waits for the belt behind the held one."""
     line = Line(keys={'arm': GRIPPER})
     text = with_section(2, '- {id: work, @arm, setup: {gripper: small}}')
@@ -268,7 +268,7 @@ def test_5_3_a_setup_is_unknown_after_stopped() -> None:
     assert run.ended
 
 
-def test_5_3_a_job_that_has_not_come_to_the_component_is_set_up_again() -> None:
+def test_5_3_stop_repeats_setup_of_unreached_component() -> None:
     run = gripped(seconds={'a1': 5.0}).begin(SMALL, 3)
     run.go(until=2.0)
     assert known(run.state, 'a2', 'gripper') == 'small'
@@ -290,7 +290,7 @@ def test_5_3_a_setup_is_unknown_after_out_of_service() -> None:
     assert len(changes(run)) == 2
 
 
-def test_5_3_a_setup_is_unknown_from_the_start_of_a_change() -> None:
+def test_5_3_setup_is_unknown_during_change() -> None:
     run = gripped().begin(BOTH, 1)
     run.go(until=4.5)
     assert run.order('task.started')[-1] == 'to_large'
@@ -300,8 +300,8 @@ def test_5_3_a_setup_is_unknown_from_the_start_of_a_change() -> None:
 def test_5_3_the_set_up_state_is_told() -> None:
     run = gripped().begin(SMALL)
     run.go(until=0.5)
-    shown = {one.name: one for one in run.sim.status().components if one.setups}
-    assert [(name, setup_words(one)) for name, one in shown.items()] == [
+    shown = {part.name: part for part in run.sim.status().components if part.setups}
+    assert [(name, setup_words(part)) for name, part in shown.items()] == [
         ('a2', 'gripper not known')
     ]
     run.go()
@@ -309,7 +309,7 @@ def test_5_3_the_set_up_state_is_told() -> None:
     assert '  setup of a2: gripper small' in lines
 
 
-def test_5_3_a_setup_is_unknown_when_its_controller_was_started_anew() -> None:
+def test_5_3_restarted_controller_makes_setup_unknown() -> None:
     run = gripped(seconds={'a1': 9.0}, a2='#1=abort #2=die:1').begin(SMALL, 1)
     run.go(until=1.5)
     run.answer('mark_done')
@@ -342,7 +342,7 @@ def by_hand(run: VirtualRun, value: str) -> None:
     run.sim.orchestrator.settle()
 
 
-def test_5_3_a_setup_that_the_topic_tells_needs_no_change() -> None:
+def test_5_3_setup_reported_by_topic_needs_no_change() -> None:
     line = reading()
     run = VirtualRun(line.cell, line.types)
     run.sim.gateway.set_up('a2', 'gripper', 'small')
@@ -356,11 +356,11 @@ def test_5_3_a_setup_that_the_topic_tells_needs_no_change() -> None:
 def test_5_3_the_topic_tells_what_a_change_has_set() -> None:
     run = reading().run(SMALL)
     assert run.ended
-    assert [one.get('value', '') for one in run.all('component.setup_read')] == ['', 'small']
+    assert [record.get('value', '') for record in run.all('component.setup_read')] == ['', 'small']
     assert known(run.state, 'a2', 'gripper') == 'small'
 
 
-def test_5_3_a_told_setup_stays_known_after_stopped_and_out_of_service() -> None:
+def test_5_3_stop_and_out_of_service_keep_reported_setup() -> None:
     run = reading().begin(SMALL, 3)
     run.go(until=5.0)
     stopped_and_started(run)
@@ -386,11 +386,11 @@ def test_5_3_what_the_topic_tells_counts_before_the_change() -> None:
     assert known(run.state, 'a2', 'gripper') == 'small'
 
 
-def test_5_3_a_task_waits_five_seconds_for_the_topic_to_tell_its_setup() -> None:
+def test_5_3_task_waits_five_seconds_for_setup_topic() -> None:
     run = reading(a2='TASK_C#1=abort').run(SMALL)
     run.answer('mark_done')
     run.go(until=run.now + 5.0)
-    (wait,) = [one.wait for one in run.sim.waits() if 'tell' in one.wait.reason]
+    (wait,) = [part_wait.wait for part_wait in run.sim.waits() if 'tell' in part_wait.wait.reason]
     assert wait.reason == (
         'waiting for /a2/state to tell gripper small; nothing is published there'
     )
@@ -411,7 +411,7 @@ def test_5_3_after_five_seconds_the_task_is_held() -> None:
     assert hold.message == 'gripper of a2 is not known; the task needs small'
 
 
-def test_5_3_another_told_value_is_changed_for_a_job_that_has_not_begun() -> None:
+def test_5_3_unexpected_setup_is_changed_before_job_begins() -> None:
     run = reading(seconds={'a1': 9.0}).begin(SMALL)
     run.go(until=2.0)
     assert len(changes(run)) == 1
@@ -422,7 +422,7 @@ def test_5_3_another_told_value_is_changed_for_a_job_that_has_not_begun() -> Non
     assert [value for _, _, value in changes(run)] == ['small', 'small']
 
 
-def test_5_3_a_topic_may_tell_a_change_a_moment_later() -> None:
+def test_5_3_topic_may_report_change_later() -> None:
     run = reading(seconds={'a1': 9.0}, a2='TASK_C#1=abort').begin(SMALL)
     run.go(until=2.0)
     run.answer('mark_done')
@@ -434,10 +434,10 @@ def test_5_3_a_topic_may_tell_a_change_a_moment_later() -> None:
     assert len(changes(run)) == 1, 'it is not changed again'
 
 
-def test_5_3_a_told_value_that_the_line_has_not_set_is_shown() -> None:
+def test_5_3_status_shows_setup_made_by_hand() -> None:
     run = reading(seconds={'a1': 9.0}).begin(SMALL)
     by_hand(run, 'medium')
-    (shown,) = [one for one in run.sim.status().components if one.setups]
+    (shown,) = [component for component in run.sim.status().components if component.setups]
     assert setup_words(shown) == 'gripper medium'
 
 
@@ -456,7 +456,7 @@ def test_5_3_expected_ends_know_what_the_topic_tells() -> None:
     assert ends == pytest.approx(real)
 
 
-def test_5_3_a_told_setup_is_not_known_while_nothing_is_published() -> None:
+def test_5_3_silent_topic_makes_reported_setup_unknown() -> None:
     """Its controller dies, and the one that comes tells what it is set up for."""
     run = reading(seconds={'a1': 9.0}, a2='#2=die:1').begin(SMALL)
     run.go()

@@ -33,8 +33,8 @@ def named(value: Any, *fields: str) -> Any:
 def test_6_3_what_is_no_finite_number_is_no_value(value: Any, where: str) -> None:
     with pytest.raises(MissingResult) as missing:
         named(value)
-    said = f'${{results.look.found}} {where}, which is no finite number'
-    assert str(missing.value) == said
+    expected = f'${{results.look.found}} {where}, which is no finite number'
+    assert str(missing.value) == expected
 
 
 @pytest.mark.parametrize('value', [1.5, 3, True, 'nan', b'', [], [1.0, 2], {'x': [[1e300]]}])
@@ -67,7 +67,7 @@ def used(how: str) -> str:
         'special_argument_1: "at ${results.look.measurement}"',
     ],
 )
-def test_6_3_no_goal_has_an_argument_that_is_no_finite_number(argument: str, value: float) -> None:
+def test_6_3_goal_never_has_non_finite_argument(argument: str, value: float) -> None:
     run = Line(results={'a2': {'measurement': value}}).run(used(f'args: {{{argument}}}'))
     assert run.reasons() == ['missing_result']
     assert run.starts('use') == []
@@ -75,7 +75,7 @@ def test_6_3_no_goal_has_an_argument_that_is_no_finite_number(argument: str, val
     assert hold.message == f'${{results.look.measurement}} is {value}, which is no finite number'
 
 
-def test_2_8_a_verdict_that_names_such_a_value_of_another_task_gets_no_goal() -> None:
+def test_2_8_non_finite_value_in_verdict_prevents_goal() -> None:
     other = '{value: "${results.look.measurement}", at_least: 0}'
     verdict = f'{{all: ["${{results.use.item_present}}", {other}]}}'
     run = Line(results={'a2': {'measurement': nan}}).run(used(f'fails_unless: {verdict}'))

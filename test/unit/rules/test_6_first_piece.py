@@ -37,7 +37,7 @@ def operator(role: Role) -> By:
 
 
 def begun_items(run: VirtualRun) -> list[str]:
-    return [one['item'] for one in run.all('cycle.started', section=1)]
+    return [record['item'] for record in run.all('cycle.started', section=1)]
 
 
 def waiting(text: str = ASKED, quantity: int = 3, line: Line | None = None) -> VirtualRun:
@@ -47,7 +47,7 @@ def waiting(text: str = ASKED, quantity: int = 3, line: Line | None = None) -> V
     return run
 
 
-def test_6_12_the_second_item_is_not_begun_before_the_approval() -> None:
+def test_6_12_second_item_waits_for_approval() -> None:
     run = waiting()
     assert begun_items(run) == ['J/1']
     assert run.counts()['packed'] == 1, 'the first piece goes through the whole line'
@@ -74,20 +74,20 @@ def test_6_12_the_order_asks_where_the_script_does_not() -> None:
     assert run.all('job.queued')[0]['first_piece'] is True
 
 
-def test_6_12_an_item_that_is_the_last_one_is_not_waited_for() -> None:
+def test_6_12_last_item_needs_no_approval() -> None:
     run = Line().run(ASKED, 1)
     assert run.ended
     assert not run.all('job.paused')
 
 
-def test_6_12_it_is_not_approved_before_it_has_left_the_line() -> None:
+def test_6_12_piece_on_line_is_not_approved() -> None:
     run = Line().begin(ASKED, 2).go(until=4.0)
     answer = run.ask(ControlJob('resume', 'J', ANN))
     assert not answer.accepted
     assert answer.message == 'J/1, the first piece of J, has not left the line yet'
 
 
-def test_6_12_a_piece_that_was_not_packed_is_not_approved() -> None:
+def test_6_12_rejected_piece_is_not_approved() -> None:
     run = waiting(SORTED, 3, Line(faults={'a2': '#1=abort'}))
     answer = run.ask(ControlJob('resume', 'J', ANN))
     assert not answer.accepted
@@ -97,7 +97,7 @@ def test_6_12_a_piece_that_was_not_packed_is_not_approved() -> None:
     )
 
 
-def test_6_12_a_piece_taken_off_by_hand_is_not_approved() -> None:
+def test_6_12_piece_removed_by_hand_is_not_approved() -> None:
     run = Line().begin(ASKED, 2).go(until=4.0)
     assert run.remove('J/1').accepted
     run.go()
@@ -119,7 +119,7 @@ def test_6_12_a_refused_piece_is_followed_by_another() -> None:
     assert run.ended
 
 
-def test_6_12_another_piece_is_for_jobs_that_wait_for_an_approval() -> None:
+def test_6_12_another_piece_needs_job_awaiting_approval() -> None:
     run = Line().begin(THREE, 3).go(until=2.0)
     assert run.ask(ControlJob('pause', 'J', ANN)).accepted
     answer = run.ask(ControlJob('another', 'J', ANN))
@@ -153,9 +153,7 @@ def test_6_12_an_abort_ends_the_wait() -> None:
         (Approval.OPERATE, Role.MES, False),
     ],
 )
-def test_6_12_it_is_approved_by_whom_the_cell_file_names(
-    who: Approval, role: Role, may: bool
-) -> None:
+def test_6_12_cell_file_sets_approving_role(who: Approval, role: Role, may: bool) -> None:
     line = Line()
     line.cell = replace(line.cell, first_piece=who)
     run = waiting(line=line)
@@ -166,13 +164,13 @@ def test_6_12_it_is_approved_by_whom_the_cell_file_names(
         assert run.job().piece == 'J/1'
 
 
-def test_6_12_a_job_that_a_person_paused_needs_no_engineer() -> None:
+def test_6_12_operator_resumes_job_paused_by_person() -> None:
     run = Line().begin(THREE, 3).go(until=2.0)
     for verb in ('pause', 'resume'):
         assert run.ask(ControlJob(verb, 'J', operator(Role.OPERATE))).accepted
 
 
-def test_6_12_the_next_job_waits_and_the_one_before_goes_on() -> None:
+def test_6_12_next_job_waits_while_earlier_one_continues() -> None:
     line = Line()
     run = line.begin(THREE, 2)
     for name, text in (('K', ASKED), ('L', THREE)):
@@ -215,8 +213,8 @@ def test_6_12_record_of_item_and_job_tell_the_decision() -> None:
     assert (job.first_piece, job.first_piece_state) == ('J/2', 'approved')
     response = response_of_record(job)
     assert response is not None
-    told = {one.id: one.value for one in response.data}
-    assert (told['FirstPiece'], told['FirstPieceState']) == ('J/2', 'approved')
+    values = {datum.id: datum.value for datum in response.data}
+    assert (values['FirstPiece'], values['FirstPieceState']) == ('J/2', 'approved')
     for item, state, word in (('J/1', 'refused', 'another'), ('J/2', 'approved', 'resume')):
         fold = ItemFold(item, 'J')
         for event in events:
@@ -236,7 +234,7 @@ def killed(line: Line, settles: int) -> tuple[World, Orchestrator]:
     return world, second
 
 
-def test_6_12_killed_after_any_settle_one_piece_is_waited_for() -> None:
+def test_6_12_killed_cell_awaits_one_piece_after_any_settle() -> None:
     line, kills = Line(), 0
     whole = World(line.cell)
     whole.go(begun(whole, line.script(ASKED), 2))
@@ -244,7 +242,7 @@ def test_6_12_killed_after_any_settle_one_piece_is_waited_for() -> None:
     for settles in count(1):
         world, second = killed(line, settles)
         paused = world.events(e.JobPaused)
-        assert [(one.job, one.item) for one in paused] == [('J', 'J/1')], settles  # type: ignore[attr-defined]
+        assert [(event.job, event.item) for event in paused] == [('J', 'J/1')], settles  # type: ignore[attr-defined]
         assert second.ask(ControlJob('resume', 'J', ANN)).accepted
         world.go(second)
         assert not second.state.jobs

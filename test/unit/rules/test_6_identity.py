@@ -16,10 +16,10 @@ from bt_orchestrator.script.script_file import parse_script
 
 
 def serials(run: VirtualRun) -> list[tuple[str, str]]:
-    return [(one['item'], one['serial']) for one in run.all('item.identified')]
+    return [(record['item'], record['serial']) for record in run.all('item.identified')]
 
 
-def test_6_8_what_is_read_is_the_serial_of_the_item() -> None:
+def test_6_8_read_value_becomes_serial_of_item() -> None:
     run = Reading().go(2)
     assert serials(run) == [('J/1', 'S-1'), ('J/2', 'S-2')]
     assert run.ended
@@ -45,7 +45,7 @@ def test_6_8_what_was_not_set_is_no_serial(
 
 
 @pytest.mark.parametrize('policy', ['hold', 'continue', 'reject', 'abort_job'])
-def test_6_8_a_serial_of_another_item_holds_whatever_the_policy(policy: str) -> None:
+def test_6_8_duplicate_serial_holds_under_any_policy(policy: str) -> None:
     run = Reading('S').go(2, f', on_failure: {policy}, retries: 2')
     (failed,) = run.all('task.failed')
     assert (failed['item'], failed['reason']) == ('J/2', 'duplicate_serial')
@@ -89,7 +89,7 @@ def test_6_8_the_answer_of_a_person_counts(
     assert run.ended
 
 
-def test_6_8_a_serial_that_a_person_gives_has_an_end() -> None:
+def test_6_8_serial_from_person_has_length_limit() -> None:
     run = Reading('S').go(2)
     refused = run.ask(AnswerHold('1', 'mark_done', ann('seen'), {'code': 'x' * 201}))
     assert not refused.accepted
@@ -126,7 +126,7 @@ sections:
 """
 
 
-def test_6_8_read_again_in_a_further_round_it_is_no_duplicate() -> None:
+def test_6_8_reread_in_another_round_is_no_duplicate() -> None:
     reading = Reading('S', faults='"#2=reads:5"')
     script = parse_script(expanded(ROUNDS), 'test.yaml', reading.cell, TYPES)
     reading.run.submit('J', script, 1)
@@ -136,7 +136,7 @@ def test_6_8_read_again_in_a_further_round_it_is_no_duplicate() -> None:
     assert run.ended
 
 
-def test_6_8_a_serial_of_a_job_that_ended_is_known() -> None:
+def test_6_8_serial_of_ended_job_stays_known() -> None:
     reading = Reading(faults='"#*=reads:1"')
     reading.go()
     reading.run.submit('K', reading.script(), 1)
@@ -155,7 +155,7 @@ sections:
 
 
 def lots_of(run: VirtualRun) -> list[Any]:
-    return [one.get('lots') for one in run.all('item.placed')]
+    return [record.get('lots') for record in run.all('item.placed')]
 
 
 def test_6_9_each_item_has_the_lots_of_its_order() -> None:

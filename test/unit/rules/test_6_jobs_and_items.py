@@ -25,7 +25,7 @@ def test_6_1_jobs_are_worked_in_the_order_queued() -> None:
     assert run.starts('place') == [0.0, 3.0, 6.0, 9.0, 12.0, 15.0]
 
 
-def test_6_1_each_section_works_on_the_job_of_its_item() -> None:
+def test_6_1_section_works_on_job_of_its_item() -> None:
     other = THREE.replace('id: work, @a2', 'id: press, @b2')
     line = Line()
     run = line.begin(THREE, 1)
@@ -35,7 +35,7 @@ def test_6_1_each_section_works_on_the_job_of_its_item() -> None:
     assert run.starts('press', item='K/1') == [6.0]
 
 
-def test_6_1_a_job_leaves_the_queue_when_it_starts_and_ends_when_nothing_remains() -> None:
+def test_6_1_job_leaves_queue_and_ends_without_remaining_work() -> None:
     line = Line()
     run = line.begin(THREE, 1)
     run.submit('K', line.script(THREE), 1)
@@ -61,7 +61,7 @@ sections:
 """A line whose source is the second section."""
 
 
-def test_6_1_an_item_from_upstream_does_not_pass_one_that_is_begun_ahead() -> None:
+def test_6_1_upstream_item_waits_behind_item_begun_ahead() -> None:
     line = Line(4, seconds={'a3': 9.0})
     run = line.begin(DOWNSTREAM, 3)
     upstream = DOWNSTREAM.replace('2: [{id: place, @a2,', '1: [{id: place, @a1,')
@@ -74,7 +74,7 @@ def test_6_1_an_item_from_upstream_does_not_pass_one_that_is_begun_ahead() -> No
     assert run.times('job.completed', job='K') == [48.0]
 
 
-def test_6_1_a_section_is_done_with_a_job_after_its_trailing_steps() -> None:
+def test_6_1_section_leaves_job_after_trailing_steps() -> None:
     text = with_section(
         2,
         """
@@ -104,7 +104,7 @@ def test_6_2_progress_counts_as_it_happens() -> None:
     assert run.counts() == {'started': 3, 'placed': 3, 'processed': 2, 'packed': 1}
 
 
-def test_6_2_a_nonconforming_item_that_is_rejected_counts_as_rejected() -> None:
+def test_6_2_rejected_nonconforming_item_counts_as_rejected() -> None:
     text = """
     sections:
       1: [{id: place, @a1, qty_change: 1}]
@@ -171,7 +171,7 @@ def test_6_3_results_travel_with_the_item() -> None:
     ]
 
 
-def test_6_3_a_result_of_another_item_is_no_result_of_this_one() -> None:
+def test_6_3_task_ignores_results_of_other_items() -> None:
     text = MEASURED.replace('id: look, @a2', 'id: look, @a2, on_failure: continue')
     run = Line(faults={'a2': '#2=abort'}).run(text, 2)
     assert run.reasons() == ['aborted', 'missing_result']
@@ -196,7 +196,7 @@ def test_6_3_the_hold_says_which_results_later_tasks_use() -> None:
     assert hold.message.endswith(wanted)
 
 
-def test_6_3_a_task_marked_done_has_the_results_that_the_operator_gave() -> None:
+def test_6_3_task_marked_done_has_operator_results() -> None:
     run = Line(faults={'a2': '#1=abort'}).run(MEASURED)
     given = run.ask(AnswerHold('1', 'mark_done', ann(), {'measurement': 3.5}))
     assert given.accepted
@@ -254,7 +254,7 @@ def test_6_4_an_item_is_rejected_once() -> None:
     assert run.counts()['rejected'] == 1
 
 
-def test_6_4_no_further_attempt_for_an_item_that_was_rejected_meanwhile() -> None:
+def test_6_4_rejected_item_gets_no_further_attempt() -> None:
     text = """
     sections:
       1: [{id: place, @a1, qty_change: 1}]
@@ -294,7 +294,7 @@ def test_6_5_a_condition_skips_a_task(condition: str, runs: bool) -> None:
     assert run.ended
 
 
-def test_6_5_a_condition_on_a_missing_result_ends_the_attempt() -> None:
+def test_6_5_condition_on_missing_result_ends_attempt() -> None:
     text = with_section(
         2,
         """
@@ -380,7 +380,7 @@ def test_6_5_no_other_part_hides_a_missing_result(joint: str) -> None:
         assert run.reasons() == ['aborted', 'missing_result']
 
 
-def test_6_5_a_bound_may_be_a_parameter_of_the_order() -> None:
+def test_6_5_order_parameter_serves_as_bound() -> None:
     line = Line(results={'a2': {'measurement': 2.5}})
     text = weighed(f'when: {WEIGHT}at_least: "${{params.least}}"}}')
     assert line.run(text, least=2.5).starts('work')

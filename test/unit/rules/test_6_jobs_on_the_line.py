@@ -18,7 +18,7 @@ TOLERANT = LINE.script(THREE.replace('qty_change: -1', 'qty_change: -1, runs_for
 # --- jobs on the line -----------------------------------------------------------------------
 
 
-def test_6_6_a_paused_job_begins_no_item_and_keeps_the_line() -> None:
+def test_6_6_paused_job_begins_nothing_and_keeps_line() -> None:
     run = queued('K')
     run.go(until=1.5)
     assert run.control('pause', 'J').message == 'J begins no more items'
@@ -32,7 +32,7 @@ def test_6_6_a_paused_job_begins_no_item_and_keeps_the_line() -> None:
     assert run.ended
 
 
-def test_6_6_a_stopped_job_ends_with_the_items_it_began() -> None:
+def test_6_6_stopped_job_ends_with_begun_items() -> None:
     run = queued('K')
     run.go(until=1.5)
     assert run.control('stop', 'J').accepted
@@ -45,7 +45,7 @@ def test_6_6_a_stopped_job_ends_with_the_items_it_began() -> None:
     assert run.ended
 
 
-def test_6_6_a_job_stopped_before_its_first_item_prepares_no_more() -> None:
+def test_6_6_job_stopped_before_first_item_stops_preparation() -> None:
     text = 'initialization: [{id: warm, @b1}, {id: light, @b3}]\n'
     text += 'initialization_dependencies: [{upstream: warm, downstream: light}]\n'
     run = LINE.begin(text + THREE)
@@ -68,7 +68,7 @@ def test_6_6_a_stopped_job_prepares_what_its_items_need() -> None:
     assert run.ended
 
 
-def test_6_6_a_stopped_job_skips_the_rest_when_its_last_item_has_left() -> None:
+def test_6_6_stopped_job_skips_rest_after_last_item() -> None:
     """No list needs section 4's device; its second task waits for the first, which is slow."""
     text = 'initialization: [{id: slow, @b4}, {id: idle, @b4.TASK_B}]\n'
     text += 'initialization_dependencies: [{upstream: slow, downstream: idle}]\n'
@@ -95,7 +95,7 @@ def test_6_6_a_queued_job_is_aborted_at_once() -> None:
     assert begun(run) == ['J', 'L']
 
 
-def test_6_6_a_held_job_with_preparation_is_aborted_at_once() -> None:
+def test_6_6_held_job_with_preparation_aborts_at_once() -> None:
     prepared = LINE.script(f'initialization: [{{id: ready, @lamp}}]{THREE}', 'prepared')
     run = queued('')
     run.add(('K', prepared), held=True)
@@ -110,9 +110,7 @@ PREPARED = LINE.script(f'initialization: [{{id: ready, @lamp}}]{THREE}', 'prepar
 
 @pytest.mark.parametrize('how', ['pause', 'stop', 'abort'])
 @pytest.mark.parametrize('held', [False, True])
-def test_6_6_a_queued_job_is_aborted_at_once_whatever_the_state_of_the_cell(
-    how: str, held: bool
-) -> None:
+def test_6_6_queued_job_aborts_at_once_in_any_state(how: str, held: bool) -> None:
     run = queued('')
     run.add(('K', PREPARED), held=held)
     run.go(until=0.5)
@@ -123,7 +121,7 @@ def test_6_6_a_queued_job_is_aborted_at_once_whatever_the_state_of_the_cell(
     assert 'K' not in begun(run)
 
 
-def test_6_6_a_queued_job_is_aborted_at_once_while_a_task_is_held() -> None:
+def test_6_6_queued_job_aborts_at_once_during_hold() -> None:
     line = Line(faults={'lamp': '#1=abort'})
     script = line.script(f'initialization: [{{id: ready, @lamp}}]{THREE}', 'prepared')
     run = VirtualRun(line.cell, line.types)
@@ -134,7 +132,7 @@ def test_6_6_a_queued_job_is_aborted_at_once_while_a_task_is_held() -> None:
     assert run.job('K').ended_at == run.now
 
 
-def test_6_6_a_queued_job_is_taken_out_whatever_the_state_of_the_cell() -> None:
+def test_6_6_queued_job_is_cancelled_in_any_state() -> None:
     run = queued('')
     run.add(('K', PREPARED))
     run.command(Pause)
@@ -147,7 +145,7 @@ def test_6_6_a_queued_job_is_taken_out_whatever_the_state_of_the_cell() -> None:
 
 
 @pytest.mark.parametrize('verb', ['stop', 'abort'])
-def test_6_6_a_job_without_items_ends_while_the_cell_is_paused(verb: str) -> None:
+def test_6_6_job_without_items_ends_during_pause(verb: str) -> None:
     """Only initialization is left of J: one task that runs, and one that waits for it."""
     line = Line(seconds={'a1': 5.0})
     run = line.begin(
@@ -195,8 +193,8 @@ def test_6_6_a_cleared_job_is_listed_no_more() -> None:
     run.go()
     assert run.control('clear', 'J').accepted
     assert run.state.ended == {}
-    said = run.control('clear', 'J').message
-    assert said == 'J is no longer listed; the journal has its history'
+    message = run.control('clear', 'J').message
+    assert message == 'J is no longer listed; the journal has its history'
 
 
 # --- the line runs empty --------------------------------------------------------------------
@@ -225,7 +223,7 @@ def test_6_6_the_cell_stops_after_the_current_job() -> None:
 
 
 @pytest.mark.parametrize('after', ['item', 'job'])
-def test_6_6_the_cell_stops_after_the_last_job_of_the_queue(after: str) -> None:
+def test_6_6_cell_stops_after_last_queued_job(after: str) -> None:
     run = LINE.begin()
     run.go(until=1.5)
     run.ask(StopAfter(after, BY))
@@ -247,7 +245,7 @@ def assert_works_again(run: VirtualRun) -> None:
     assert run.go().state.packml is PackmlState.COMPLETE
 
 
-def test_6_6_a_start_does_not_take_back_a_stop_to_come() -> None:
+def test_6_6_start_does_not_revoke_pending_stop() -> None:
     run = queued('K')
     run.go(until=1.5)
     run.ask(StopAfter('job', BY))
@@ -266,7 +264,7 @@ initialization_dependencies: [{upstream: first, downstream: second}]
 
 
 @pytest.mark.parametrize('after', ['item', 'job'])
-def test_6_6_a_stop_is_reached_where_an_operator_stopped_the_cell_first(after: str) -> None:
+def test_6_6_pending_stop_is_reached_in_stopped_cell(after: str) -> None:
     """The job ends while the cell is Stopped."""
     run = Line().begin(TWO_STEPS).go(until=0.5)
     run.ask(StopAfter(after, BY))
@@ -279,7 +277,7 @@ def test_6_6_a_stop_is_reached_where_an_operator_stopped_the_cell_first(after: s
 
 
 @pytest.mark.parametrize('is_aborted', [False, True])
-def test_6_6_a_line_is_empty_when_its_last_item_has_left(is_aborted: bool) -> None:
+def test_6_6_line_is_empty_after_last_item_leaves(is_aborted: bool) -> None:
     """Also where its section has more to do then, which a cell that stands does not begin."""
     run = LINE.begin(THREE.replace('-1}', '-1}, {id: clean, @b3}'), 1)
     run.go(until=6.5)
@@ -302,7 +300,7 @@ def test_6_6_a_line_is_empty_when_its_last_item_has_left(is_aborted: bool) -> No
 
 
 @pytest.mark.parametrize(('task', 'component'), [('first', 'b1'), ('second', 'a2')])
-def test_6_6_an_empty_line_with_a_hold_waits_for_the_answer(task: str, component: str) -> None:
+def test_6_6_empty_line_with_hold_awaits_answer(task: str, component: str) -> None:
     run = Line(faults={component: '#1=abort'}).begin(TWO_STEPS).go(until=0.5)
     run.ask(StopAfter('item', BY))
     run.go()
@@ -315,7 +313,7 @@ def test_6_6_an_empty_line_with_a_hold_waits_for_the_answer(task: str, component
     assert len(run.all('queue.stop_reached')) == 1
 
 
-def test_6_6_the_preparation_in_hand_is_finished_before_the_cell_stops() -> None:
+def test_6_6_cell_finishes_current_preparation_before_stop() -> None:
     """Also where the next task of it starts a moment after the one before has ended."""
     run = Line(faults={'a2': '#1=abort'}).begin(
         TWO_STEPS.replace('{id: second, @a2', '{id: second, @a2, retries: 1, retry_delay: 5.0')
@@ -337,18 +335,18 @@ def test_6_6_a_stop_to_come_is_taken_back() -> None:
     assert run.ended
 
 
-def test_6_6_without_a_stop_to_come_there_is_nothing_to_take_back() -> None:
+def test_6_6_revoke_needs_a_pending_stop() -> None:
     answer = queued('').ask(StopAfter('never', BY))
     assert answer.message == 'there is nothing to take back: no stop was asked for'
 
 
-def test_6_6_a_stop_to_come_needs_something_to_stop_after() -> None:
+def test_6_6_stop_after_needs_a_startable_job() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.add(('K', SCRIPT), held=True)
     assert not run.ask(StopAfter('job', BY)).accepted
 
 
-def test_6_6_after_such_a_stop_the_line_goes_on_when_it_is_started() -> None:
+def test_6_6_line_continues_after_stop_and_start() -> None:
     run = queued('K')
     run.go(until=1.5)
     run.ask(StopAfter('item', BY))

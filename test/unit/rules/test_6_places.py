@@ -53,7 +53,7 @@ def test_6_7_ordinary_orders_are_put_at_the_end() -> None:
     assert [record.get('position') for record in run.all('job.queued')] == [None] * 4
 
 
-def test_6_7_a_higher_priority_comes_first_and_equal_ones_as_they_come() -> None:
+def test_6_7_queue_sorts_by_priority_then_arrival() -> None:
     run = line_with(*map(order, 'KL'), order('A', 5), order('B', 5), order('C', 7), order('D', 6))
     assert queue(run) == 'CDABKL'
     give(run, order('E', -1), order('F'), order('G', -2))
@@ -62,19 +62,19 @@ def test_6_7_a_higher_priority_comes_first_and_equal_ones_as_they_come() -> None
     assert begun(run) == list('JCDABKLFEG')
 
 
-def test_6_7_equal_priorities_are_placed_by_start_and_none_is_last() -> None:
+def test_6_7_equal_priorities_sort_by_start_time() -> None:
     run = line_with(order('K'), order('L', 0, 90.0), order('M', 0, 60.0), order('N', 0, 90.0))
     assert queue(run) == 'MLNK'
     give(run, order('O', 1))
     assert queue(run) == 'OMLNK', 'priority is compared first'
 
 
-def test_6_7_orders_given_together_are_placed_one_after_the_other() -> None:
-    one = line_with(*map(order, 'KL'), order('A', 5))
+def test_6_7_orders_given_together_sort_one_by_one() -> None:
+    batch = line_with(*map(order, 'KL'), order('A', 5))
     jobs = [order('B', 5), order('C'), order('D', 9), order('E', 5), order('F', 9), order('G', 1)]
-    give(one, *jobs)
+    give(batch, *jobs)
     each = line_with(*map(order, 'KL'), order('A', 5), *jobs)
-    assert queue(one) == queue(each) == 'DFABEGKLC'
+    assert queue(batch) == queue(each) == 'DFABEGKLC'
 
 
 def test_6_7_the_place_is_decided_once_and_recorded() -> None:
@@ -83,7 +83,7 @@ def test_6_7_the_place_is_decided_once_and_recorded() -> None:
     assert (record['position'], record['ranked']) == (1, True)
 
 
-def test_6_7_a_moved_job_is_not_overtaken_by_less_urgent_ones() -> None:
+def test_6_7_less_urgent_orders_pass_no_moved_job() -> None:
     run = line_with(*map(order, 'KLM'))
     run.ask(MoveJob('M', 1, BY))
     give(run, order('A', 5))
@@ -93,7 +93,7 @@ def test_6_7_a_moved_job_is_not_overtaken_by_less_urgent_ones() -> None:
     assert queue(run) == 'LMBAK'
 
 
-def test_6_7_an_order_passes_a_moved_job_only_with_a_job_before_it() -> None:
+def test_6_7_order_passes_moved_job_behind_less_urgent_one() -> None:
     run = line_with(*map(order, 'KLM'))
     run.ask(MoveJob('K', 3, BY))
     assert queue(run) == 'LMK'
@@ -101,14 +101,14 @@ def test_6_7_an_order_passes_a_moved_job_only_with_a_job_before_it() -> None:
     assert queue(run) == 'ALMKB'
 
 
-def test_6_7_a_place_that_was_given_with_an_order_counts_as_a_move() -> None:
+def test_6_7_position_given_with_order_counts_as_move() -> None:
     run = line_with(*map(order, 'KL'))
     give(run, order('X'), order('Y'), position=1)
     give(run, order('A', 5))
     assert queue(run) == 'XYAKL'
 
 
-def test_6_7_where_all_are_moved_an_order_is_put_at_the_end() -> None:
+def test_6_7_order_goes_last_when_all_are_moved() -> None:
     run = line_with(*map(order, 'KL'))
     for name in 'KL':
         run.ask(MoveJob(name, 1, BY))
@@ -116,7 +116,7 @@ def test_6_7_where_all_are_moved_an_order_is_put_at_the_end() -> None:
     assert queue(run) == 'LKA'
 
 
-def test_6_7_a_new_priority_or_start_gives_a_new_place() -> None:
+def test_6_7_new_priority_or_start_changes_place() -> None:
     run = line_with(*map(order, 'KLM'), order('A', 5))
     assert run.ask(UpdateJob(order('M', 7), BY)).accepted
     assert queue(run) == 'MAKL'
@@ -129,14 +129,14 @@ def test_6_7_a_new_priority_or_start_gives_a_new_place() -> None:
     assert run.all('job.updated', job='A')[0]['position'] == 4
 
 
-def test_6_7_a_job_placed_anew_does_not_count_itself_before_a_moved_one() -> None:
+def test_6_7_repositioned_job_ignores_its_old_place() -> None:
     run = line_with(*map(order, 'KLM'))
     run.ask(MoveJob('L', 2, BY))
     run.ask(UpdateJob(order('K', 5), BY))
     assert queue(run) == 'LKM'
 
 
-def test_6_7_other_changes_and_those_of_a_moved_job_leave_it_where_it_is() -> None:
+def test_6_7_other_changes_and_moved_jobs_keep_place() -> None:
     run = line_with(*map(order, 'KLM'))
     run.ask(UpdateJob(replace(order('K'), quantity=2), BY))
     run.ask(MoveJob('L', 3, BY))
@@ -162,11 +162,11 @@ def test_6_7_jobs_of_an_older_program_keep_their_places() -> None:
 
 
 def arrange(run: VirtualRun, order: str, digest: str | None = None) -> Answer:
-    told = queue_digest(run.state.jobs) if digest is None else digest
-    return run.ask(Arrange(order, told, BY))
+    seen_digest = queue_digest(run.state.jobs) if digest is None else digest
+    return run.ask(Arrange(order, seen_digest, BY))
 
 
-def test_6_7_a_proposed_order_is_one_record_and_the_line_begins_it() -> None:
+def test_6_7_proposed_order_is_recorded_once_and_followed() -> None:
     run = line_with(*map(order, 'KLM'))
     assert arrange(run, 'MKL').message == 'the order of the queue is M, K, L'
     assert queue(run) == 'MKL'
@@ -178,7 +178,7 @@ def test_6_7_a_proposed_order_is_one_record_and_the_line_begins_it() -> None:
     assert begun(run) == list('JMKL')
 
 
-def test_6_7_later_orders_are_compared_with_jobs_of_a_proposed_order() -> None:
+def test_6_7_later_orders_are_sorted_into_proposed_order() -> None:
     run = line_with(order('K', 2), order('L'), order('M', 0, 60.0), order('N', 0, 90.0))
     assert queue(run) == 'KMNL'
     assert arrange(run, 'LKNM').accepted
@@ -188,7 +188,7 @@ def test_6_7_later_orders_are_compared_with_jobs_of_a_proposed_order() -> None:
     assert queue(run) == 'DMABLKNC'
 
 
-def test_6_7_an_order_is_refused_if_the_queue_has_changed_since_it_was_proposed() -> None:
+def test_6_7_changed_queue_refuses_proposed_order() -> None:
     changes: dict[str, Callable[[VirtualRun], object]] = {
         'N came': lambda run: give(run, order('N')),
         'K left it': lambda run: run.control('cancel', 'K'),
@@ -210,7 +210,7 @@ def test_6_7_an_order_is_refused_if_the_queue_has_changed_since_it_was_proposed(
         assert queue(run) == before
 
 
-def test_6_7_of_a_proposed_order_every_job_is_named_once_and_chosen_places_stay() -> None:
+def test_6_7_proposal_names_each_job_and_keeps_moves() -> None:
     run = line_with(*map(order, 'KLM'))
     assert arrange(run, 'MK').message == 'jobs are K, L, M, each once, in the new order'
     assert arrange(run, 'MKK').message == 'jobs are K, L, M, each once, in the new order'
@@ -222,7 +222,7 @@ def test_6_7_of_a_proposed_order_every_job_is_named_once_and_chosen_places_stay(
     assert [job.ranked for job in run.state.queue] == [True, False, True]
 
 
-def test_6_7_of_a_long_queue_the_first_jobs_are_arranged() -> None:
+def test_6_7_first_jobs_of_long_queue_are_arranged() -> None:
     run = line_with(*(order(f'Q{number:03}') for number in range(QUEUE_SHOWN + 3)))
     first = [job.job.id for job in run.state.queue[:QUEUE_SHOWN]]
     digest = queue_digest(run.state.jobs)
@@ -245,7 +245,7 @@ def waiting() -> VirtualRun:
     return run
 
 
-def test_6_7_a_job_does_not_start_before_its_start_and_others_pass_it() -> None:
+def test_6_7_job_waits_for_its_start_while_others_pass() -> None:
     run = waiting()
     assert queue(run) == 'WK'
     run.go()
@@ -254,7 +254,7 @@ def test_6_7_a_job_does_not_start_before_its_start_and_others_pass_it() -> None:
     assert run.ended
 
 
-def test_6_7_while_only_such_jobs_are_left_the_cell_is_complete() -> None:
+def test_6_7_cell_is_complete_while_jobs_await_start() -> None:
     run = waiting()
     run.go(until=59.0)
     assert run.state.packml is PackmlState.COMPLETE
@@ -270,7 +270,7 @@ def test_6_7_while_only_such_jobs_are_left_the_cell_is_complete() -> None:
     ]
 
 
-def test_6_7_when_its_time_has_come_it_is_next_in_its_place() -> None:
+def test_6_7_job_takes_its_place_when_start_comes() -> None:
     run = waiting()
     give(run, *(replace(order(name), quantity=9) for name in 'LMN'))
     run.go()
@@ -279,7 +279,7 @@ def test_6_7_when_its_time_has_come_it_is_next_in_its_place() -> None:
     assert started[:3] == list('JKL')
 
 
-def test_6_7_a_waiting_job_is_allowed_to_start_and_names_its_wait() -> None:
+def test_6_7_status_shows_allowed_job_awaiting_start() -> None:
     run = waiting()
     status = {job.id: job for job in run.sim.status().jobs}
     assert status['W'].state is JobWord.ALLOWED_TO_START
@@ -287,7 +287,7 @@ def test_6_7_a_waiting_job_is_allowed_to_start_and_names_its_wait() -> None:
     assert not status['K'].awaits_start
 
 
-def test_6_7_a_start_that_has_come_is_not_waited_for() -> None:
+def test_6_7_past_start_is_not_awaited() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.submit('J', SCRIPT, 3)
     run.go(until=5.0)
@@ -305,7 +305,7 @@ def test_6_7_an_advisory_start_only_places_the_job() -> None:
     assert run.all('job.may_start') == []
 
 
-def test_6_7_a_cell_whose_starts_became_advice_lets_jobs_start() -> None:
+def test_6_7_advisory_starts_let_waiting_jobs_start() -> None:
     run = waiting()
     state = state_from_plain(ADVISORY, state_to_plain(run.state))
     again = VirtualRun(ADVISORY, LINE.types)
@@ -327,7 +327,7 @@ def test_6_7_an_operator_need_not_wait(command: str) -> None:
     assert run.now < 60.0
 
 
-def test_6_7_release_ends_the_hold_of_a_job_first_then_its_wait() -> None:
+def test_6_7_release_ends_hold_first_then_wait() -> None:
     run = waiting()
     assert run.control('hold', 'W').accepted
     first = run.control('release', 'W')
@@ -346,7 +346,7 @@ def test_6_7_next_takes_hold_and_wait_away() -> None:
     assert run.state.jobs['W'].may_start
 
 
-def test_6_7_a_held_job_stays_held_when_its_time_comes() -> None:
+def test_6_7_held_job_stays_held_at_start_time() -> None:
     run = waiting()
     run.control('hold', 'W')
     run.go(until=100.0)
@@ -356,7 +356,7 @@ def test_6_7_a_held_job_stays_held_when_its_time_comes() -> None:
     assert begun(run) == list('JKW')
 
 
-def test_6_7_a_new_start_is_waited_for_and_no_other_change_is() -> None:
+def test_6_7_only_new_start_makes_job_wait() -> None:
     run = waiting()
     run.ask(UpdateJob(order('W', 0, 90.0), BY))
     run.go(until=70.0)
@@ -374,7 +374,7 @@ def test_6_7_a_new_start_is_waited_for_and_no_other_change_is() -> None:
     assert allowed == [True, False, True]
 
 
-def test_6_7_a_job_that_waits_can_be_aborted_and_taken_out() -> None:
+def test_6_7_waiting_job_can_be_aborted_or_cancelled() -> None:
     run = waiting()
     give(run, order('V', 0, 70.0))
     assert run.control('abort', 'W').accepted

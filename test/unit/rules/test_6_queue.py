@@ -50,13 +50,13 @@ def test_6_6_of_several_orders_all_are_queued_or_none() -> None:
     )
     assert queue(run) == 'K'
     recorded = run.records[before:]
-    assert {(one['event'], one['command']) for one in recorded} == {('operator.refused', 'add')}
-    assert [(one['job'], one['message']) for one in recorded] == list(
+    assert {(row['event'], row['command']) for row in recorded} == {('operator.refused', 'add')}
+    assert [(row['job'], row['message']) for row in recorded] == list(
         zip('LKMM', answer.each, strict=True)
     )
 
 
-def test_6_6_the_oldest_ended_job_is_cleared_before_the_list_would_be_too_long() -> None:
+def test_6_6_oldest_ended_job_is_cleared_at_limit() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     for number in range(ENDED_KEPT + 2):
         run.submit(f'K{number}', SCRIPT)
@@ -127,7 +127,7 @@ def test_6_6_what_has_started_is_not_in_the_queue() -> None:
     assert run.ask(MoveJob('K', 3, BY)).message == 'the position must be from 1 to 2, not 3'
 
 
-def test_6_6_run_next_puts_a_job_in_front_and_releases_it() -> None:
+def test_6_6_run_next_moves_job_first_and_releases_it() -> None:
     run = queued('KLM')
     run.control('hold', 'M')
     assert run.ask(RunNext('M', BY)).message == 'M is next'
@@ -156,7 +156,7 @@ def test_6_6_preparation_follows_the_order_of_the_queue() -> None:
 # --- held jobs ------------------------------------------------------------------------------
 
 
-def test_6_6_a_held_job_is_passed_and_keeps_its_place() -> None:
+def test_6_6_held_job_is_passed_and_keeps_place() -> None:
     run = queued('KLM')
     run.control('hold', 'K')
     run.go(until=9.0)
@@ -167,7 +167,7 @@ def test_6_6_a_held_job_is_passed_and_keeps_its_place() -> None:
     assert begun(run) == list('JLKM')
 
 
-def test_6_6_a_released_job_comes_behind_those_that_have_started() -> None:
+def test_6_6_released_job_follows_started_jobs() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.add(('K', SCRIPT), held=True)
     run.submit('J', SCRIPT, 3)
@@ -214,7 +214,7 @@ def test_6_6_a_queued_job_is_changed() -> None:
     assert [r['item'] for r in run.all('task.started', task='press')] == ['K/1', 'K/2']
 
 
-def test_6_6_a_change_is_held_to_the_flags_of_the_others() -> None:
+def test_6_6_update_must_match_flags_of_other_jobs() -> None:
     line = Line(4)
     run = VirtualRun(line.cell, line.types)
     run.submit('J', line.script(flagged(1), 'one'), 3)
@@ -225,7 +225,7 @@ def test_6_6_a_change_is_held_to_the_flags_of_the_others() -> None:
     assert run.ended
 
 
-def test_6_6_a_change_may_contradict_the_flags_it_had_before() -> None:
+def test_6_6_update_may_contradict_own_old_flags() -> None:
     line = Line(4)
     run = VirtualRun(line.cell, line.types)
     run.add(('K', line.script(flagged(1), 'one')), held=True)

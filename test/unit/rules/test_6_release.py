@@ -52,7 +52,7 @@ def word(run: VirtualRun, job: str) -> JobWord:
 # --- waiting --------------------------------------------------------------------------------
 
 
-def test_6_10_a_job_of_a_generated_script_starts_when_that_is_released(run: VirtualRun) -> None:
+def test_6_10_job_of_generated_script_awaits_release(run: VirtualRun) -> None:
     answer = run.add(('K', GENERATED))
     assert answer.message == f'K is queued; {WAITS}'
     run.go(50.0)
@@ -92,7 +92,7 @@ def test_6_10_others_pass_it_and_it_keeps_its_place(run: VirtualRun) -> None:
     assert run.go().order('job.started', 'job') == ['J', 'L', 'K', 'M', 'N']
 
 
-def test_6_10_a_script_that_a_person_wrote_needs_no_release(run: VirtualRun) -> None:
+def test_6_10_handwritten_script_needs_no_release(run: VirtualRun) -> None:
     assert run.add(('K', WRITTEN)).message == 'K is queued'
     assert run.go().ended
 
@@ -103,7 +103,7 @@ def test_6_10_with_release_automatic_none_does() -> None:
     assert run.go().ended
 
 
-def test_6_10_the_digest_of_a_cell_without_the_key_is_as_before() -> None:
+def test_6_10_default_release_keeps_cell_digest() -> None:
     assert digest(LINE.cell) == digest(replace(LINE.cell, release=Release.ENGINEER))
     assert digest(LINE.cell) != digest(replace(LINE.cell, release=Release.AUTOMATIC))
 
@@ -111,13 +111,13 @@ def test_6_10_the_digest_of_a_cell_without_the_key_is_as_before() -> None:
 # --- what a release is for ------------------------------------------------------------------
 
 
-def test_6_10_it_may_be_released_before_any_job_is_queued(run: VirtualRun) -> None:
+def test_6_10_release_may_precede_queued_job(run: VirtualRun) -> None:
     assert run.release(GENERATED).message == f'{digest(GENERATED)} is released for this cell'
     assert run.add(('K', GENERATED)).message == 'K is queued'
     assert run.go().ended
 
 
-def test_6_10_another_script_of_the_same_name_has_to_be_released_too(run: VirtualRun) -> None:
+def test_6_10_other_script_of_same_name_needs_release(run: VirtualRun) -> None:
     run.add(('K', GENERATED), ('L', OTHER))
     run.release(OTHER)
     run.go(50.0)
@@ -142,7 +142,7 @@ def test_6_10_a_second_release_is_refused(run: VirtualRun) -> None:
     assert answer.message == f'{digest(GENERATED)} is released for this cell already'
 
 
-def test_6_10_it_is_recorded_with_who_why_and_for_which_cell(run: VirtualRun) -> None:
+def test_6_10_release_record_names_user_reason_and_cell(run: VirtualRun) -> None:
     run.release(GENERATED)
     decided, released = run.records[-2:]
     assert (decided['event'], decided['answer']) == ('operator.decided', 'release_script')
@@ -166,7 +166,7 @@ def test_6_10_only_an_engineer_may(run: VirtualRun) -> None:
 # --- beside other reasons to wait -----------------------------------------------------------
 
 
-def test_6_10_release_and_next_of_the_job_do_not_change_it(run: VirtualRun) -> None:
+def test_6_10_job_release_and_next_do_not_release_script(run: VirtualRun) -> None:
     run.add(('K', GENERATED))
     answer = run.control('release', 'K')
     assert not answer.accepted
@@ -230,7 +230,7 @@ def digest_asked(run: VirtualRun, script: str) -> str:
     return script_asked
 
 
-def test_6_10_a_script_that_is_waited_for_may_be_named(run: VirtualRun) -> None:
+def test_6_10_release_may_name_awaited_script(run: VirtualRun) -> None:
     run.add(('K', GENERATED), ('L', WRITTEN))
     assert digest_asked(run, 'made') == digest(GENERATED)
     assert digest_asked(run, 'aaaabbbbcccc') == 'aaaabbbbcccc'
@@ -241,9 +241,9 @@ def test_6_10_a_script_that_is_waited_for_may_be_named(run: VirtualRun) -> None:
         digest_asked(run, 'made')
 
 
-def test_6_10_a_simulation_has_nobody_to_release_it_and_runs() -> None:
+def test_6_10_simulation_runs_without_release() -> None:
     simulation = Simulation(LINE.cell, LINE.types, MemoryStore())
-    assert [one.accepted for one in simulation.submit([Job('K', GENERATED, 1, {})])] == [True]
+    assert [reply.accepted for reply in simulation.submit([Job('K', GENERATED, 1, {})])] == [True]
     assert simulation.run() is Outcome.FINISHED
     simulation.close()
 

@@ -88,9 +88,9 @@ def test_6_11_a_snapshot_keeps_it(bench: Bench) -> None:
     again = state_from_plain(cell(), json.loads(written.text))
     assert again.released_scripts == state.released_scripts
     assert again.released_scripts[OLD.digest].made_from == OLD.made_from
-    found = RecipeOrders(bench.handler._orders, bench, again)._released(NEW)
-    assert isinstance(found, MadeScript)
-    assert (found.digest, found.made_from) == (OLD.digest, OLD.made_from)
+    made_script = RecipeOrders(bench.handler._orders, bench, again)._released(NEW)
+    assert isinstance(made_script, MadeScript)
+    assert (made_script.digest, made_script.made_from) == (OLD.digest, OLD.made_from)
 
 
 def test_6_11_a_release_in_advance_counts(tmp_path: Path) -> None:
@@ -118,7 +118,7 @@ def test_6_11_what_was_made_from_something_else_waits(bench: Bench, other: MadeS
     assert orders._released(other) is other
 
 
-def test_6_11_a_new_script_that_is_released_itself_is_used(bench: Bench) -> None:
+def test_6_11_released_new_script_is_used(bench: Bench) -> None:
     release(bench, NEW)
     assert order(bench, 'K', NEW) == 'K is queued'
     assert bench.engine.state.jobs['K'].digest == NEW.digest
@@ -134,7 +134,7 @@ def test_6_11_of_several_the_one_used_last_is_taken(bench: Bench) -> None:
     assert bench.engine.state.jobs['N'].digest == OLD.digest
 
 
-def test_6_11_a_script_that_waits_for_its_release_is_not_taken(tmp_path: Path) -> None:
+def test_6_11_unreleased_script_is_not_taken(tmp_path: Path) -> None:
     bench = Bench(tmp_path)
     with closing(bench.sim):
         order(bench, 'J', OLD)
@@ -142,13 +142,13 @@ def test_6_11_a_script_that_waits_for_its_release_is_not_taken(tmp_path: Path) -
         assert bench.engine.state.jobs['K'].digest == NEW.digest
 
 
-def test_6_11_a_release_for_another_cell_file_is_not_taken(bench: Bench) -> None:
+def test_6_11_release_for_other_cell_file_is_ignored(bench: Bench) -> None:
     state = bench.engine.state
     state.released[OLD.digest] = ('bb22',)
     assert RecipeOrders(bench.handler._orders, bench, state)._released(NEW) is NEW
 
 
-def test_6_11_the_script_of_an_order_by_script_is_not_taken(tmp_path: Path) -> None:
+def test_6_11_script_ordered_by_name_is_not_taken(tmp_path: Path) -> None:
     """A file that was generated may have been edited since."""
     bench = Bench(tmp_path)
     with closing(bench.sim):
@@ -160,7 +160,7 @@ def test_6_11_the_script_of_an_order_by_script_is_not_taken(tmp_path: Path) -> N
         assert 'is not released' in order(bench, 'K', NEW)
 
 
-def test_6_11_during_an_outage_the_script_released_for_it_is_taken(bench: Bench) -> None:
+def test_6_11_outage_order_takes_its_released_script(bench: Bench) -> None:
     begin(bench.engine.carry_out(SetService('camera', False, ann())))
     out = at('table', without='[camera]')
     assert 'is not released' in order(bench, 'K', out)

@@ -86,10 +86,10 @@ def node(tmp_path: Path) -> Iterator[Node]:
     node.bench.sim.close()
 
 
-def test_7_5_queued_jobs_by_recipe_are_made_anew_without_it(node: Node) -> None:
+def test_7_5_queued_recipe_jobs_are_remade_without_component(node: Node) -> None:
     node.order('A', 'B')
-    told = node.service('press', out=True)
-    assert 'by recipe, and made anew without it where that can be: A, B' in told
+    message = node.service('press', out=True)
+    assert 'by recipe, and made anew without it where that can be: A, B' in message
     assert node.job('A').unavailable == ('press',), 'until another script is there'
     node.bench.give(at('table'))
     node.bench.give(at('table'))
@@ -100,15 +100,15 @@ def test_7_5_queued_jobs_by_recipe_are_made_anew_without_it(node: Node) -> None:
         assert job.unavailable == ()
         assert job.awaits_release, 'an engineer has to see what was generated'
         assert job.held, 'as it was'
-    decided = [one for one in node.all(e.OperatorDecided) if vars(one)['answer'] == 'update']
-    assert [vars(one)['job'] for one in decided] == ['A', 'B']
-    assert {vars(one)['origin'] for one in decided} == {'the node, by itself'}
-    assert {vars(one)['reason'] for one in decided} == {
+    decided = [event for event in node.all(e.OperatorDecided) if vars(event)['answer'] == 'update']
+    assert [vars(event)['job'] for event in decided] == ['A', 'B']
+    assert {vars(event)['origin'] for event in decided} == {'the node, by itself'}
+    assert {vars(event)['reason'] for event in decided} == {
         'press is out of service; made anew: 2.0 s per item'
     }
 
 
-def test_7_5_the_job_tells_without_what_it_is_made_and_how_fast(node: Node) -> None:
+def test_7_5_job_shows_missing_components_and_new_pace(node: Node) -> None:
     node.order('A')
     node.service('press', out=True)
     node.bench.give(slow('table'))
@@ -128,7 +128,7 @@ def test_7_5_the_job_tells_without_what_it_is_made_and_how_fast(node: Node) -> N
     assert node.job('A').anew is None
 
 
-def test_7_5_a_component_lost_while_an_order_is_read_is_left_out(
+def test_7_5_component_lost_during_order_is_left_out(
     node: Node,
 ) -> None:
     node.service('press', out=True)
@@ -139,7 +139,7 @@ def test_7_5_a_component_lost_while_an_order_is_read_is_left_out(
     assert node.job('A').unavailable == ()
 
 
-def test_7_5_one_that_cannot_be_made_stays_unavailable_with_the_reason(node: Node) -> None:
+def test_7_5_unmakeable_job_stays_unavailable_with_reason(node: Node) -> None:
     node.order('A')
     node.service('press', out=True)
     node.bench.give(NOT_MADE)
@@ -149,7 +149,7 @@ def test_7_5_one_that_cannot_be_made_stays_unavailable_with_the_reason(node: Nod
     assert 'glue: only press could' in vars(refused)['message']
 
 
-def test_7_5_back_in_service_they_are_made_anew_and_equal_ones_are_left_alone(node: Node) -> None:
+def test_7_5_return_to_service_remakes_only_changed_jobs(node: Node) -> None:
     node.order('A')
     node.service('press', out=True)
     node.bench.give(at('table'))
@@ -164,16 +164,16 @@ def test_7_5_back_in_service_they_are_made_anew_and_equal_ones_are_left_alone(no
     assert len(node.all(e.JobUpdated)) == updates == 2
 
 
-def test_7_5_a_job_that_names_a_script_stays_as_it_is(node: Node) -> None:
+def test_7_5_job_with_named_script_stays_unchanged(node: Node) -> None:
     assert node.bench.order('A', recipe=None).value.accepted
-    told = node.service('packer', out=True)
-    assert 'by recipe' not in told
+    message = node.service('packer', out=True)
+    assert 'by recipe' not in message
     assert node.job('A').unavailable == ('packer',)
     node.service('packer', out=False)
     assert node.asked == []
 
 
-def test_7_5_one_that_left_the_queue_meanwhile_is_not_asked_for(node: Node) -> None:
+def test_7_5_cancelled_job_is_not_remade(node: Node) -> None:
     node.order('A', 'B')
     node.service('press', out=True)
     begin(node.bench.handler.carry_out(ask('job.cancel', ann(), job='B')))
@@ -182,7 +182,7 @@ def test_7_5_one_that_left_the_queue_meanwhile_is_not_asked_for(node: Node) -> N
     assert node.job('A').unavailable == ()
 
 
-def test_7_5_a_defect_in_one_keeps_no_other_from_being_made(
+def test_7_5_defect_in_one_job_stops_no_other(
     node: Node, caplog: pytest.LogCaptureFixture
 ) -> None:
     node.order('A', 'B')
@@ -197,7 +197,7 @@ def test_7_5_a_defect_in_one_keeps_no_other_from_being_made(
     assert node.job('A').unavailable == node.job('B').unavailable == ()
 
 
-def test_7_5_the_next_node_begins_with_what_lacks_a_component(tmp_path: Path) -> None:
+def test_7_5_next_node_remakes_jobs_lacking_a_component(tmp_path: Path) -> None:
     node = Node(tmp_path)
     node.order('A')
     node.service('press', out=True)  # killed before it was made anew

@@ -50,14 +50,14 @@ Aborting done Aborted clear Clearing done Stopped
 
 
 def arrows() -> set[tuple[str, str, str]]:
-    found = set()
+    transitions = set()
     for line in ARROWS.strip().splitlines():
         words = line.split()
-        found |= {tuple(words[n : n + 3]) for n in range(0, len(words) - 2, 2)}
+        transitions |= {tuple(words[n : n + 3]) for n in range(0, len(words) - 2, 2)}
     states = {packml.value for packml in PackmlState}
-    found |= {(state, 'stop', 'Stopping') for state in states - NEVER_STOPPED}
-    found |= {(state, 'abort', 'Aborting') for state in states - {'Aborting', 'Aborted'}}
-    return found  # type: ignore[return-value]
+    transitions |= {(state, 'stop', 'Stopping') for state in states - NEVER_STOPPED}
+    transitions |= {(state, 'abort', 'Aborting') for state in states - {'Aborting', 'Aborted'}}
+    return transitions  # type: ignore[return-value]
 
 
 def test_7_2_the_table_is_the_rule() -> None:
@@ -136,7 +136,7 @@ def test_7_2_pause_and_resume_in_every_state(packml: PackmlState) -> None:
 # --- reset and start --------------------------------------------------------------------------
 
 
-def test_7_2_without_auto_start_the_cell_needs_reset_and_start() -> None:
+def test_7_2_cell_without_auto_start_needs_reset_and_start() -> None:
     run = Line().begin(auto_start=False)
     run.go()
     assert run.states == []
@@ -151,7 +151,7 @@ def test_7_2_without_auto_start_the_cell_needs_reset_and_start() -> None:
     assert run.states[2:] == ['Starting', 'Execute', 'Completing', 'Complete']
 
 
-def test_7_2_started_without_an_order_the_cell_waits_for_one() -> None:
+def test_7_2_started_cell_waits_for_first_order() -> None:
     line = Line()
     run = VirtualRun(line.cell, line.types, auto_start=False)
     run.command(Reset)
@@ -163,7 +163,7 @@ def test_7_2_started_without_an_order_the_cell_waits_for_one() -> None:
     assert run.state.packml.value == 'Complete'
 
 
-def test_7_2_after_complete_the_next_order_starts_the_cell_only_with_auto_start() -> None:
+def test_7_2_auto_start_restarts_complete_cell_for_order() -> None:
     for auto_start, ended in ((True, True), (False, False)):
         line = Line()
         run = VirtualRun(line.cell, line.types, auto_start=auto_start)
@@ -188,7 +188,7 @@ def stopped(**options: object) -> VirtualRun:
     return run
 
 
-def test_7_2_stop_finishes_the_cycles_in_hand_and_begins_none() -> None:
+def test_7_2_stop_finishes_cycles_and_begins_none() -> None:
     run = stopped()
     assert run.state.packml.value == 'Stopping'
     begun = len(run.all('cycle.started'))
@@ -201,7 +201,7 @@ def test_7_2_stop_finishes_the_cycles_in_hand_and_begins_none() -> None:
     assert run.state.sections[2].cycle is None
 
 
-def test_7_2_what_was_stopped_goes_on_after_reset_and_start() -> None:
+def test_7_2_stopped_work_continues_after_reset_and_start() -> None:
     run = stopped()
     run.go()
     assert run.command(Reset).accepted
@@ -230,7 +230,7 @@ def test_7_2_no_order_starts_what_an_operator_stopped() -> None:
     assert run.ended
 
 
-def test_7_2_no_order_starts_what_an_operator_aborted_and_cleared() -> None:
+def test_7_2_order_does_not_start_cleared_cell() -> None:
     run = Line().run()
     script = Line().script(THREE, 'other')
     run.command(Abort)
@@ -244,7 +244,7 @@ def test_7_2_no_order_starts_what_an_operator_aborted_and_cleared() -> None:
     assert run.ended
 
 
-def test_7_2_no_order_starts_what_was_stopped_after_a_job() -> None:
+def test_7_2_order_does_not_start_cell_stopped_after_job() -> None:
     run = Line().begin(TWO_STEPS, 2).go(until=2.0)
     script = Line().script(THREE, 'other')
     run.ask(StopAfter('job', BY))
@@ -263,7 +263,7 @@ def test_7_2_no_order_starts_what_was_stopped_after_a_job() -> None:
     assert run.ended
 
 
-def test_7_2_a_stop_after_that_was_taken_back_is_no_wish() -> None:
+def test_7_2_revoked_stop_after_lets_orders_start() -> None:
     run = Line().begin(TWO_STEPS, 2).go(until=2.0)
     run.ask(StopAfter('job', BY))
     run.ask(StopAfter('never', BY))
@@ -272,7 +272,7 @@ def test_7_2_a_stop_after_that_was_taken_back_is_no_wish() -> None:
     assert run.ended
 
 
-def test_7_2_to_take_a_stop_after_back_does_not_take_back_a_stop() -> None:
+def test_7_2_revoking_stop_after_keeps_a_stop() -> None:
     run = stopped()
     run.ask(StopAfter('job', BY))
     run.ask(StopAfter('never', BY))
@@ -280,7 +280,7 @@ def test_7_2_to_take_a_stop_after_back_does_not_take_back_a_stop() -> None:
     assert run.go().state.packml.value == 'Stopped'
 
 
-def test_7_2_a_job_that_is_released_is_told_that_it_waits() -> None:
+def test_7_2_release_answer_says_cell_waits() -> None:
     run = stopped()
     run.add(('K', Line().script(THREE, 'other')), held=True)
     assert run.control('release', 'K').message == (
@@ -291,9 +291,7 @@ def test_7_2_a_job_that_is_released_is_told_that_it_waits() -> None:
 
 @pytest.mark.parametrize('reset', [False, True])
 @pytest.mark.parametrize('how', ['stop', 'stop_after', 'stop_after_not_reached'])
-def test_7_2_a_new_orchestrator_does_not_start_what_an_operator_stopped(
-    how: str, reset: bool
-) -> None:
+def test_7_2_new_orchestrator_keeps_cell_stopped_by_operator(how: str, reset: bool) -> None:
     line = Line()
     run = line.begin(TWO_STEPS, 4).go(until=4.0)
     if how == 'stop':
@@ -334,7 +332,7 @@ def test_7_2_after_a_shutdown_the_next_orchestrator_goes_on() -> None:
     assert not again.state.jobs
 
 
-def test_7_2_stop_waits_for_a_component_that_is_busy_for_a_moment() -> None:
+def test_7_2_stop_waits_for_briefly_busy_component() -> None:
     line = Line(topics=('b2',), faults={'b2': '#0=not_ready:9'})
     run = line.begin(TWO_STEPS, 3).go(until=3.5)
     run.command(Stop)
@@ -380,7 +378,7 @@ def test_7_2_abort_cancels_every_goal_and_keeps_everything() -> None:
     assert not run.ended
 
 
-def test_7_2_cancelled_tasks_are_held_in_doubt_whatever_their_policy() -> None:
+def test_7_2_cancelled_tasks_are_in_doubt_under_any_policy() -> None:
     text = with_section(2, '- {id: work, @a2, retries: 3, on_failure: continue}')
     run = Line(seconds={'a2': 3.0}).begin(text, 3).go(until=3.5)
     run.command(Abort)
@@ -452,7 +450,7 @@ def test_7_2_time_without_an_orchestrator_counts_for_no_state() -> None:
     assert state.times(at + 1001.0) == {**spent, PackmlState.HELD: spent[PackmlState.HELD] + 1.0}
 
 
-def test_7_2_every_command_is_recorded_with_who_why_and_where_from() -> None:
+def test_7_2_command_record_has_user_reason_and_origin() -> None:
     run = Line().begin(auto_start=False)
     run.command(Reset, who='Bob')
     (decided,) = run.all('operator.decided')

@@ -52,7 +52,7 @@ def test_7_2_a_belt_that_is_as_believed_is_confirmed() -> None:
     assert run.counts()['packed'] == 3
 
 
-def test_7_2_an_item_that_is_not_there_any_more_is_taken_out() -> None:
+def test_7_2_clear_removes_item_no_longer_there() -> None:
     run = aborted()
     assert clear(run, '1=empty,2=empty,3=empty').accepted
     (removed,) = run.all('item.removed')
@@ -79,18 +79,18 @@ def test_7_2_every_slot_has_to_be_stated() -> None:
         ('1=empty,2=K/1,3=empty', 'no such item is on the line; take it off and say empty'),
     ],
 )
-def test_7_2_an_item_in_another_slot_is_refused_with_what_to_do(belt: str, remedy: str) -> None:
+def test_7_2_clear_refuses_misplaced_item_with_remedy(belt: str, remedy: str) -> None:
     assert refused(aborted(), belt).endswith(remedy)
 
 
-def test_7_2_an_item_that_was_taken_off_cannot_be_stated() -> None:
+def test_7_2_clear_refuses_item_taken_off_before() -> None:
     run = aborted()
     run.remove('J/1')
     assert refused(run, '1=empty,2=J/1,3=empty').endswith('take it off and say empty')
     assert clear(run, '1=empty,2=empty,3=empty').accepted
 
 
-def test_7_2_a_picture_from_before_the_last_change_is_refused() -> None:
+def test_7_2_clear_refuses_outdated_belt_picture() -> None:
     run = aborted()
     seen = run.state.seq
     run.remove('J/1')
@@ -101,7 +101,7 @@ def test_7_2_a_picture_from_before_the_last_change_is_refused() -> None:
     assert run.command(Clear, belt=AsShown(run.state.seq)).accepted
 
 
-def test_7_2_what_is_no_change_of_the_belt_makes_no_picture_stale() -> None:
+def test_7_2_other_changes_keep_belt_picture_valid() -> None:
     run = aborted()
     seen = run.state.seq
     for hold in list(run.state.holds):
@@ -110,7 +110,7 @@ def test_7_2_what_is_no_change_of_the_belt_makes_no_picture_stale() -> None:
 
 
 @pytest.mark.parametrize(('answer', 'slot'), [('mark_done', 2), ('retry', 1)])
-def test_7_2_an_open_move_of_the_belt_is_answered_first(answer: str, slot: int) -> None:
+def test_7_2_open_belt_move_is_answered_first(answer: str, slot: int) -> None:
     run = aborted(at=2.0)
     assert run.state.indexing
     assert refused(run, '1=J/1,2=empty,3=empty') == (
@@ -124,7 +124,7 @@ def test_7_2_an_open_move_of_the_belt_is_answered_first(answer: str, slot: int) 
     assert run.counts()['packed'] == 3
 
 
-def test_7_2_an_overrun_is_over_when_its_item_is_taken_out() -> None:
+def test_7_2_taking_item_out_ends_overrun() -> None:
     text = with_section(3, '[{id: pack, @a3, qty_change: -1}]')
     run = Line(faults={'a2': '#1=abort'}).run(text, 2)
     run.answer('reject')

@@ -42,7 +42,7 @@ def test_7_1_the_held_section_skips_nothing_either() -> None:
     assert run.ended
 
 
-def test_7_1_the_other_sections_finish_the_cycle_in_hand_and_begin_none() -> None:
+def test_7_1_other_sections_finish_current_cycle_only() -> None:
     text = """
     sections:
       1: [{id: pick, @a1, requires_conveyor: false}, {id: place, @b1, qty_change: 1}]
@@ -65,7 +65,7 @@ def test_7_1_no_section_begins_ahead_while_the_cell_holds() -> None:
     assert run.order('cycle.started', 'item') == ['J/1', 'J/1', 'J/2']
 
 
-def test_7_1_the_cell_is_held_when_no_goal_runs_and_none_can_start() -> None:
+def test_7_1_cell_is_held_once_no_goal_runs() -> None:
     run = Line(faults={'a2': '#1=abort'}, seconds={'a1': 5.0}).run(quantity=2)
     changes = [(r['time'], r['state']) for r in run.all('cell.state_changed')][-2:]
     assert changes == [(8.0, 'Holding'), (12.0, 'Held')]
@@ -186,7 +186,7 @@ def test_7_1_reject_rejects_the_item(task: str) -> None:
     assert run.counts()['missing' if task == 'place' else 'rejected'] == 1
 
 
-def test_7_1_reject_on_minus_one_leaves_the_item_to_its_twin() -> None:
+def test_7_1_reject_on_minus_one_leaves_item_to_twin() -> None:
     text = """
     sections:
       1: [{id: place, @a1, qty_change: 1}]
@@ -244,7 +244,7 @@ def test_7_1_remove_item_while_its_task_runs() -> None:
     assert run.counts() == {'started': 1, 'placed': 1, 'missing': 1, 'removed': 1}
 
 
-def test_7_1_remove_item_in_the_last_section_while_it_is_packed() -> None:
+def test_7_1_item_can_be_removed_during_packing() -> None:
     run = Line(seconds={'a3': 3.0}).begin(quantity=1).go(until=6.0)
     assert run.remove('J/1').accepted
     run.go()
@@ -264,13 +264,13 @@ def test_7_1_remove_item_while_the_belt_moves() -> None:
 
 @pytest.mark.parametrize('task', ['work', 'pack'])
 @pytest.mark.parametrize('answer', ['mark_done', 'skip'])
-def test_7_1_of_an_item_that_was_removed_nothing_is_tried_again(task: str, answer: str) -> None:
+def test_7_1_removed_item_offers_no_retry(task: str, answer: str) -> None:
     run = held_at(task, quantity=1)
     assert run.remove('J/1').accepted
     (hold,) = run.state.holds.values()
     assert hold.answers == ('mark_done', 'skip', 'abort_job')
-    said = 'no retry: the task would be skipped (empty position); '
-    assert hold.answers_why == f'{said}no reject: the item is not on the belt'
+    refusal = 'no retry: the task would be skipped (empty position); '
+    assert hold.answers_why == f'{refusal}no reject: the item is not on the belt'
     assert not run.answer('retry').accepted
     run.answer(answer)
     run.go()
@@ -278,7 +278,7 @@ def test_7_1_of_an_item_that_was_removed_nothing_is_tried_again(task: str, answe
     assert run.counts()['missing'] == 1
 
 
-def test_7_1_of_an_item_that_was_rejected_nothing_is_tried_again() -> None:
+def test_7_1_rejected_item_offers_no_retry() -> None:
     text = with_section(2, '[parallel: [{id: one, @a2}, {id: two, @b2}]]')
     text = text.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
     run = Line(faults={'a2': '#1=abort', 'b2': '#1=abort'}).run(text)
@@ -289,7 +289,7 @@ def test_7_1_of_an_item_that_was_rejected_nothing_is_tried_again() -> None:
     assert run.counts()['rejected'] == 1
 
 
-def test_7_1_where_the_job_is_aborted_a_task_for_rejected_items_is_tried_again() -> None:
+def test_7_1_aborted_job_retries_task_for_rejected_items() -> None:
     run = held_at('pack', quantity=1)
     run.control('abort', 'J')
     (hold,) = run.state.holds.values()
@@ -304,13 +304,13 @@ def test_7_1_where_the_job_is_aborted_a_task_for_rejected_items_is_tried_again()
     assert run.counts()['rejected'] == 1
 
 
-def test_7_1_of_initialization_that_nobody_needs_any_more_nothing_is_tried_again() -> None:
+def test_7_1_unneeded_initialization_offers_no_retry() -> None:
     run = held_at('ready')
     run.control('abort', 'J')
     (hold,) = run.state.holds.values()
     assert hold.answers == ('mark_done', 'skip')
-    said = 'no retry: the task would be skipped (job aborted); '
-    assert hold.answers_why == f'{said}no abort_job: the job is being aborted'
+    refusal = 'no retry: the task would be skipped (job aborted); '
+    assert hold.answers_why == f'{refusal}no abort_job: the job is being aborted'
     run.answer('skip')
     run.go()
     assert run.ended
@@ -338,7 +338,7 @@ sections:
 
 
 @pytest.mark.parametrize(('task', 'component'), [('rinse', 'b2'), ('label', 'b3')])
-def test_7_1_reject_is_not_offered_behind_the_turn_or_the_item(task: str, component: str) -> None:
+def test_7_1_reject_is_not_offered_after_turn_or_packing(task: str, component: str) -> None:
     run = Line(faults={component: '#1=abort'}).run(PACKED)
     (hold,) = run.state.holds.values()
     assert (hold.task, hold.answers) == (task, ('retry', 'mark_done', 'skip', 'abort_job'))
@@ -350,7 +350,7 @@ def test_7_1_reject_is_not_offered_behind_the_turn_or_the_item(task: str, compon
     assert run.counts() == {'started': 1, 'placed': 1, 'processed': 1, 'packed': 1}
 
 
-def test_7_1_reject_is_not_offered_once_the_item_was_packed() -> None:
+def test_7_1_reject_is_withdrawn_once_item_is_packed() -> None:
     text = PACKED.replace(
         '[{id: pack, @a3, qty_change: -1, runs_for: all}, {id: label, @b3}]',
         '[parallel: [{id: pack, @a3, qty_change: -1, runs_for: all}, {id: label, @b3}]]',
@@ -397,7 +397,7 @@ def test_7_1_only_answers_that_say_what_the_slot_holds(
         ('pack', ('retry', 'mark_done'), ('retry', 'mark_done')),
     ],
 )
-def test_7_1_after_an_abort_of_the_cell_the_slot_is_asked_for(
+def test_7_1_cell_abort_hold_asks_about_slot(
     task: str, first: tuple[str, ...], then: tuple[str, ...]
 ) -> None:
     run = Line(seconds={COMPONENTS[task]: 9.0}).begin(ALL)
@@ -414,20 +414,20 @@ def test_7_1_after_an_abort_of_the_cell_the_slot_is_asked_for(
 
 
 @pytest.mark.parametrize('word', ['acknowledge', 'comment'])
-def test_7_1_a_remark_is_on_record_and_the_hold_still_waits(word: str) -> None:
+def test_7_1_remark_is_recorded_and_hold_remains(word: str) -> None:
     run = Line(faults={'a2': '#1=abort'}).run()
     before, holds = len(run.records), dict(run.state.holds)
     assert run.answer(word).accepted
     run.go()
     assert [record['event'] for record in run.records[before:]] == ['operator.decided']
-    (said,) = run.all('operator.decided', answer=word)
-    assert (said['hold'], said['reason']) == ('1', 'it looked so')
+    (decision,) = run.all('operator.decided', answer=word)
+    assert (decision['hold'], decision['reason']) == ('1', 'it looked so')
     assert run.state.holds == holds
     assert word not in holds['1'].answers
     assert run.answer('retry').accepted
 
 
-def test_7_1_a_pause_takes_remarks_and_what_is_over_takes_none() -> None:
+def test_7_1_only_open_pause_takes_remarks() -> None:
     run = Line().begin(quantity=2).go(until=3.0)
     run.pause()
     assert run.answer('acknowledge', '1').accepted
@@ -435,7 +435,7 @@ def test_7_1_a_pause_takes_remarks_and_what_is_over_takes_none() -> None:
     assert run.answer('comment', '2').message == 'there is no hold 2; holds now: 1'
 
 
-def test_7_1_remove_item_that_is_not_on_the_belt_is_refused() -> None:
+def test_7_1_removing_item_not_on_belt_is_refused() -> None:
     run = Line().begin(quantity=2).go(until=3.0)
     before = len(run.records)
     for item in ('J/2', 'K/1'):
@@ -452,7 +452,7 @@ def test_7_1_remove_item_that_is_not_on_the_belt_is_refused() -> None:
 # --- 7.3 ------------------------------------------------------------------------------------
 
 
-def test_7_3_holds_stack_and_the_cell_resumes_when_all_are_released() -> None:
+def test_7_3_cell_resumes_when_all_holds_are_released() -> None:
     run = Line(faults={'a2': '#2=abort', 'a3': '#1=abort'}).run(quantity=3)
     assert list(run.state.holds) == ['1', '2']
     assert [hold.section for hold in run.state.holds.values()] == [3, 2]
@@ -478,7 +478,7 @@ def test_7_3_every_hold_has_an_id_of_its_own() -> None:
 # --- 7.4 ------------------------------------------------------------------------------------
 
 
-def test_7_4_every_part_says_what_it_waits_for_when_a_section_holds() -> None:
+def test_7_4_every_part_shows_its_wait_during_hold() -> None:
     run = Line(4, faults={'a3': '#1=abort'}).run(
         """
         sections:
@@ -559,9 +559,7 @@ LACKING_SINK = LACKING.replace(
     ],
     ids=['a task', 'the sink'],
 )
-def test_7_1_a_task_that_lacks_a_result_is_not_tried_again(
-    text: str, answers: tuple[str, ...]
-) -> None:
+def test_7_1_missing_result_offers_no_retry(text: str, answers: tuple[str, ...]) -> None:
     run = Line(faults={'b1': '#1=abort'}).run(text)
     (hold,) = run.state.holds.values()
     assert (hold.reason, hold.answers) == ('missing_result', answers)

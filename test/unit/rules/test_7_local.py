@@ -34,20 +34,18 @@ def in_local(run: VirtualRun) -> VirtualRun:
     return run
 
 
-def test_7_8_1_a_request_that_does_not_say_whether_it_moves_cannot_be_declared() -> None:
+def test_7_8_1_request_must_declare_whether_it_moves() -> None:
     with pytest.raises(TypeError, match='moves'):
         Request('oil', About.CELL, 'oils it', frozenset({Role.OPERATE}))  # type: ignore[call-arg]
 
 
-def test_7_8_1_the_table_says_of_each_request_what_the_page_says() -> None:
+def test_7_8_1_request_table_agrees_with_page() -> None:
     moving = {row.request for row in rows() if row.cells['elsewhere in local'] == 'local'}
-    assert {name for name, one in REQUESTS.items() if one.moves} == moving
+    assert {name for name, request in REQUESTS.items() if request.moves} == moving
 
 
-@pytest.mark.parametrize('known', Known, ids=lambda one: str(one.value))
-def test_7_8_1_every_request_of_every_role_is_as_the_hand_written_table(
-    known: Known, tmp_path: Any
-) -> None:
+@pytest.mark.parametrize('known', Known, ids=lambda entry: str(entry.value))
+def test_7_8_1_requests_by_role_match_handwritten_table(known: Known, tmp_path: Any) -> None:
     bench = RequestBench(tmp_path)
 
     def asked(name: str, given: Mapping[str, Any], role: Role, is_panel: bool) -> str:
@@ -65,15 +63,15 @@ def test_7_8_1_every_request_of_every_role_is_as_the_hand_written_table(
         bench.sim.gateway.say_of_safety('its value is False')
         bench.sim.orchestrator.settle()
 
-    found = list(differences(asked, hand_over, lose))
+    diffs = list(differences(asked, hand_over, lose))
     if known.is_panel:  # it is never elsewhere
-        assert all('elsewhere in local: local' in one for one in found)
-        assert len(found) == sum(one.moves for one in REQUESTS.values() for _ in one.roles)
+        assert all('elsewhere in local: local' in entry for entry in diffs)
+        assert len(diffs) == sum(entry.moves for entry in REQUESTS.values() for _ in entry.roles)
     else:
-        assert found == []
+        assert diffs == []
 
 
-def test_7_8_1_a_refusal_says_from_where_it_can_come_and_is_on_record() -> None:
+def test_7_8_1_refusal_names_allowed_origin_and_is_recorded() -> None:
     run = in_local(Line().run())
     before = len(run.records)
     answer = run.ask(ask('cell.reset', ROS))
@@ -86,7 +84,7 @@ def test_7_8_1_a_refusal_says_from_where_it_can_come_and_is_on_record() -> None:
     assert (refused['event'], refused['command']) == ('operator.refused', 'reset')
 
 
-def test_7_8_2_what_is_queued_from_elsewhere_waits_until_a_panel_releases_it() -> None:
+def test_7_8_2_remote_orders_wait_for_release_at_panel() -> None:
     run = in_local(VirtualRun(LINE.cell, LINE.types))
     answer = run.ask(AddJobs((Job('J', SCRIPT, 1, {}),), PAGE))
     assert answer.message == (
@@ -118,7 +116,7 @@ def test_7_8_4_without_a_panel_local_is_refused(tmp_path: Any) -> None:
     assert begin(bench.handler.carry_out(ask('cell.local', PANEL))).value.accepted
 
 
-def test_7_8_5_switching_starts_and_stops_nothing_and_stands_after_a_restart() -> None:
+def test_7_8_5_control_switch_starts_and_stops_nothing() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.submit('J', SCRIPT, 2)
     run.go(5.0)

@@ -106,7 +106,7 @@ def test_7_11_1_manual_is_for_a_line_in_local() -> None:
     assert (changed['mode'], changed['reason']) == ('manual', 'Eve: to look at the gripper')
 
 
-def test_7_11_1_a_cell_that_works_or_has_items_stays_in_production() -> None:
+def test_7_11_1_busy_or_loaded_cell_refuses_manual_mode() -> None:
     run = LINE.begin(THREE, 2)
     run.go(5.0)
     assert run.ask(ask('cell.local', EVE)).accepted
@@ -128,7 +128,7 @@ def test_7_11_1_a_cell_that_works_or_has_items_stays_in_production() -> None:
 # --- nothing starts by itself -------------------------------------------------------------------
 
 
-def test_7_11_2_in_manual_no_order_starts_and_nothing_else_by_itself() -> None:
+def test_7_11_2_manual_mode_starts_nothing_by_itself() -> None:
     run = in_manual()
     run.submit('J', LINE.script(THREE))
     run.go()
@@ -158,7 +158,7 @@ def test_7_11_2_from_idle_the_cell_stands_in_idle() -> None:
     assert ended(run) == 'done'
 
 
-def test_7_11_2_after_a_restart_it_stands_still_whatever_auto_resume_says() -> None:
+def test_7_11_2_restart_in_manual_ignores_auto_resume() -> None:
     world = World(LINE.cell)
     first = world.orchestrator()
     enter(first)
@@ -174,7 +174,7 @@ def test_7_11_2_after_a_restart_it_stands_still_whatever_auto_resume_says() -> N
     assert third.state.holds == {}
 
 
-def test_7_11_2_another_cell_file_waits_for_the_end_of_manual() -> None:
+def test_7_11_2_manual_mode_refuses_changed_cell_file() -> None:
     world = World(LINE.cell)
     first = world.orchestrator()
     enter(first)
@@ -187,7 +187,7 @@ def test_7_11_2_another_cell_file_waits_for_the_end_of_manual() -> None:
 # --- a goal -------------------------------------------------------------------------------------
 
 
-def test_7_11_3_a_goal_is_on_record_before_it_is_sent() -> None:
+def test_7_11_3_goal_is_recorded_before_it_is_sent() -> None:
     line = Line(seconds={'a2': 10.0}, results={'a2': {'measurement': 2.5}})
     run = in_manual(line.cell)
     assert send(run, args={'special_argument_2': 1.5}).message == 'TASK_A is sent to a2'
@@ -206,7 +206,7 @@ def test_7_11_3_a_goal_is_on_record_before_it_is_sent() -> None:
     assert send(run, 'lamp').accepted
 
 
-def test_7_11_3_task_and_arguments_are_those_of_the_action_type(tmp_path: Any) -> None:
+def test_7_11_3_action_type_defines_tasks_and_arguments(tmp_path: Any) -> None:
     bench = RequestBench(tmp_path)
     enter(bench.sim)
 
@@ -227,8 +227,8 @@ def test_7_11_3_task_and_arguments_are_those_of_the_action_type(tmp_path: Any) -
     message = asked(component='a2', task='TASK_A', args={'special_argument_2': 'fast'})
     assert message.startswith('args: `special_argument_2` must be a number')
     assert bench.records('task.started') == []
-    told = asked(component='a2', task='TASK_A', args={'special_argument_2': 2})
-    assert told == 'TASK_A is sent to a2'
+    answer = asked(component='a2', task='TASK_A', args={'special_argument_2': 2})
+    assert answer == 'TASK_A is sent to a2'
     (started,) = bench.records('task.started')
     assert started.args == {'special_argument_2': 2.0}
     bench.pass_time(5.0)
@@ -265,7 +265,7 @@ def test_7_11_4_one_goal_at_a_time() -> None:
     assert send(run, 'lamp').accepted
 
 
-def test_7_11_4_a_component_out_of_service_or_not_ready_or_contested_gets_none() -> None:
+def test_7_11_4_unavailable_component_gets_no_goal() -> None:
     line = Line(topics=('a2',), faults={'a2': '#0=not_ready'})
     run = in_manual(line.cell)
     run.go()
@@ -301,7 +301,7 @@ def test_7_11_4_a_component_in_doubt_gets_none() -> None:
     assert send(run, 'lamp', hold='1').message == message
 
 
-def test_7_11_4_after_an_abort_whose_end_was_told_nothing_is_in_doubt() -> None:
+def test_7_11_4_known_end_after_abort_leaves_no_doubt() -> None:
     line = Line(seconds={'lamp': 10.0})
     run = line.begin(with_initialization('[{id: home, @lamp}]'))
     run.go(3.0)
@@ -319,7 +319,7 @@ def test_7_11_4_after_an_abort_whose_end_was_told_nothing_is_in_doubt() -> None:
 # --- what a held task keeps ---------------------------------------------------------------------
 
 
-def test_7_11_5_what_a_held_task_keeps_runs_only_by_naming_the_hold() -> None:
+def test_7_11_5_held_component_runs_only_by_hold_number() -> None:
     run = held_at_home()
     kept = 'lamp gets no goal: hold 1 (home: aborted) keeps it; name that hold: it stays'
     assert send(run, 'lamp').message == kept
@@ -360,7 +360,7 @@ def stopped_at_work(script: str, faults: Mapping[str, str]) -> VirtualRun:
     return run
 
 
-def test_7_11_5_a_held_task_that_needs_the_belt_keeps_the_conveyor() -> None:
+def test_7_11_5_held_belt_task_keeps_conveyor() -> None:
     run = stopped_at_work(THREE, {'a2': 'TASK_A#1=abort'})
     assert send(run, 'conveyor', task='MOVE_ONE_INDEX').message == (
         'conveyor gets no goal: hold 1 (work: aborted) keeps it; name that hold: it stays'
@@ -371,7 +371,7 @@ def test_7_11_5_a_held_task_that_needs_the_belt_keeps_the_conveyor() -> None:
     assert run.all('belt.indexed') == run.all('belt.indexed')[:1]
 
 
-def test_7_11_5_a_zone_that_another_task_keeps_is_not_entered() -> None:
+def test_7_11_5_zone_kept_by_task_is_not_entered() -> None:
     zoned = with_section(2, '- {id: work, @a2}') + 'zones: {table: [work, pack]}\n'
     run = stopped_at_work(zoned, {'a2': 'TASK_A#1=abort'})
     assert send(run, 'a3').message == ('a3 gets no goal: work of J/1 keeps zone table (hold 1)')
@@ -393,8 +393,8 @@ def test_7_11_6_setups_are_unknown_and_once_is_forgotten() -> None:
     enter(run)
     assert len(run.state.done_once) > 2
     assert send(run, 'a2', task='TASK_B').accepted
-    assert not [one for one in run.state.done_once if one.startswith('/a2/do ')]
-    assert [one for one in run.state.done_once if one.startswith('/lamp/do ')]
+    assert not [key for key in run.state.done_once if key.startswith('/a2/do ')]
+    assert [key for key in run.state.done_once if key.startswith('/lamp/do ')]
     wait(run, 2.0)
     assert leave(run).accepted
     run.submit('K', line.script(script))
@@ -423,7 +423,7 @@ def test_7_11_6_a_change_of_setup_teaches_nothing() -> None:
 # --- the panel ----------------------------------------------------------------------------------
 
 
-def test_7_11_7_a_goal_whose_panel_is_silent_for_2_s_is_cancelled() -> None:
+def test_7_11_7_goal_of_silent_panel_is_cancelled() -> None:
     run = in_manual()
     assert send(run).accepted
     begun = run.now
@@ -439,17 +439,17 @@ def test_7_11_7_a_goal_whose_panel_is_silent_for_2_s_is_cancelled() -> None:
     assert run.state.holds == {}
 
 
-def test_7_11_7_another_user_is_not_heard_for_it_and_signs_of_life_are_not_on_record() -> None:
+def test_7_11_7_other_users_do_not_keep_goal_alive() -> None:
     run = in_manual()
     assert send(run).accepted
     before = len(run.records)
     wait(run, 1.5, heard=BEN)
     assert len(run.records) == before
     wait(run, 1.0, heard=BEN)
-    assert [one['cause'] for one in run.all('task.cancel_requested')] == ['panel_lost']
+    assert [record['cause'] for record in run.all('task.cancel_requested')] == ['panel_lost']
 
 
-def test_7_11_7_a_sign_of_life_needs_the_panel_and_the_role() -> None:
+def test_7_11_7_sign_of_life_needs_panel_and_role() -> None:
     run = in_manual()
     assert send(run).accepted
     viewer = By('Eve', 'panel 3', '', Role.VIEW, Known.PAGE_PANEL)
@@ -559,7 +559,7 @@ def go_on(world: World, engine: Orchestrator, seconds: float, heard: By | None =
         engine.settle()
 
 
-def test_7_11_9_a_restart_adopts_the_goal_for_as_long_as_its_panel_is_heard() -> None:
+def test_7_11_9_restart_adopts_goal_while_panel_is_heard() -> None:
     world = World(LINE.cell)
     killed_in_manual(world)
     second = world.orchestrator()
@@ -582,7 +582,7 @@ def test_7_11_9_a_restart_without_its_panel_cancels_the_goal() -> None:
     assert vars(failed)['reason'] == 'canceled'
 
 
-def test_7_11_9_a_goal_that_never_arrived_is_not_sent_again() -> None:
+def test_7_11_9_goal_never_received_is_not_resent() -> None:
     world = World(LINE.cell)
     killed_in_manual(world, before_sending=True)
     second = world.orchestrator()
@@ -623,7 +623,7 @@ def test_7_11_10_leaving_takes_a_statement_of_the_belt() -> None:
     assert run.job().exit_status == 'completed'
 
 
-def test_7_11_10_the_word_of_a_statement_is_that_of_the_request(tmp_path: Any) -> None:
+def test_7_11_10_belt_statement_uses_request_name(tmp_path: Any) -> None:
     bench = RequestBench(tmp_path)
     enter(bench.sim)
     answer = begin(bench.handler.carry_out(ask('cell.production', EVE))).value

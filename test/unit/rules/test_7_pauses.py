@@ -68,7 +68,7 @@ def test_7_3_all_pauses_of_one_owner_are_released_together() -> None:
     assert not run.state.holds
 
 
-def test_7_3_a_pause_before_an_order_keeps_the_cell_from_working() -> None:
+def test_7_3_pause_before_order_prevents_work() -> None:
     line = Line()
     run = VirtualRun(line.cell, line.types)
     run.command(Pause)
@@ -106,9 +106,7 @@ def held_by(*reasons: str) -> Orchestrator:
 
 @pytest.mark.parametrize('everyones', [False, True])
 @pytest.mark.parametrize('reason', NAMED)
-def test_7_3_a_hold_that_asks_for_a_look_is_released_by_its_number_only(
-    reason: str, everyones: bool
-) -> None:
+def test_7_3_look_hold_is_released_only_by_number(reason: str, everyones: bool) -> None:
     cell = held_by(reason)
     answer = cell.ask(Resume(ann('a visitor left'), everyones=everyones))
     assert not answer.accepted
@@ -122,7 +120,7 @@ def test_7_3_a_hold_that_asks_for_a_look_is_released_by_its_number_only(
 
 
 @pytest.mark.parametrize('everyones', [False, True])
-def test_7_3_resume_says_which_hold_is_left_and_how_it_ends(everyones: bool) -> None:
+def test_7_3_resume_reports_remaining_hold_and_its_release(everyones: bool) -> None:
     cell = held_by('restarted')
     assert cell.ask(Pause(ann('a visitor'))).accepted
     answer = cell.ask(Resume(ann('gone'), everyones=everyones))
@@ -134,14 +132,14 @@ def test_7_3_resume_says_which_hold_is_left_and_how_it_ends(everyones: bool) -> 
     assert list(cell.state.holds) == ['1']
 
 
-def test_7_3_holds_that_must_be_named_are_named_one_by_one() -> None:
+def test_7_3_named_holds_are_released_one_by_one() -> None:
     cell = held_by(*NAMED)
     for left in (2, 1, 0):
         assert cell.ask(Resume(ann('looked'), hold=next(iter(cell.state.holds)))).accepted
         assert len(cell.state.holds) == left
 
 
-def test_7_3_a_node_that_finds_a_twin_lets_run_what_runs_and_starts_nothing() -> None:
+def test_7_3_node_with_twin_finishes_tasks_and_starts_none() -> None:
     run = Line().begin(quantity=3).go(until=3.5)
     for _ in range(2):
         assert run.ask(FoundTwin('process 7 on host x')).accepted
@@ -160,7 +158,7 @@ def test_7_3_a_node_that_finds_a_twin_lets_run_what_runs_and_starts_nothing() ->
     assert run.ended
 
 
-def test_7_3_an_answer_to_a_pause_is_told_how_it_is_released() -> None:
+def test_7_3_answer_to_pause_explains_release() -> None:
     answer = held_by('twin').ask(AnswerHold('1', 'retry', ann()))
     assert answer.message == (
         'hold 1 (twin, look) takes no answer; bt-orchestrator cell resume --hold 1 --reason WHY'

@@ -69,7 +69,7 @@ def test_7_10_an_unknown_code_is_refused(tmp_path: Path) -> None:
     assert not cell.records('hold.released')
 
 
-def test_7_10_an_emergency_is_carried_out_without_an_unknown_code(tmp_path: Path) -> None:
+def test_7_10_emergency_command_ignores_unknown_code(tmp_path: Path) -> None:
     cell = begun(tmp_path)
     for name in ('cell.pause', 'cell.stop', 'cell.abort'):
         answer = cell.ask_named(name, '{code: TOOTH}')
@@ -78,7 +78,7 @@ def test_7_10_an_emergency_is_carried_out_without_an_unknown_code(tmp_path: Path
     assert not any(event.code for event in cell.records('operator.decided'))
 
 
-def test_7_10_stop_and_abort_give_the_reason_of_the_one_before(tmp_path: Path) -> None:
+def test_7_10_repeated_stop_and_abort_give_earlier_reason(tmp_path: Path) -> None:
     cell = begun(tmp_path)
     assert cell.ask('cell.stop')
     assert not cell.ask('cell.stop')
@@ -113,7 +113,7 @@ def test_7_10_operators_classify_a_stop_while_it_stands(tmp_path: Path) -> None:
     cell = begun(tmp_path)
     cell.sim.clock.call_at(40.0, lambda: None)
     cell.pass_time(40.0)
-    reason = next(one for one in cell.records('cell.stop_reason_changed') if one.stop_reason)
+    reason = next(event for event in cell.records('cell.stop_reason_changed') if event.stop_reason)
     name = f':{reason.seq}'
     for role, may in ((Role.VIEW, False), (Role.MES, False), (Role.OPERATE, True)):
         by = replace(ann(), role=role)
@@ -122,7 +122,7 @@ def test_7_10_operators_classify_a_stop_while_it_stands(tmp_path: Path) -> None:
     assert (decided.answer, decided.stop, decided.code) == ('classify', name, 'JAM')
 
 
-def test_7_10_resume_gives_the_reason_of_the_hold_that_it_names(tmp_path: Path) -> None:
+def test_7_10_resume_gives_reason_of_named_hold(tmp_path: Path) -> None:
     cell = begun(tmp_path, until=2.0)
     assert cell.ask('cell.pause')
     (pause,) = cell.sim.state.pauses
@@ -135,7 +135,7 @@ def test_7_10_resume_gives_the_reason_of_the_hold_that_it_names(tmp_path: Path) 
 
 def test_7_10_a_classification_needs_a_code(tmp_path: Path) -> None:
     cell = begun(tmp_path)
-    stop = next(one for one in cell.records('cell.stop_reason_changed') if one.stop_reason)
+    stop = next(event for event in cell.records('cell.stop_reason_changed') if event.stop_reason)
     assert not cell.ask('stop.classify', stop=f':{stop.seq}', code='')
     assert 'the code of the reason is empty' in cell.records('operator.refused')[-1].message
 
@@ -148,4 +148,4 @@ def test_7_10_a_node_without_a_journal_classifies_nothing(tmp_path: Path) -> Non
             'this node keeps no journal, so a stop has no name that lasts; start it with '
             '--journal FILE'
         )
-    assert not any(one.answer == 'classify' for one in cell.records('operator.decided'))
+    assert not any(decision.answer == 'classify' for decision in cell.records('operator.decided'))

@@ -57,7 +57,7 @@ def raised(run: VirtualRun) -> list[dict[str, Any]]:
 
 
 def items(run: VirtualRun) -> list[list[str]]:
-    return [one['items'] for one in raised(run)]
+    return [hold['items'] for hold in raised(run)]
 
 
 def released(run: VirtualRun) -> VirtualRun:
@@ -66,7 +66,7 @@ def released(run: VirtualRun) -> VirtualRun:
     return run.go()
 
 
-def test_7_7_the_line_is_held_at_the_third_reject_of_ten_items() -> None:
+def test_7_7_third_reject_of_ten_holds_line() -> None:
     run = limited(3, 10, a2=bad(1, 4, 6)).run(SORTED, 9)
     assert items(run) == [['J/1', 'J/4', 'J/6']]
     assert run.times('hold.raised') == run.times('item.rejected', item='J/6')
@@ -83,12 +83,12 @@ def test_7_7_rejects_that_are_further_apart_are_no_run() -> None:
 
 
 @pytest.mark.parametrize(('of', 'number'), [(5, 1), (4, 0)])
-def test_7_7_of_items_in_a_row_the_first_and_the_last_count(of: int, number: int) -> None:
+def test_7_7_window_counts_first_and_last_item(of: int, number: int) -> None:
     run = limited(3, of, a2=bad(2, 3, 6)).run(SORTED, 7)
     assert len(raised(run)) == number
 
 
-def test_7_7_good_items_that_leave_in_between_do_not_part_a_run() -> None:
+def test_7_7_leaving_good_items_do_not_break_sequence() -> None:
     """Items 1 and 2 leave the line while 3 and 4 are rejected: the order of the belt counts."""
     line = limited(2, 2, seconds={'a3': 1.5}, a2=bad(3, 4))
     run = line.run(SORTED, 6)
@@ -97,7 +97,7 @@ def test_7_7_good_items_that_leave_in_between_do_not_part_a_run() -> None:
     assert run.times('item.rejected', item='J/3') < left < run.times('item.rejected', item='J/4')
 
 
-def test_7_7_rejects_of_two_sections_are_one_run_in_the_order_of_the_line() -> None:
+def test_7_7_rejects_of_two_sections_count_in_line_order() -> None:
     run = limited(2, 2, seconds={'b3': 3.0}, a2=bad(2), b3=bad(1)).run(CHECKED, 4)
     assert run.times('item.rejected', item='J/2') < run.times('item.rejected', item='J/1')
     assert items(run) == [['J/1', 'J/2']]
@@ -113,8 +113,8 @@ def test_7_7_cycles_in_hand_end_and_nothing_begins() -> None:
     )
     held = run.times('hold.raised')[0]
     assert run.starts('mark', item='J/2') == [held], 'the same section goes on'
-    assert [one for one in run.times('cycle.started') if one > held] == []
-    assert [one for one in run.times('belt.index_started') if one > held] == []
+    assert [moment for moment in run.times('cycle.started') if moment > held] == []
+    assert [moment for moment in run.times('belt.index_started') if moment > held] == []
     assert run.times('cycle.completed', item='J/2', section=2)
     assert run.state.packml.value == 'Held'
 
@@ -154,7 +154,7 @@ def test_7_7_a_pause_beside_it_is_released_by_itself() -> None:
     assert list(run.state.holds) == ['1']
 
 
-def test_7_7_its_release_forgets_all_rejects_also_those_under_the_hold() -> None:
+def test_7_7_release_also_forgets_rejects_during_hold() -> None:
     run = limited(2, 5, a2=bad(2, 3, 5), b3=bad(1)).run(CHECKED, 8)
     assert items(run) == [['J/1', 'J/2']]
     released(run)
@@ -172,7 +172,7 @@ def test_7_7_a_reject_counts_once() -> None:
     assert len(raised(run)) == 1
 
 
-def test_7_7_items_rejected_by_the_abort_of_their_job_are_no_rejects() -> None:
+def test_7_7_items_of_aborted_job_are_no_rejects() -> None:
     again = '{id: again, @b3, runs_for: rejected, on_failure: reject}'
     text = SORTED.replace('[{id: pack', f'[{again}, {{id: pack')
     run = limited(1, 3, b3=bad(1)).begin(text, 5).go(until=8.0)
@@ -190,7 +190,7 @@ def test_7_7_the_answer_reject_makes_a_reject() -> None:
     assert items(run) == [['J/2']]
 
 
-def test_7_7_nonconforming_items_and_those_taken_off_by_hand_are_no_rejects() -> None:
+def test_7_7_nonconforming_and_removed_items_are_no_rejects() -> None:
     run = limited(1, 9, a2=bad(1, 2)).begin(SORTED.replace('reject', 'continue'), 4)
     run.go(until=9.0)
     assert run.remove('J/3').accepted
@@ -211,7 +211,7 @@ def test_7_7_items_of_all_jobs_are_counted_together() -> None:
     assert 'all of job' not in raised(run)[0]['message']
 
 
-def test_7_7_a_script_with_a_limit_is_counted_by_itself() -> None:
+def test_7_7_script_with_own_limit_counts_separately() -> None:
     """Its items are none of the cell's, and take its limit in place of the cell's."""
     line = limited(3, 9, a2=bad(1, 2, 3, 4, 5))
     own, other = line.script(OF_ITS_OWN + SORTED, 'own'), line.script(SORTED, 'other')
@@ -226,7 +226,7 @@ def test_7_7_a_script_with_a_limit_is_counted_by_itself() -> None:
     assert run.ended
 
 
-def test_7_7_a_count_with_a_hold_raises_no_other_hold_and_others_may() -> None:
+def test_7_7_each_count_raises_one_hold_at_a_time() -> None:
     line = limited(1, 1, a2=bad(1), b3=bad(1, 2))
     run = line.begin(CHECKED, 1)
     run.submit('K', line.script(f'hold_after: {{rejects: 1, of: 1}}\n{CHECKED}', 'own'))
@@ -236,7 +236,7 @@ def test_7_7_a_count_with_a_hold_raises_no_other_hold_and_others_may() -> None:
     assert items(run) == [['J/1'], ['K/1']]
 
 
-def test_7_7_a_stop_and_a_start_do_not_reset_the_count() -> None:
+def test_7_7_stop_and_start_keep_reject_count() -> None:
     run = limited(2, 2, a2=bad(1, 2)).begin(SORTED, 4).go(until=6.0)
     assert run.all('item.rejected')
     run.command(Stop)
@@ -262,7 +262,7 @@ def test_7_7_a_hold_for_rejects_leaves_setups_known() -> None:
     assert 'setup_missing' not in run.reasons()
 
 
-def test_7_7_the_hold_says_what_all_rejects_have_in_common() -> None:
+def test_7_7_hold_shows_common_traits_of_rejects() -> None:
     line = Line(results={'a2': {'measurement': 2.5}})
     line.cell = replace(line.cell, hold_after=HoldAfter(2, 5))
     run = line.run(PARAMS + JUDGED, 3, most=1.5, glue='G7')
@@ -272,9 +272,9 @@ def test_7_7_the_hold_says_what_all_rejects_have_in_common() -> None:
         'all at a2; all for the reason result_refused; all of product test; all of job J; '
         'all with lot G7 of glue; each time expected: ${results.weigh.measurement} at most 1.5)'
     )
-    assert [one.kind for one in hold.message_words] == [
+    assert [word.kind for word in hold.message_words] == [
         'rejects',
-        *(f'rejects_{one}' for one in ('task', 'component', 'reason', 'product', 'job', 'lot')),
+        *(f'rejects_{word}' for word in ('task', 'component', 'reason', 'product', 'job', 'lot')),
         'rejects_verdict',
     ]
 
@@ -290,8 +290,8 @@ def test_7_7_killed_after_any_settle_the_count_goes_on() -> None:
         first.close()
         second = world.orchestrator()
         world.go(second)
-        held = [one for one in world.store.read() if isinstance(one, e.HoldRaised)]
-        assert [one.items for one in held if one.items] == [('J/1', 'J/3', 'J/4')], settles
+        held = [event for event in world.store.read() if isinstance(event, e.HoldRaised)]
+        assert [event.items for event in held if event.items] == [('J/1', 'J/3', 'J/4')], settles
         second.close()
         kills += 1
         if over:

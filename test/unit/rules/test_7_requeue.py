@@ -72,8 +72,8 @@ class Node:
         answer = self.requeue(name, order).value
         assert not answer.accepted
         assert len(self.bench.asked) == asked, 'no search for nothing'
-        (told,) = self.run.records[-1:]
-        assert (told['command'], told['message']) == ('requeue', answer.message)
+        (record,) = self.run.records[-1:]
+        assert (record['command'], record['message']) == ('requeue', answer.message)
         return answer.message
 
     def job(self, name: str) -> JobState:
@@ -84,8 +84,8 @@ class Node:
         return [job.job.id for job in self.run.state.queue]
 
     def queued(self, name: str) -> dict[str, Any]:
-        (found,) = (one for one in self.run.all('job.queued') if one['job'] == name)
-        return found
+        (queued_job,) = (record for record in self.run.all('job.queued') if record['job'] == name)
+        return queued_job
 
 
 @pytest.fixture
@@ -98,7 +98,7 @@ def node(tmp_path: Path) -> Iterator[Node]:
 TERMS = Terms(priority=3, due=9000.0, details={'customer': 'ACME'})
 
 
-def test_7_6_it_stops_and_its_rest_is_queued_first_in_one_settle(node: Node) -> None:
+def test_7_6_requeue_stops_job_and_queues_rest_first(node: Node) -> None:
     node.order('A', 5, TERMS)
     node.order('B', 1)
     node.run.go(until=3.0)
@@ -107,16 +107,16 @@ def test_7_6_it_stops_and_its_rest_is_queued_first_in_one_settle(node: Node) -> 
     way = 'A on the line needs press and waits; to make the rest without it now: job requeue A'
     assert way in answer.splitlines()
     before = len(node.run.records)
-    told = node.requeued('A', at('table'))
+    message = node.requeued('A', at('table'))
     records = node.run.records[before:]
-    assert [one['event'] for one in records[:4]] == [
+    assert [record['event'] for record in records[:4]] == [
         'operator.decided',
         'job.stopping',
         'script.loaded',
         'job.queued',
     ]
     assert (records[0]['answer'], records[0]['job']) == ('requeue', 'A')
-    assert len({one['time'] for one in records[:4]}) == 1
+    assert len({record['time'] for record in records[:4]}) == 1
     assert node.job('A').stopping
     assert node.queue == ['A-rest', 'B']
     rest = node.job('A-rest')
@@ -125,7 +125,7 @@ def test_7_6_it_stops_and_its_rest_is_queued_first_in_one_settle(node: Node) -> 
     assert (rest.rest_of, rest.ranked) == ('A', False)
     assert rest.anew == MadeAnew(('press',), (), 2.0, 2.0)
     assert rest.awaits_release, 'an engineer has to see what was generated'
-    assert f'A-rest is queued first, with {5 - begun} items, made anew without press: ' in told
+    assert f'A-rest is queued first, with {5 - begun} items, made anew without press: ' in message
 
 
 def test_7_6_together_they_make_what_was_ordered(node: Node) -> None:
@@ -138,11 +138,11 @@ def test_7_6_together_they_make_what_was_ordered(node: Node) -> None:
     assert (first.exit_status, rest.exit_status) == ('stopped', 'completed')
     assert first.progress.packed + rest.progress.packed == 5
     assert 'Ann decided requeue' in first.end_reason
-    glued = [one for one in node.run.all('task.started') if one['task'] == 'glue']
-    assert {one['component'] for one in glued if one['job'] == 'A-rest'} == {'table'}
-    placed = [one for one in node.run.all('item.placed') if one['item'].startswith('A-rest/')]
+    glued = [row for row in node.run.all('task.started') if row['task'] == 'glue']
+    assert {row['component'] for row in glued if row['job'] == 'A-rest'} == {'table'}
+    placed = [row for row in node.run.all('item.placed') if row['item'].startswith('A-rest/')]
     assert placed[0]['item'] == 'A-rest/1', 'its items count from 1'
-    assert all(one['lots'] == {'glue': 'G-7'} for one in placed)
+    assert all(row['lots'] == {'glue': 'G-7'} for row in placed)
 
 
 def test_7_6_items_that_begin_meanwhile_stay_with_the_job(node: Node) -> None:
@@ -158,7 +158,7 @@ def test_7_6_items_that_begin_meanwhile_stay_with_the_job(node: Node) -> None:
     assert node.job('A-rest').job.quantity == 6 - node.job('A').progress.started
 
 
-def test_7_6_the_rest_is_what_has_not_begun_when_it_is_queued(node: Node) -> None:
+def test_7_6_rest_counts_items_not_begun_when_queued(node: Node) -> None:
     node.order('A', 6)
     node.run.go(until=3.0)
     left, order = node.job('A').cycles_left, Job('R', script(at('table').text), 6, recipe=BOX)
@@ -194,8 +194,8 @@ def test_7_6_one_that_cannot_be_queued_changes_nothing(node: Node, outcome: Any,
     given.give(outcome if isinstance(outcome, NotRead) else (outcome,))
     answer = reply.value
     assert not answer.accepted
-    assert why in ' '.join([answer.message, *(f for one in answer.orders for f in one.findings)])
-    assert [one['event'] for one in node.run.records[before:]] == ['operator.refused']
+    assert why in ' '.join([answer.message, *(f for row in answer.orders for f in row.findings)])
+    assert [row['event'] for row in node.run.records[before:]] == ['operator.refused']
     assert node.run.records[-1]['job'] == 'A'
     assert not node.job('A').stopping
     assert node.queue == []
@@ -217,7 +217,7 @@ def test_7_6_what_has_no_rest_is_refused_at_once(node: Node) -> None:
     )
 
 
-def test_7_6_a_job_that_was_ordered_by_its_script_is_refused(node: Node) -> None:
+def test_7_6_job_ordered_by_script_is_refused(node: Node) -> None:
     order = WorkOrder('test', 'S', 4)
     assert begin(
         node.bench.handler.carry_out(ask('queue.add', ann(), orders=[order]))
@@ -241,7 +241,7 @@ def test_7_6_a_job_that_ends_already_is_refused(node: Node, verb: str) -> None:
     assert node.refused('A').startswith(f'A is {ending} already')
 
 
-def test_7_6_its_id_is_free_and_tells_what_it_is_the_rest_of(node: Node) -> None:
+def test_7_6_rest_gets_free_id_and_names_origin(node: Node) -> None:
     node.order('A', 20)
     node.order('A-rest', 1)
     node.run.go(until=1.0)
@@ -266,7 +266,7 @@ def test_7_6_its_id_is_free_and_tells_what_it_is_the_rest_of(node: Node) -> None
     assert sum(node.run.state.ended[name].progress.packed for name in names) == 20
 
 
-def test_7_6_an_id_that_would_be_too_long_has_to_be_given(node: Node) -> None:
+def test_7_6_overlong_rest_id_must_be_replaced(node: Node) -> None:
     name = 'J' * 62
     node.order(name, 5)
     node.run.go(until=1.0)
@@ -275,7 +275,7 @@ def test_7_6_an_id_that_would_be_too_long_has_to_be_given(node: Node) -> None:
     assert node.queue == ['REST']
 
 
-def test_7_6_a_rest_waits_neither_for_its_start_nor_as_the_job_was_paused(node: Node) -> None:
+def test_7_6_rest_ignores_start_and_pause_of_job(node: Node) -> None:
     node.order('A', 5, Terms(start=500.0))
     assert node.job('A').awaits_start
     assert node.run.control('release', 'A').accepted
@@ -289,7 +289,7 @@ def test_7_6_a_rest_waits_neither_for_its_start_nor_as_the_job_was_paused(node: 
     assert node.run.state.ended['A-rest'].exit_status == 'completed'
 
 
-def test_7_6_a_job_that_has_begun_no_item_is_queued_as_a_whole(node: Node) -> None:
+def test_7_6_job_without_begun_items_is_requeued_whole(node: Node) -> None:
     preparing = 'initialization: [{id: look, task: PREPARE, action: /loader/task}]\n'
     assert node.run.service('press', out=True).accepted
     order = WorkOrder('', 'A', 3, recipe=BOX)
@@ -308,15 +308,15 @@ def test_7_6_a_job_that_has_begun_no_item_is_queued_as_a_whole(node: Node) -> No
     assert rest.progress.packed == 3
 
 
-def test_7_6_items_on_the_line_that_need_what_is_out_of_service_are_told(node: Node) -> None:
+def test_7_6_answer_reports_items_waiting_for_lost_component(node: Node) -> None:
     node.order('A', 6)
     node.run.go(until=2.0)
     assert node.run.service('press', out=True).accepted
-    told = node.requeued('A', at('table'))
+    message = node.requeued('A', at('table'))
     assert (
         'its items on the line still need press and wait; in-service lets it go on, or an '
         'engineer takes its items off (remove-item) or aborts it (job abort A)'
-    ) in told
+    ) in message
     assert node.run.release(script(at('table').text)).accepted
     node.run.go()
     assert node.job('A').ending == 'stopping'
@@ -325,23 +325,23 @@ def test_7_6_items_on_the_line_that_need_what_is_out_of_service_are_told(node: N
     assert node.run.state.ended['A-rest'].progress.packed == node.queued('A-rest')['quantity']
 
 
-def test_7_6_a_rest_that_lacks_a_component_is_passed_as_any_job(node: Node) -> None:
+def test_7_6_rest_lacking_component_is_passed(node: Node) -> None:
     node.order('A', 5)
     node.order('B', 1)
     node.run.go(until=3.0)
     conveyor = cell().conveyor.component.name
     assert node.run.service(conveyor, out=True).accepted
-    told = node.requeued('A', at('press'))
+    message = node.requeued('A', at('press'))
     assert node.job('A-rest').unavailable == (conveyor,)
-    assert f'it needs {conveyor}, which is out of service' in told
+    assert f'it needs {conveyor}, which is out of service' in message
 
 
-def test_7_6_in_a_cell_that_was_stopped_it_waits_as_any_order(node: Node) -> None:
+def test_7_6_rest_waits_in_stopped_cell(node: Node) -> None:
     node.order('A', 5)
     node.run.go(until=3.0)
     assert node.run.command(Stop).accepted
-    told = node.requeued('A', at('press'))
-    assert 'the cell waits for' in told
+    message = node.requeued('A', at('press'))
+    assert 'the cell waits for' in message
     node.run.go()
     assert node.queue == ['A-rest']
     assert node.run.command(Reset).accepted

@@ -104,7 +104,7 @@ def held() -> VirtualRun:
 
 def test_every_command_is_a_request_of_the_table() -> None:
     made: dict[str, Any] = {name: make(eve(Role.VIEW)) for name, make in COMMANDS.items()}
-    assert {name: one.request.name for name, one in made.items()} == {one: one for one in made}
+    assert {name: cmd.request.name for name, cmd in made.items()} == {cmd: cmd for cmd in made}
     others = {'cell.start', 'cell.resume', 'cell.clear', 'cell.stop_after_job'}
     assert set(REQUESTS) - set(COMMANDS) == others
 
@@ -125,7 +125,7 @@ def test_7_1_a_role_asks_for_what_the_table_says(name: str, role: Role) -> None:
         assert refused['command'] == REQUESTS[name].word
 
 
-def test_7_1_a_refusal_says_who_what_and_which_role_may() -> None:
+def test_7_1_refusal_names_user_request_and_role() -> None:
     answer = held().ask(AnswerHold('1', 'abort_job', eve(Role.OPERATE)))
     assert answer.message == (
         'hold.abort_job is for the role engineer, and somebody who claims to be Eve has the role '
@@ -142,7 +142,7 @@ def test_7_1_whose_name_is_proven_is_called_by_it() -> None:
     assert run.all('operator.decided')[-1]['known'] == 'page login'
 
 
-def test_7_1_a_name_that_nobody_has_checked_is_told_as_a_claim() -> None:
+def test_7_1_unverified_name_is_shown_as_claim() -> None:
     run = held()
     run.ask(Stop(eve(Role.OPERATE, 'end of shift')))
     assert str(run.state.wish) == 'somebody who claims to be Eve said stop: end of shift'

@@ -42,16 +42,16 @@ def say(run: VirtualRun, unsafe: str) -> None:
 
 
 def aborts(run: VirtualRun) -> list[Any]:
-    return [one for one in run.all('cell.state_changed') if one['state'] == 'Aborting']
+    return [change for change in run.all('cell.state_changed') if change['state'] == 'Aborting']
 
 
-def test_7_9_a_cell_without_a_safety_input_is_as_before() -> None:
+def test_7_9_cell_without_safety_input_is_unchanged() -> None:
     assert digest(LINE.cell) != digest(safe_cell())
     run = Line().run()
     assert run.all('safety.changed') == []
 
 
-def test_7_9_a_loss_cancels_every_goal_once_however_often_it_flaps() -> None:
+def test_7_9_flapping_loss_cancels_every_goal_once() -> None:
     run = at_work()
     running = set(run.state.running)
     say(run, 'no message for 0.5 s')
@@ -63,14 +63,14 @@ def test_7_9_a_loss_cancels_every_goal_once_however_often_it_flaps() -> None:
     assert run.state.stop_reason is not None
     assert run.state.stop_reason.value == 'emergency'
     assert len(aborts(run)) == 1
-    assert not [one for one in run.all('hold.raised') if one['reason'] == 'safety']
-    assert {one['task'] for one in run.all('task.cancel_requested')} == {k.task for k in running}
+    assert not [row for row in run.all('hold.raised') if row['reason'] == 'safety']
+    assert {row['task'] for row in run.all('task.cancel_requested')} == {k.task for k in running}
     assert aborts(run)[0]['reason'] == 'the safety input is not ready: no message for 0.5 s'
     reasons = [run.state.tasks[key].reason for key in running]
     assert all(reason is not None and reason.value == 'in_doubt' for reason in reasons)
 
 
-def test_7_9_without_a_goal_in_flight_a_hold_takes_the_place_of_the_abort() -> None:
+def test_7_9_loss_without_goal_raises_hold_not_abort() -> None:
     run = VirtualRun(safe_cell(), LINE.types)
     run.go()
     for unsafe in ('its value is False', '', 'it is False'):
@@ -83,7 +83,7 @@ def test_7_9_without_a_goal_in_flight_a_hold_takes_the_place_of_the_abort() -> N
     assert aborts(run) == []
 
 
-def test_7_9_its_return_starts_nothing_until_a_person_names_the_hold() -> None:
+def test_7_9_return_starts_nothing_before_hold_is_released() -> None:
     run = VirtualRun(safe_cell(), LINE.types)
     run.go()
     say(run, 'its value is False')
@@ -122,8 +122,8 @@ def test_7_9_after_an_abort_its_return_starts_nothing() -> None:
     assert run.ask(Start(ann())).accepted
 
 
-def test_7_9_requests_that_start_something_are_refused_while_it_is_not_ready() -> None:
-    needing = {name for name, one in REQUESTS.items() if one.needs_safety}
+def test_7_9_starting_requests_are_refused_while_not_ready() -> None:
+    needing = {name for name, request in REQUESTS.items() if request.needs_safety}
     assert needing == {
         *('cell.reset', 'cell.start', 'cell.resume', 'cell.clear', 'component.in_service'),
         *('cell.manual', 'component.run_task'),
@@ -148,11 +148,11 @@ def test_7_9_nothing_starts_before_it_was_heard() -> None:
     assert run.state.packml.value == 'Stopped'
     assert run.all('task.started') == run.all('hold.raised') == []
     say(run, 'it has no publisher')
-    assert [one['reason'] for one in run.all('hold.raised')] == ['safety']
+    assert [record['reason'] for record in run.all('hold.raised')] == ['safety']
 
 
 @pytest.mark.parametrize('unsafe', ['', 'its value is False'])
-def test_7_9_at_a_take_over_goals_in_flight_end_unless_it_is_heard_ready(unsafe: str) -> None:
+def test_7_9_take_over_ends_goals_unless_input_is_ready(unsafe: str) -> None:
     world = World(safe_cell())
     killed_at_work(world, SCRIPT)
     world.gateway.unsafe = unsafe
@@ -160,15 +160,15 @@ def test_7_9_at_a_take_over_goals_in_flight_end_unless_it_is_heard_ready(unsafe:
     assert second.state.running
     assert second.state.unsafe == 'nothing was heard of it yet'
     world.go(second)
-    changes = [one for one in world.store.read() if isinstance(one, e.CellStateChanged)]
-    assert [one.state for one in changes].count('Aborting') == (1 if unsafe else 0)
+    changes = [event for event in world.store.read() if isinstance(event, e.CellStateChanged)]
+    assert [event.state for event in changes].count('Aborting') == (1 if unsafe else 0)
     if unsafe:
         assert second.state.packml.value == 'Aborted'
     else:
         assert not second.state.jobs
 
 
-def test_7_9_a_goal_whose_record_was_written_meanwhile_is_not_sent() -> None:
+def test_7_9_loss_during_record_write_prevents_sending() -> None:
     run = VirtualRun(safe_cell(), LINE.types)
     gateway = run.sim.gateway
     sent: list[str] = []
@@ -183,7 +183,7 @@ def test_7_9_a_goal_whose_record_was_written_meanwhile_is_not_sent() -> None:
 
     def appending(events: Sequence[e.Event]) -> None:
         append(events)
-        if any(isinstance(one, e.TaskStarted) for one in events):
+        if any(isinstance(event, e.TaskStarted) for event in events):
             gateway.say_of_safety('its value is False')  # while the record is written
 
     run.store.append = appending  # type: ignore[method-assign]

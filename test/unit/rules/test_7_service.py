@@ -34,7 +34,7 @@ def word(run: VirtualRun, job: str) -> JobWord:
 # --- the component --------------------------------------------------------------------------
 
 
-def test_7_5_a_component_out_of_service_gets_no_goal_until_it_is_in_service() -> None:
+def test_7_5_component_out_of_service_gets_no_goal() -> None:
     run = line().go(2.0)
     assert run.service('a2', out=True).accepted
     run.go(100.0)
@@ -45,7 +45,7 @@ def test_7_5_a_component_out_of_service_gets_no_goal_until_it_is_in_service() ->
     assert run.counts()['packed'] == 3
 
 
-def test_7_5_what_runs_goes_on_and_the_answer_names_it() -> None:
+def test_7_5_running_task_continues_and_answer_names_it() -> None:
     run = line().go(3.5)
     answer = run.service('a2', out=True)
     assert 'work of J/1 runs there and goes on to its end' in answer.message
@@ -90,9 +90,9 @@ def test_7_5_status_says_why_in_words_and_as_data() -> None:
     words = 'waiting for a2, which is out of service (Ann: worn)'
     assert run.waits()['section 2'] == words
     status = run.sim.status()
-    (section,) = [one for one in status.sections if one.number == 2]
+    (section,) = [part for part in status.sections if part.number == 2]
     assert {(wait.kind, wait.name) for wait in section.waits} == {(WaitKind.OUT_OF_SERVICE, 'a2')}
-    (component,) = [one for one in status.components if one.name == 'a2']
+    (component,) = [part for part in status.components if part.name == 'a2']
     assert not component.ready
     assert component.out_of_service == 'Ann: worn'
     assert component.out_of_service_since == 1.0
@@ -140,7 +140,7 @@ def test_7_5_a_stop_does_not_wait_for_it() -> None:
     assert run.states[-1] == 'Stopped'
 
 
-def test_7_5_the_line_is_neither_starved_nor_blocked_by_it() -> None:
+def test_7_5_outage_neither_starves_nor_blocks_line() -> None:
     run = line()
     run.go(1.5)
     run.service('a3', out=True)
@@ -152,7 +152,7 @@ def test_7_5_the_line_is_neither_starved_nor_blocked_by_it() -> None:
 # --- the belt -------------------------------------------------------------------------------
 
 
-def test_7_5_the_belt_rests_without_its_conveyor_and_cycles_in_hand_go_on() -> None:
+def test_7_5_conveyor_outage_stops_belt_not_cycles() -> None:
     run = line().go(3.5)
     run.service('conveyor', out=True)
     run.submit('K', OTHER)
@@ -177,7 +177,7 @@ def test_7_5_a_move_that_runs_goes_on() -> None:
 # --- the queue ------------------------------------------------------------------------------
 
 
-def test_7_5_jobs_that_need_it_are_passed_and_come_in_their_turn_after_it() -> None:
+def test_7_5_jobs_needing_component_are_passed_until_return() -> None:
     run = line()
     run.add(('K', SCRIPT), ('L', OTHER), ('M', SCRIPT))
     run.go(2.0)
@@ -195,7 +195,7 @@ def test_7_5_jobs_that_need_it_are_passed_and_come_in_their_turn_after_it() -> N
     assert run.order('job.started', 'job') == ['J', 'K', 'L', 'M']
 
 
-def test_7_5_the_line_begins_the_next_job_that_lacks_nothing() -> None:
+def test_7_5_line_begins_next_job_lacking_nothing() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.service('a2', out=True)
     run.add(('K', SCRIPT), ('L', OTHER))
@@ -259,7 +259,7 @@ def test_7_5_of_two_components_both_must_be_in_service() -> None:
     assert run.go().ended
 
 
-def test_7_5_a_job_that_is_changed_may_need_it_no_more() -> None:
+def test_7_5_changed_job_may_no_longer_need_component() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.service('a2', out=True)
     run.add(('K', SCRIPT))
@@ -275,7 +275,7 @@ def test_7_5_an_aborted_job_of_the_queue_ends() -> None:
     assert run.go(1.0).ended
 
 
-def test_7_5_the_operator_is_told_what_to_do_with_a_job_on_the_line() -> None:
+def test_7_5_answer_advises_on_job_on_line() -> None:
     run = line().go(2.0)
     answer = run.service('a2', out=True)
     assert (
@@ -286,7 +286,7 @@ def test_7_5_the_operator_is_told_what_to_do_with_a_job_on_the_line() -> None:
     assert 'on the line' not in done.service('a2', out=True).message, 'it has done that already'
 
 
-def test_7_5_a_cell_with_only_such_jobs_rests_and_starts_by_itself_after_it() -> None:
+def test_7_5_cell_with_unavailable_jobs_starts_on_return() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.service('a2', out=True)
     run.add(('K', SCRIPT))
@@ -295,7 +295,7 @@ def test_7_5_a_cell_with_only_such_jobs_rests_and_starts_by_itself_after_it() ->
     assert run.go().ended
 
 
-def test_7_5_no_job_of_a_simulation_without_a_sender_is_let_through() -> None:
+def test_7_5_simulation_job_without_sender_stays_unavailable() -> None:
     sim = Simulation(LINE.cell, LINE.types, VirtualRun(LINE.cell, LINE.types).store)
     assert sim.orchestrator.ask(SetService('a2', False, ann('worn'))).accepted
     sim.submit([Job('K', SCRIPT, 1)])

@@ -28,7 +28,7 @@ def bench(tmp_path: Path) -> SignedBench:
     return SignedBench(tmp_path)
 
 
-def test_7_12_1_the_name_and_the_role_are_those_of_the_key(bench: SignedBench) -> None:
+def test_7_12_1_key_determines_name_and_role(bench: SignedBench) -> None:
     ann = bench.made('ann', Role.OPERATE)
     by = bench.send(ann, By('Bob', 'the terminal', 'why', Role.ENGINEER, Known.PAGE_LOGIN))
     assert (by.who, by.origin, by.reason) == ('ann', 'the terminal', 'why')
@@ -59,7 +59,7 @@ def test_7_12_2_neither_another_key_nor_another_signature_fits(bench: SignedBenc
             bench.bring(text, bob.public, wrong)
 
 
-def test_7_12_2_a_signature_of_the_same_text_for_another_purpose_does_not_fit(
+def test_7_12_2_signature_for_other_purpose_is_refused(
     bench: SignedBench,
 ) -> None:
     ann = bench.made('ann')
@@ -68,7 +68,7 @@ def test_7_12_2_a_signature_of_the_same_text_for_another_purpose_does_not_fit(
         bench.bring(text, ann.public, ann._key.sign(text.encode()))
 
 
-def test_7_12_3_a_key_that_the_node_does_not_have_counts_nothing(bench: SignedBench) -> None:
+def test_7_12_3_unknown_key_is_refused(bench: SignedBench) -> None:
     ann = bench.made('ann')
     del bench.keys['ann']
     with pytest.raises(CommandRefused, match='user key NAME --role ROLE --public KEY'):
@@ -89,7 +89,7 @@ def test_7_12_3_a_key_that_the_node_does_not_have_counts_nothing(bench: SignedBe
         ({'number': LARGEST_NUMBER + 1}, 'a copy'),
     ],
 )
-def test_7_12_4_only_for_this_node_its_history_and_this_moment(
+def test_7_12_4_request_fits_only_this_node_and_moment(
     bench: SignedBench, other: dict[str, Any], why: str
 ) -> None:
     ann = bench.made('ann')
@@ -109,7 +109,7 @@ def test_7_12_4_what_is_late_is_refused(bench: SignedBench) -> None:
         bench.bring(*late)
 
 
-def test_7_12_5_no_number_counts_twice_and_none_out_of_order(bench: SignedBench) -> None:
+def test_7_12_5_number_counts_once_and_in_order(bench: SignedBench) -> None:
     ann, bob = bench.made('ann'), bench.made('bob')
     first, second = (signed(ann, bench.request(ann)) for _ in range(2))
     assert bench.bring(*second).who == 'ann'
@@ -119,7 +119,7 @@ def test_7_12_5_no_number_counts_twice_and_none_out_of_order(bench: SignedBench)
     assert bench.send(bob).who == 'bob'
 
 
-def test_7_12_5_a_number_that_came_too_early_or_too_late_is_used(bench: SignedBench) -> None:
+def test_7_12_5_untimely_request_uses_up_its_number(bench: SignedBench) -> None:
     """Whoever made a client sign for a later moment cannot bring it then."""
     ann = bench.made('ann')
     early = signed(ann, bench.request(ann, uptime=bench.here.up.seconds + 60.0))
@@ -146,16 +146,16 @@ def by_ann(number: int, reason: str = 'a test') -> By:
     return By('ann', 'over there', reason, Role.ENGINEER, Known.SIGNED, '', signature)
 
 
-def test_7_12_5_each_number_is_on_record_with_its_request_and_outlives_events() -> None:
+def test_7_12_5_number_is_recorded_and_outlives_events() -> None:
     run = Line().run()
     run.ask(ask('cell.pause', by_ann(7)))
     run.ask(ask('cell.start', by_ann(9)))  # refused
-    recorded = [one for one in run.records if one['event'] in ('request.signed', *_OPERATORS)]
-    assert [one['event'] for one in recorded[-4:]] == [
+    recorded = [row for row in run.records if row['event'] in ('request.signed', *_OPERATORS)]
+    assert [row['event'] for row in recorded[-4:]] == [
         *('request.signed', 'operator.decided', 'request.signed', 'operator.refused'),
     ]
-    signatures = [one for one in recorded if one['event'] == 'request.signed']
-    assert [(one['key'], one['public'], one['number']) for one in signatures[-2:]] == [
+    signatures = [row for row in recorded if row['event'] == 'request.signed']
+    assert [(row['key'], row['public'], row['number']) for row in signatures[-2:]] == [
         ('ann', 'AAAA', 7),
         ('ann', 'AAAA', 9),
     ]
@@ -176,10 +176,10 @@ def test_7_12_5_records_of_signatures_cannot_fill_the_disk() -> None:
     for number in range(1, 400):
         run.ask(RefusedRequest('start', by_ann(number), 'no ' * 50))
     written = run.records[before:]
-    assert sum(one['event'] == 'request.signed' for one in written) == sum(
-        one['event'] == 'operator.refused' for one in written
+    assert sum(record['event'] == 'request.signed' for record in written) == sum(
+        record['event'] == 'operator.refused' for record in written
     )
-    assert sum(len(json.dumps(one)) for one in written) < REFUSALS_OF_ONE.at_once + 1000
+    assert sum(len(json.dumps(record)) for record in written) < REFUSALS_OF_ONE.at_once + 1000
 
 
 @pytest.mark.parametrize(
@@ -193,7 +193,7 @@ def test_7_12_5_records_of_signatures_cannot_fill_the_disk() -> None:
         (Role.VIEW, Role.OPERATE, Role.VIEW, 'operate (page login)'),
     ],
 )
-def test_7_12_6_a_door_asserts_names_and_roles_up_to_its_own(
+def test_7_12_6_door_asserts_roles_up_to_its_own(
     bench: SignedBench, allowed: Role, asserted: Role, role: Role, claims: str
 ) -> None:
     page = bench.made('page_1', allowed, 'page')
@@ -203,7 +203,7 @@ def test_7_12_6_a_door_asserts_names_and_roles_up_to_its_own(
     assert by.signed.key == 'page_1'
 
 
-def test_7_12_6_a_door_asserts_no_users_of_another_kind_and_asks_nothing_itself(
+def test_7_12_6_door_asserts_no_foreign_users_or_itself(
     bench: SignedBench,
 ) -> None:
     page = bench.made('page_1', Role.ENGINEER, 'page')
@@ -217,7 +217,7 @@ def test_7_12_6_a_door_asserts_no_users_of_another_kind_and_asks_nothing_itself(
         bench.send(page, user_of_door(Role.VIEW), known='local user')
 
 
-def test_7_12_7_a_panel_over_ros_is_a_key_that_the_file_names(bench: SignedBench) -> None:
+def test_7_12_7_ros_panel_key_is_named_by_file(bench: SignedBench) -> None:
     bench.panels = ('panel_3', 'page_1')
     panel, ann = bench.made('panel_3', Role.OPERATE), bench.made('ann')
     page = bench.made('page_1', Role.OPERATE, 'page')
@@ -235,7 +235,7 @@ def test_7_12_7_a_panel_over_ros_is_a_key_that_the_file_names(bench: SignedBench
         json.dumps({field.name: 'x' for field in fields(Sealed)}),
     ],
 )
-def test_7_12_a_request_of_another_form_is_refused_in_words(text: str) -> None:
+def test_7_12_malformed_request_is_refused_in_words(text: str) -> None:
     with pytest.raises(CommandRefused, match='a signed request is JSON with name, arguments'):
         opened(text)
 

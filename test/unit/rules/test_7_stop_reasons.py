@@ -62,7 +62,7 @@ def test_7_2_every_reason_has_its_words() -> None:
 # --- which reason -----------------------------------------------------------------------------
 
 
-def test_7_2_the_first_hold_that_stands_is_the_stop_reason() -> None:
+def test_7_2_first_standing_hold_is_stop_reason() -> None:
     run = Line(faults={'a2': '#1=abort'}).begin(quantity=2).go(until=3.5)
     run.command(Pause)
     run.go()
@@ -77,7 +77,7 @@ def test_7_2_the_first_hold_that_stands_is_the_stop_reason() -> None:
     assert run.ended
 
 
-def test_7_2_jobs_of_a_stopped_cell_are_suspended_by_an_operator() -> None:
+def test_7_2_operator_stop_suspends_jobs() -> None:
     run = Line().begin(quantity=2).go(until=3.5)
     run.command(Stop)
     run.go()
@@ -117,7 +117,7 @@ ROUNDED_DOWN_MS = [ms for ms in range(3001, 9000) if (ms + 1000) / 1000 < ms / 1
 
 @given(began_ms=st.sampled_from(ROUNDED_DOWN_MS) | st.integers(3001, 9000))
 @settings(max_examples=50)
-def test_7_2_the_line_suspends_and_comes_back_whenever_it_began_to_wait(began_ms: int) -> None:
+def test_7_2_line_suspends_and_recovers_at_any_moment(began_ms: int) -> None:
     faults = {'a1': '#1=not_ready:20'}
     # The first item is placed at 1.0 and comes to section 2 at 3.0.
     line = Line(topics=('a1',), faults=faults, seconds={'a2': began_ms / 1000 - 3.0})
@@ -126,14 +126,14 @@ def test_7_2_the_line_suspends_and_comes_back_whenever_it_began_to_wait(began_ms
     assert run.times('cell.state_changed', state='Suspended')[0] == (began_ms + 1000) / 1000
 
 
-def test_7_2_a_component_that_is_busy_for_a_moment_suspends_nothing() -> None:
+def test_7_2_briefly_busy_component_suspends_nothing() -> None:
     line = Line(topics=('a1',), faults={'a1': '#*=not_ready:0.9'})
     run = line.run(THREE, 3)
     assert run.ended
     assert 'Suspended' not in run.states
 
 
-def test_7_2_a_station_that_is_not_ready_is_neither_starved_nor_blocked() -> None:
+def test_7_2_unready_station_is_not_starved_or_blocked() -> None:
     run = not_ready('a2')
     assert run.state.packml.value == 'Execute'
     assert run.state.stop_reason is None
@@ -152,14 +152,14 @@ def test_7_2_the_sink_comes_first_when_both_ends_wait() -> None:
     assert run.state.stop_message == 'pack of J/1 waits for /a2/state = READY'
 
 
-def test_7_2_with_one_section_the_slot_tells_source_from_sink() -> None:
+def test_7_2_single_section_slot_tells_starved_from_blocked() -> None:
     text = 'sections:\n  1: [{id: place, @a1, qty_change: 1}, {id: pack, @b1, qty_change: -1}]'
     for component, reason in (('a1', StopReason.STARVED), ('b1', StopReason.BLOCKED)):
         line = Line(1, topics=(component,), faults={component: '#0=not_ready'})
         assert line.run(text, 1).state.stop_reason is reason
 
 
-def test_7_2_a_suspended_cell_can_be_paused_and_comes_back_to_suspended() -> None:
+def test_7_2_paused_suspended_cell_returns_to_suspended() -> None:
     run = not_ready('a1')
     run.command(Pause)
     run.go()
@@ -169,7 +169,7 @@ def test_7_2_a_suspended_cell_can_be_paused_and_comes_back_to_suspended() -> Non
     assert run.state.packml.value == 'Suspended'
 
 
-def test_7_2_a_suspended_cell_goes_on_with_whatever_can_start() -> None:
+def test_7_2_suspended_cell_continues_with_startable_work() -> None:
     run = not_ready('a1')
     assert run.remove('J/1').accepted
     run.go()

@@ -21,7 +21,7 @@ OFTEN = ('hold', 'turn', 'belt', 'cell_state', 'flag', 'component')
 
 
 @pytest.mark.long
-def test_7_4_waits_name_the_real_obstacles_and_the_journal_says_the_same() -> None:
+def test_7_4_waits_name_real_obstacles_as_journal_does() -> None:
     """With faults, answers, commands, orders and repairs at any time.
 
     That each standing item has a goal or a wait is checked after each settle (`VirtualRun`).

@@ -61,8 +61,8 @@ def run(cell: Cell, script: Script, quantity: int, seed: int | None = None) -> R
     state, waits = simulation.state, simulation.waits()
     simulation.close()
     words: dict[str, set[str]] = {}
-    for one in waits:
-        words.setdefault(one.part, set()).update(one.reason.replace('J/', 'item ').split('; '))
+    for wait in waits:
+        words.setdefault(wait.part, set()).update(wait.reason.replace('J/', 'item ').split('; '))
     begun = state.jobs['J'].progress.started if 'J' in state.jobs else quantity
     return Run(outcome is Outcome.FINISHED, state.beat, words, begun)
 
@@ -86,19 +86,19 @@ def test_8_2_neighbours_need_no_more_than_capacity_one() -> None:
     assert deadlock(Line(5).script(flagged(2, 3))) is None
 
 
-def test_8_2_the_circle_is_told_in_the_words_of_the_line() -> None:
-    found = deadlock(read_script(STUCK, read_cell(REFERENCE_CELL, TYPES), TYPES))
-    assert found is not None
-    assert str(found) == (
+def test_8_2_deadlock_message_describes_the_circle() -> None:
+    stall = deadlock(read_script(STUCK, read_cell(REFERENCE_CELL, TYPES), TYPES))
+    assert stall is not None
+    assert str(stall) == (
         'the line gets stuck with stuck, at item 4 in beat 3: '
         'section 2 is waiting for assemble to take flag read_before_assemble; '
         'section 4 is waiting for an item; '
         'belt is waiting for section 2 to finish with item 2'
     )
-    assert found.hint == 'capacity 2 of flag read_before_assemble frees it'
+    assert stall.hint == 'capacity 2 of flag read_before_assemble frees it'
 
 
-def test_8_2_a_circle_within_one_section_leaves_the_belt_out() -> None:
+def test_8_2_circle_within_section_leaves_belt_out() -> None:
     text = """
 sections:
   1: [{id: place, @a1, qty_change: 1}]
@@ -107,15 +107,15 @@ sections:
 lateral_dependencies:
   - {flag: own, upstream: early, downstream: late}
 """
-    found = deadlock(Line(3).script(text))
-    assert found is not None
-    assert [str(stand) for stand in found.circle] == [
+    stall = deadlock(Line(3).script(text))
+    assert stall is not None
+    assert [str(stand) for stand in stall.circle] == [
         'section 2 is waiting for early to set flag own'
     ]
-    assert found.remedy == 'initial count 1 of flag own frees it'
+    assert stall.remedy == 'initial count 1 of flag own frees it'
 
 
-def test_8_2_a_circle_through_two_tracks_of_a_group_names_what_each_waits_for() -> None:
+def test_8_2_circle_through_tracks_names_each_wait() -> None:
     """The flag of the first is no remedy, which it would be alone."""
     text = """
 sections:
@@ -127,13 +127,13 @@ lateral_dependencies:
   - {flag: turned, upstream: turn, downstream: hold}
   - {flag: packed, upstream: pack, downstream: turn}
 """
-    found = deadlock(Line(1).script(text))
-    assert found is not None
-    assert [str(stand) for stand in found.circle] == [
+    stall = deadlock(Line(1).script(text))
+    assert stall is not None
+    assert [str(stand) for stand in stall.circle] == [
         'section 1 is waiting for turn to set flag turned',
         'section 1 is waiting for pack to set flag packed',
     ]
-    assert found.remedy == 'initial count 1 of flag packed frees it'
+    assert stall.remedy == 'initial count 1 of flag packed frees it'
 
 
 def test_8_2_a_circle_through_a_long_list_is_told() -> None:
@@ -151,9 +151,9 @@ sections:
 lateral_dependencies:
   - {{flag: own, upstream: pack, downstream: place}}
 {flags}"""
-    found = deadlock(Line(1).script(text))
-    assert found is not None
-    assert [str(stand) for stand in found.circle] == [
+    stall = deadlock(Line(1).script(text))
+    assert stall is not None
+    assert [str(stand) for stand in stall.circle] == [
         'section 1 is waiting for pack to set flag own'
     ]
 
@@ -173,9 +173,9 @@ lateral_dependencies:
     line = Line(5)
     script = line.script(text)
     assert run(line.cell, script, 10).waits['section 2'] == {'waiting for late to take flag near'}
-    found = deadlock(script)
-    assert found is not None
-    assert [stand.part for stand in found.circle] == ['section 3', 'section 5', 'belt']
+    stall = deadlock(script)
+    assert stall is not None
+    assert [stand.part for stand in stall.circle] == ['section 3', 'section 5', 'belt']
 
 
 @pytest.mark.parametrize(
@@ -190,19 +190,19 @@ lateral_dependencies:
 def test_8_2_the_smallest_remedy_is_named_and_works(text: str, remedy: str) -> None:
     line = Line(5)
     script = line.script(text)
-    found = deadlock(script)
-    assert found is not None
-    assert found.remedy == remedy
-    assert found.flags == ('coupled',)
-    assert run(line.cell, cured(script, found), 10).finished
+    stall = deadlock(script)
+    assert stall is not None
+    assert stall.remedy == remedy
+    assert stall.flags == ('coupled',)
+    assert run(line.cell, cured(script, stall), 10).finished
 
 
-def test_8_2_ends_that_look_swapped_are_named_before_a_larger_count() -> None:
+def test_8_2_swapped_ends_are_suggested_before_larger_count() -> None:
     line = Line(5)
     script = line.script(flagged(3, 2))
-    found = deadlock(script)
-    assert found is not None
-    assert found.hint == (
+    stall = deadlock(script)
+    assert stall is not None
+    assert stall.hint == (
         'swap `upstream` and `downstream` of flag coupled; '
         'or initial count 1 of flag coupled frees it'
     )
@@ -220,12 +220,12 @@ def test_8_2_ends_that_look_swapped_are_named_before_a_larger_count() -> None:
     ],
 )
 def test_8_2_other_ends_do_not_look_swapped(text: str) -> None:
-    found = deadlock(Line(5).script(text))
-    assert found is not None
-    assert 'swap' not in found.hint
+    stall = deadlock(Line(5).script(text))
+    assert stall is not None
+    assert 'swap' not in stall.hint
 
 
-def test_8_2_a_circle_of_two_flags_that_no_count_of_one_can_free() -> None:
+def test_8_2_single_flag_cannot_free_two_flag_circle() -> None:
     text = """
 sections:
   1: [{id: place, @a1, qty_change: 1}]
@@ -235,10 +235,10 @@ lateral_dependencies:
   - {flag: one, upstream: second, downstream: late, initial: 0}
   - {flag: two, upstream: first, downstream: early, initial: 0}
 """
-    found = deadlock(Line(3).script(text))
-    assert found is not None
-    assert found.remedy == ''
-    assert found.hint == 'no larger capacity or initial count of one flag frees it'
+    stall = deadlock(Line(3).script(text))
+    assert stall is not None
+    assert stall.remedy == ''
+    assert stall.hint == 'no larger capacity or initial count of one flag frees it'
 
 
 PLACE = '{id: place, @a1, qty_change: 1}'
@@ -253,7 +253,7 @@ FREE = '{id: ahead, @b1, requires_conveyor: false}'
         (f'{{release_conveyor: after_last_conveyor_task, tasks: [{PLACE}, {FREE}]}}', True),
     ],
 )
-def test_8_2_who_has_released_the_belt_may_wait_for_what_it_brings(lists: str, fine: bool) -> None:
+def test_8_2_released_belt_allows_waiting_for_next_item(lists: str, fine: bool) -> None:
     """The flag wants that an item has come to section 3 before the next one is begun."""
     text = f"""
 sections:
@@ -268,7 +268,7 @@ lateral_dependencies:
     assert run(line.cell, script, 6).finished == fine
 
 
-def test_8_2_the_graph_says_what_whole_runs_of_drawn_lines_show() -> None:
+def test_8_2_graph_agrees_with_whole_runs_of_lines() -> None:
     """Verdict, item, beat and every wait of the circle, for even and for uneven durations."""
     seen: Counter[str] = Counter()
 
@@ -276,25 +276,25 @@ def test_8_2_the_graph_says_what_whole_runs_of_drawn_lines_show() -> None:
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = FlaggedLine(seed)
-        found = deadlock(drawn.script)
+        stall = deadlock(drawn.script)
         for quantity, durations in ((2, None), (3, seed)):
-            one = run(drawn.line.cell, drawn.script, quantity * drawn.size, durations)
-            assert one.finished == (found is None), drawn.text
-            if found is not None:
-                assert one.beat == found.beat, drawn.text
-                assert one.begun == min(found.item, quantity * drawn.size), drawn.text
-                for stand in found.circle:
-                    assert stand.wait.reason in one.waits[stand.part], drawn.text
+            full_run = run(drawn.line.cell, drawn.script, quantity * drawn.size, durations)
+            assert full_run.finished == (stall is None), drawn.text
+            if stall is not None:
+                assert full_run.beat == stall.beat, drawn.text
+                assert full_run.begun == min(stall.item, quantity * drawn.size), drawn.text
+                for stand in stall.circle:
+                    assert stand.wait.reason in full_run.waits[stand.part], drawn.text
         seen['all'] += 1
-        seen['refused'] += found is not None
-        seen['with several parts'] += found is not None and len(found.circle) > 2
+        seen['refused'] += stall is not None
+        seen['with several parts'] += stall is not None and len(stall.circle) > 2
 
     holds()
     assert 0.2 * seen['all'] < seen['refused'] < 0.8 * seen['all'], seen
     assert seen['with several parts'] > 0.1 * seen['all'], seen
 
 
-def test_8_2_a_job_as_long_as_the_line_gets_stuck_or_none_does() -> None:
+def test_8_2_job_as_long_as_line_shows_deadlock() -> None:
     """The bound of docs/deadlock_proof.md: sink - source items, and at least one."""
     seen: Counter[bool] = Counter()
 
@@ -311,7 +311,7 @@ def test_8_2_a_job_as_long_as_the_line_gets_stuck_or_none_does() -> None:
     assert min(seen[True], seen[False]) > 0.2 * seen.total()
 
 
-def test_8_2_the_remedy_frees_drawn_lines_and_nothing_smaller_does() -> None:
+def test_8_2_only_full_remedy_frees_drawn_lines() -> None:
     seen: Counter[str] = Counter()
 
     @example(1199)
@@ -319,12 +319,12 @@ def test_8_2_the_remedy_frees_drawn_lines_and_nothing_smaller_does() -> None:
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = FlaggedLine(seed, most_sections=5)
-        found = deadlock(drawn.script)
-        if found is None:
+        stall = deadlock(drawn.script)
+        if stall is None:
             return
         amount = drawn.size
-        if found.remedy:
-            healed = cured(drawn.script, found)
+        if stall.remedy:
+            healed = cured(drawn.script, stall)
             assert run(drawn.line.cell, healed, 2 * drawn.size).finished, drawn.text
             (changed,) = set(healed.dependencies) - set(drawn.script.dependencies)
             before = next(d for d in drawn.script.dependencies if d.flag == changed.flag)
@@ -341,7 +341,7 @@ def test_8_2_the_remedy_frees_drawn_lines_and_nothing_smaller_does() -> None:
             ):
                 changed_script = with_flag(drawn.script, smaller)
                 assert not run(drawn.line.cell, changed_script, 2 * drawn.size).finished
-        seen['freed' if found.remedy else 'not freed'] += 1
+        seen['freed' if stall.remedy else 'not freed'] += 1
 
     holds()
     assert seen['freed'] > 5, seen
@@ -349,7 +349,7 @@ def test_8_2_the_remedy_frees_drawn_lines_and_nothing_smaller_does() -> None:
 
 
 def with_flag(script: Script, changed: Dependency) -> Script:
-    flags = (changed if one.flag == changed.flag else one for one in script.dependencies)
+    flags = (changed if flag.flag == changed.flag else flag for flag in script.dependencies)
     return replace(script, dependencies=tuple(flags))
 
 
@@ -357,7 +357,7 @@ def cured(script: Script, found: Deadlock) -> Script:
     """Return the script with the change that the remedy's words ask for."""
     flag = re.search(r'of flag (\w+)', found.remedy)
     assert flag is not None
-    before = next(one for one in script.dependencies if one.flag == flag[1])
+    before = next(dependency for dependency in script.dependencies if dependency.flag == flag[1])
     capacity = re.search(r'capacity (\d+)', found.remedy)
     initial = re.search(r'initial count (\d+)', found.remedy)
     changed = replace(
@@ -374,12 +374,12 @@ def cured(script: Script, found: Deadlock) -> Script:
 
 def test_8_2_scripts_without_common_flags_cannot_get_stuck_together() -> None:
     line = Line(5)
-    one = line.script(flagged(2, 3))
+    script = line.script(flagged(2, 3))
     other = line.script(flagged(3, 4).replace('coupled', 'other'))
-    assert not get_stuck_together([one, other])
+    assert not get_stuck_together([script, other])
 
 
-def test_8_2_scripts_that_share_flags_get_stuck_together_as_the_graph_says(
+def test_8_2_graph_predicts_deadlock_of_flag_sharing_scripts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Items of both follow each other in many orders; the queue would refuse the later script."""
@@ -443,5 +443,5 @@ def test_8_2_a_line_of_200_sections_and_2000_tasks(
         f'  - {{flag: f{n}, upstream: t{n}_0, downstream: t{n + 1}_0}}' for n in range(1, 200)
     ]
     lines.append(f'  - {{flag: far, upstream: {upstream}, downstream: {downstream}}}')
-    found = deadlock(line_of(200).script('\n'.join(lines)))
-    assert (found and found.remedy) == remedy
+    stall = deadlock(line_of(200).script('\n'.join(lines)))
+    assert (stall and stall.remedy) == remedy

@@ -38,17 +38,17 @@ def drawn_durations(cell: Cell, seed: int) -> Cell:
     draw = random.Random(seed)
     tasks = ('TASK_A', 'TASK_B', cell.conveyor.task)
     components = {
-        name: replace(one, durations_s={task: draw.choice(SECONDS) for task in tasks})
-        for name, one in cell.components.items()
+        name: replace(device, durations_s={task: draw.choice(SECONDS) for task in tasks})
+        for name, device in cell.components.items()
     }
     conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
     return replace(cell, components=components, conveyor=conveyor)
 
 
 def paced(line: Line, text: str) -> Pace:
-    found = pace(line.script(text), line.cell)
-    assert found is not None
-    return found
+    line_pace = pace(line.script(text), line.cell)
+    assert line_pace is not None
+    return line_pace
 
 
 # --- lists and the belt ---------------------------------------------------------------------
@@ -91,19 +91,19 @@ def test_8_4_the_slowest_circle_is_the_pace(
     text: str, slow: str, per_item_s: float, limit: str
 ) -> None:
     line = Line(seconds={slow: 7.0})
-    found = paced(line, text)
-    assert (found.per_item_s, str(found.limit)) == (per_item_s, limit)
-    assert found.is_exact
+    actual_pace = paced(line, text)
+    assert (actual_pace.per_item_s, str(actual_pace.limit)) == (per_item_s, limit)
+    assert actual_pace.is_exact
     assert steady(line.cell, line.script(text)) == (per_item_s, True)
 
 
-def test_8_4_a_line_in_which_nothing_takes_time_has_no_limit() -> None:
+def test_8_4_line_without_durations_has_no_limit() -> None:
     cell = Line(seconds=dict.fromkeys(('a1', 'a2', 'a3'), 0.0)).cell
     still = replace(cell.conveyor.component, default_duration_s=0.0)
     cell = replace(cell, components={**cell.components, still.name: still})
-    found = pace(Line().script(THREE), cell)
-    assert found is not None
-    assert str(found) == 'pace: 0.0 s per item, limited by nothing that takes time'
+    actual_pace = pace(Line().script(THREE), cell)
+    assert actual_pace is not None
+    assert str(actual_pace) == 'pace: 0.0 s per item, limited by nothing that takes time'
     assert quicker(PacedLine(Line().script(THREE), cell), cell) is None
 
 
@@ -139,12 +139,12 @@ def test_8_4_a_flag_puts_sections_into_one_circle(
     for name, value in {'UP': up, 'DOWN': down, 'CAPACITY': capacity, 'INITIAL': initial}.items():
         text = text.replace(name, str(value))
     line = Line(4, seconds={'b2': 5.0, 'a3': 3.0, 'b3': 2.0})
-    found = paced(line, text)
-    assert (found.per_item_s, str(found.limit)) == (per_item_s, limit)
+    actual_pace = paced(line, text)
+    assert (actual_pace.per_item_s, str(actual_pace.limit)) == (per_item_s, limit)
     assert steady(line.cell, line.script(text)) == (per_item_s, True)
 
 
-def test_8_4_lines_without_shared_spaces_are_as_fast_as_the_graph_says() -> None:
+def test_8_4_lines_without_shared_spaces_match_predicted_pace() -> None:
     """And the pace is infinite exactly if the line gets stuck."""
     seen: Counter[str] = Counter()
 
@@ -153,15 +153,15 @@ def test_8_4_lines_without_shared_spaces_are_as_fast_as_the_graph_says() -> None
     def holds(seed: int) -> None:
         drawn = FlaggedLine(seed)
         cell = drawn_durations(drawn.line.cell, seed)
-        found, real = pace(drawn.script, cell), steady(cell, drawn.script)
-        assert (found is None) == (real is None), drawn.text
-        if found is not None and real is not None:
-            assert found.is_exact
+        predicted, real = pace(drawn.script, cell), steady(cell, drawn.script)
+        assert (predicted is None) == (real is None), drawn.text
+        if predicted is not None and real is not None:
+            assert predicted.is_exact
             assert real.repeats, drawn.text
-            assert abs(real.per_item_s - found.per_item_s) < 1e-6, drawn.text
+            assert abs(real.per_item_s - predicted.per_item_s) < 1e-6, drawn.text
         seen['all'] += 1
-        seen['stuck'] += found is None
-        seen['by flags'] += found is not None and bool(found.limit.flags)
+        seen['stuck'] += predicted is None
+        seen['by flags'] += predicted is not None and bool(predicted.limit.flags)
 
     holds()
     assert min(seen['stuck'], seen['by flags']) > 0, seen
@@ -203,10 +203,10 @@ sections:
 
 def test_8_4_what_is_shared_makes_the_pace_a_bound() -> None:
     line = Line(seconds={'arm': 4.0})
-    found = paced(line, ARM)
-    assert (found.per_item_s, str(found.limit)) == (8.0, 'near + far, never two at once (arm)')
-    assert found.not_counted == ('waits for arm',)
-    assert not found.is_exact
+    bound = paced(line, ARM)
+    assert (bound.per_item_s, str(bound.limit)) == (8.0, 'near + far, never two at once (arm)')
+    assert bound.not_counted == ('waits for arm',)
+    assert not bound.is_exact
     real = steady(line.cell, line.script(ARM))
     assert real is not None
     assert real.per_item_s > 8.0  # the belt waits for both, and moves while the arm does nothing
@@ -215,24 +215,24 @@ def test_8_4_what_is_shared_makes_the_pace_a_bound() -> None:
 def test_8_4_further_rounds_of_a_repeat_are_not_counted() -> None:
     judged = 'fails_unless: "${results.look.item_present}"'
     repeat = f'- repeat: [{{id: glue, @b2}}, {{id: look, @a2, {judged}}}]'
-    found = paced(Line(), with_section(2, repeat))
-    assert found.per_item_s == 4.0
-    assert found.not_counted == ('further rounds of glue',)
-    assert str(found).startswith(
+    actual_pace = paced(Line(), with_section(2, repeat))
+    assert actual_pace.per_item_s == 4.0
+    assert actual_pace.not_counted == ('further rounds of glue',)
+    assert str(actual_pace).startswith(
         'pace: 4.0 s per item or longer (further rounds of glue not counted'
     )
-    assert not found.is_exact
+    assert not actual_pace.is_exact
 
 
-def test_8_4_a_zone_may_be_wanted_by_two_tracks_of_a_group() -> None:
-    found = paced(Line(), ZONE)
-    assert found.not_counted == ('waits for zone table',)
+def test_8_4_two_group_tracks_may_want_one_zone() -> None:
+    actual_pace = paced(Line(), ZONE)
+    assert actual_pace.not_counted == ('waits for zone table',)
     assert paced(Line(), ONE_AFTER_THE_OTHER).is_exact
 
 
-def test_8_4_a_task_of_the_conveyor_waits_for_its_moves() -> None:
-    found = paced(Line(), BELT_AS_A_TOOL)
-    assert (found.per_item_s, str(found.limit)) == (
+def test_8_4_conveyor_task_waits_for_index_moves() -> None:
+    actual_pace = paced(Line(), BELT_AS_A_TOOL)
+    assert (actual_pace.per_item_s, str(actual_pace.limit)) == (
         4.0,
         'index move + push, never two at once (conveyor)',
     )
@@ -252,16 +252,16 @@ sections:
 def test_8_4_tasks_with_conditions_leave_a_range(word: str, real_s: float) -> None:
     line = Line(seconds={'b2': 5.0})
     text = SEALED.replace('WHEN', word)
-    found = paced(line, text)
-    assert (found.least.per_item_s, found.per_item_s) == (3.0, 8.0)
-    assert str(found.limit) == 'look + seal + index move'
-    assert not found.is_exact
+    actual_pace = paced(line, text)
+    assert (actual_pace.least.per_item_s, actual_pace.per_item_s) == (3.0, 8.0)
+    assert str(actual_pace.limit) == 'look + seal + index move'
+    assert not actual_pace.is_exact
     assert steady(line.cell, line.script(text)) == (real_s, True)
 
 
-def test_8_4_a_condition_that_does_not_matter_leaves_the_pace_exact() -> None:
-    found = paced(Line(seconds={'b2': 5.0, 'a3': 6.0}), SEALED.replace('WHEN', 'when'))
-    assert (found.per_item_s, found.is_exact) == (8.0, True)
+def test_8_4_irrelevant_condition_leaves_pace_exact() -> None:
+    actual_pace = paced(Line(seconds={'b2': 5.0, 'a3': 6.0}), SEALED.replace('WHEN', 'when'))
+    assert (actual_pace.per_item_s, actual_pace.is_exact) == (8.0, True)
 
 
 def test_8_4_no_line_is_faster_than_its_pace() -> None:
@@ -274,22 +274,22 @@ def test_8_4_no_line_is_faster_than_its_pace() -> None:
         show(plan)
         cell = product_cell(plan)
         for script in product_scripts(plan, cell).values():
-            found = pace(script, cell)
-            is_shared = found is not None and bool(found.not_counted)
+            predicted = pace(script, cell)
+            is_shared = predicted is not None and bool(predicted.not_counted)
             real = steady(cell, script, at_most=60 if is_shared else 480)
-            seen['stuck'] += found is None
-            if found is None or real is None:
-                assert found is not None or real is None
+            seen['stuck'] += predicted is None
+            if predicted is None or real is None:
+                assert predicted is not None or real is None
                 continue
-            slack_s = 1e-6 if real.repeats else found.per_item_s / 10
-            assert real.per_item_s >= found.least.per_item_s - slack_s
-            if not found.not_counted:
+            slack_s = 1e-6 if real.repeats else predicted.per_item_s / 10
+            assert real.per_item_s >= predicted.least.per_item_s - slack_s
+            if not predicted.not_counted:
                 assert real.repeats
-                assert real.per_item_s <= found.per_item_s + slack_s
+                assert real.per_item_s <= predicted.per_item_s + slack_s
             seen['all'] += 1
-            seen['exact'] += found.is_exact
+            seen['exact'] += predicted.is_exact
             seen['shared'] += is_shared
-            seen['slower'] += real.per_item_s > found.per_item_s + slack_s
+            seen['slower'] += real.per_item_s > predicted.per_item_s + slack_s
 
     holds()
     assert min(seen['exact'], seen['shared']) > 0, seen
@@ -300,9 +300,9 @@ def test_8_4_no_line_is_faster_than_its_pace() -> None:
 
 
 def quickest(line: Line, text: str) -> Quicker:
-    found = quicker(PacedLine(line.script(text), line.cell), line.cell)
-    assert found is not None
-    return found
+    gain = quicker(PacedLine(line.script(text), line.cell), line.cell)
+    assert gain is not None
+    return gain
 
 
 @pytest.mark.parametrize(
@@ -334,7 +334,7 @@ def test_8_4_what_a_quicker_task_brings_is_told(
     assert str(quickest(Line(seconds=seconds), text)) == words
 
 
-def test_8_4_a_task_in_several_circles_saves_until_none_of_them_is_the_slowest() -> None:
+def test_8_4_task_saves_until_its_circles_stop_limiting() -> None:
     """Less is not enough, and more brings nothing."""
     seen: Counter[str] = Counter()
 
@@ -344,34 +344,34 @@ def test_8_4_a_task_in_several_circles_saves_until_none_of_them_is_the_slowest()
         drawn = FlaggedLine(seed)
         cell = drawn_durations(drawn.line.cell, seed)
         line = PacedLine(drawn.script, cell)
-        found = quicker(line, cell)
-        if found is None:
+        gain = quicker(line, cell)
+        if gain is None:
             return
-        us, saved = line.durations(cell), round(found.by_s * 1_000_000)
+        us, saved = line.durations(cell), round(gain.by_s * 1_000_000)
 
         def limit_us(left_us: int) -> Fraction:
-            return line.limit({**us, found.task: left_us}).per_item_us
+            return line.limit({**us, gain.task: left_us}).per_item_us
 
-        left_us = us[found.task] - saved
-        assert limit_us(left_us) == limit_us(0) == found.then.per_item_us
-        assert not saved or limit_us(left_us + 1) > found.then.per_item_us
+        left_us = us[gain.task] - saved
+        assert limit_us(left_us) == limit_us(0) == gain.then.per_item_us
+        assert not saved or limit_us(left_us + 1) > gain.then.per_item_us
         seen['saves'] += bool(saved)
 
     holds()
     assert seen['saves'] > 5, seen
 
 
-def test_8_4_a_larger_flag_that_lets_the_line_go_faster_is_told() -> None:
+def test_8_4_useful_larger_flag_capacity_is_reported() -> None:
     """The engine goes as fast with it; and a flag that limits nothing is not named."""
     line = Line(4, seconds={'b2': 5.0, 'a3': 3.0, 'b3': 2.0})
     text = COUPLED.replace('UP', 'look').replace('DOWN', 'close').replace('INITIAL', '0')
-    found = roomier(PacedLine(line.script(text.replace('CAPACITY', '1')), line.cell), line.cell)
-    assert found is not None
+    hint = roomier(PacedLine(line.script(text.replace('CAPACITY', '1')), line.cell), line.cell)
+    assert hint is not None
     words = (
         'With capacity 2 of flag turned the pace would be 8.0 s per item, '
         'limited by look + turn + index move.'
     )
-    assert str(found) == words
+    assert str(hint) == words
     larger = line.script(text.replace('CAPACITY', '2'))
     assert steady(line.cell, larger) == (8.0, True)
     assert roomier(PacedLine(larger, line.cell), line.cell) is None
@@ -385,12 +385,12 @@ MAYBE = """[{id: work, @a2}, {id: more, @b2, when: "${results.work.item_present}
 def test_8_4_what_is_likely_is_between_best_and_worst() -> None:
     line = Line(seconds={'b2': 4.0})
     script = line.script(with_section(2, MAYBE.replace('LIKELY', ', likely: 0.25')))
-    found = pace(script, line.cell)
-    assert found is not None
+    bounds = pace(script, line.cell)
+    assert bounds is not None
     judge = PaceJudge(line.cell, line.types, MemoryStore)
     expected = judge.expected(script, list(rates_of(script, RatesSeen())))
     assert expected is not None
-    assert found.least.per_item_s < expected.per_item_s < found.per_item_s
+    assert bounds.least.per_item_s < expected.per_item_s < bounds.per_item_s
     assert expected.per_item_s == pytest.approx(4.0, abs=2 * expected.sure_s)
 
 

@@ -28,7 +28,7 @@ def bench(tmp_path: Path) -> Iterator[Bench]:
     bench.sim.close()
 
 
-def test_8_6_orders_by_script_do_not_wait_for_those_by_recipe(bench: Bench) -> None:
+def test_8_6_script_orders_do_not_wait_for_recipe_orders(bench: Bench) -> None:
     first = bench.order('A')
     second = bench.order('B', recipe=None)
     assert second.value.accepted
@@ -38,7 +38,7 @@ def test_8_6_orders_by_script_do_not_wait_for_those_by_recipe(bench: Bench) -> N
     assert bench.queue == ['B', 'A']
 
 
-def test_8_6_all_of_a_request_are_queued_at_once_whatever_they_name(bench: Bench) -> None:
+def test_8_6_orders_of_a_request_are_queued_together(bench: Bench) -> None:
     orders = [WorkOrder('', 'A', 1, recipe=BOX), WorkOrder('test', 'B', 1)]
     orders += [WorkOrder('', 'C', 1, recipe=LID), WorkOrder('', 'D', 1, recipe=BOX)]
     answer = begin(bench.handler.carry_out(ask('queue.add', ann(), orders=orders, held=True)))
@@ -52,7 +52,7 @@ def test_8_6_all_of_a_request_are_queued_at_once_whatever_they_name(bench: Bench
 
 
 @pytest.mark.parametrize('kind', ['one cannot be made', 'nothing is made', 'one does not fit'])
-def test_8_6_if_one_of_a_request_cannot_be_queued_none_is(bench: Bench, kind: str) -> None:
+def test_8_6_request_with_one_bad_order_queues_nothing(bench: Bench, kind: str) -> None:
     answer = bench.order('A', 'B', recipe=BOX)
     if kind == 'one cannot be made':
         bench.give(Refused([Finding('recipe BOX-7', 1, 1, 'no component has `glue`')]))
@@ -65,7 +65,7 @@ def test_8_6_if_one_of_a_request_cannot_be_queued_none_is(bench: Bench, kind: st
     assert bench.store.together == []
 
 
-def test_8_6_what_goes_out_of_service_meanwhile_is_left_out_as_well(bench: Bench) -> None:
+def test_8_6_generation_omits_component_taken_out_of_service_meanwhile(bench: Bench) -> None:
     answer = bench.order('A')
     begin(bench.engine.carry_out(SetService('press', False, ann())))
     bench.give(made())
@@ -89,14 +89,14 @@ def test_8_6_a_version_of_a_recipe_says_one_thing(bench: Bench) -> None:
     )
     assert give('C', made(1, 'bb22')).message == why
     assert give('D', made(2, 'bb22')).accepted
-    orders = [WorkOrder('', name, 1, recipe=one) for name, one in (('E', BOX), ('F', LID))]
+    orders = [WorkOrder('', name, 1, recipe=choice) for name, choice in (('E', BOX), ('F', LID))]
     both = begin(bench.handler.carry_out(ask('queue.add', ann(), orders=orders, held=True)))
     bench.give(made(3, 'cc33'), made(3, 'dd44'))
     assert 'version 3 was another one before' in both.value.message
     assert bench.queue == ['A', 'B', 'D']
 
 
-def test_8_6_a_change_to_a_version_that_says_something_else_is_refused(bench: Bench) -> None:
+def test_8_6_change_to_altered_recipe_version_is_refused(bench: Bench) -> None:
     assert not bench.order('A').is_there
     bench.give(made(1, 'aa11'))
     answer = begin(bench.handler.carry_out(ask('job.update', ann(), job='A', recipe=['BOX-7'])))
@@ -105,7 +105,7 @@ def test_8_6_a_change_to_a_version_that_says_something_else_is_refused(bench: Be
     assert 'version 1 was another one before' in answer.value.message
 
 
-def test_8_6_a_version_that_ended_long_ago_is_not_forgotten(bench: Bench) -> None:
+def test_8_6_recipe_version_of_ended_job_is_remembered(bench: Bench) -> None:
     answer = bench.order('A')
     bench.give(made(1, 'aa11'))
     assert answer.value.accepted
@@ -116,7 +116,7 @@ def test_8_6_a_version_that_ended_long_ago_is_not_forgotten(bench: Bench) -> Non
     assert 'was aa11' in answer.value.message
 
 
-def test_8_6_a_queued_job_is_made_anew_from_what_was_ordered(bench: Bench) -> None:
+def test_8_6_queued_job_is_regenerated_from_its_order(bench: Bench) -> None:
     answer = bench.order('A', recipe=LID)
     bench.give(made(1, 'aa11'))
     assert answer.value.accepted
@@ -130,7 +130,7 @@ def test_8_6_a_queued_job_is_made_anew_from_what_was_ordered(bench: Bench) -> No
     assert (job.script.name, job.recipe, job.quantity) == ('test_2', LID, 1)
 
 
-def test_8_6_a_change_may_name_a_recipe_and_takes_one_away(bench: Bench) -> None:
+def test_8_6_job_update_sets_and_removes_recipe(bench: Bench) -> None:
     assert bench.order('A', recipe=None).value.accepted
     given = {'job': 'A', 'recipe': ['BOX-7'], 'version': 2}
     answer = begin(bench.handler.carry_out(ask('job.update', ann(), **given)))
@@ -146,7 +146,7 @@ def test_8_6_a_change_may_name_a_recipe_and_takes_one_away(bench: Bench) -> None
     assert bench.engine.state.jobs['A'].job.recipe is None
 
 
-def test_8_6_jobs_of_two_versions_with_one_script_keep_their_versions(bench: Bench) -> None:
+def test_8_6_jobs_with_equal_scripts_keep_their_versions(bench: Bench) -> None:
     for version, name in ((1, 'A'), (2, 'B')):
         answer = bench.order(name)
         bench.give(made(version, f'{version}{version}'))
@@ -170,7 +170,7 @@ def test_8_6_jobs_of_two_versions_with_one_script_keep_their_versions(bench: Ben
         ({'recipe': ['LID-1']}, RecipeChoice(('LID-1',))),
     ],
 )
-def test_8_6_a_change_of_version_or_binding_keeps_the_recipe(
+def test_8_6_version_or_binding_change_keeps_recipe(
     bench: Bench, change: dict[str, object], wanted: RecipeChoice
 ) -> None:
     bench.order('A', recipe=LID)
@@ -184,7 +184,7 @@ def test_8_6_a_change_of_version_or_binding_keeps_the_recipe(
 
 
 @pytest.mark.parametrize('change', [{'version': 3}, {'bind': {'glue': 'press'}}])
-def test_8_6_a_job_by_script_has_no_version_and_no_binding(
+def test_8_6_script_job_refuses_version_and_binding(
     bench: Bench, change: dict[str, object]
 ) -> None:
     assert bench.order('A', recipe=None).value.accepted
@@ -197,7 +197,7 @@ def test_8_6_a_job_by_script_has_no_version_and_no_binding(
     )
 
 
-def test_8_6_a_change_is_of_the_recipe_that_the_job_has_at_its_turn(bench: Bench) -> None:
+def test_8_6_update_applies_to_recipe_at_its_turn(bench: Bench) -> None:
     bench.order('A')
     bench.give(made(1, 'aa11'))
     update = ask('job.update', ann(), job='A', version=2)
@@ -215,7 +215,7 @@ def test_8_6_a_change_is_of_the_recipe_that_the_job_has_at_its_turn(bench: Bench
     assert (job.job.recipe, job.recipe_version) == (RecipeChoice(('LID-1',), 2), 4)
 
 
-def test_8_6_a_job_that_got_another_recipe_meanwhile_is_made_anew_from_that(bench: Bench) -> None:
+def test_8_6_regeneration_uses_recipe_that_changed_meanwhile(bench: Bench) -> None:
     bench.order('A')
     bench.give(made(1, 'aa11'))
     anew = begin(bench.handler.make_anew('A', ann()))
@@ -230,7 +230,7 @@ def test_8_6_a_job_that_got_another_recipe_meanwhile_is_made_anew_from_that(benc
     assert (job.job.recipe, job.recipe_version) == (RecipeChoice(('LID-1',)), 3)
 
 
-def test_8_6_a_job_that_got_a_script_meanwhile_is_not_made_anew(bench: Bench) -> None:
+def test_8_6_job_changed_to_script_is_not_regenerated(bench: Bench) -> None:
     bench.order('A')
     bench.give(made(1, 'aa11'))
     anew = begin(bench.handler.make_anew('A', ann()))
@@ -242,7 +242,7 @@ def test_8_6_a_job_that_got_a_script_meanwhile_is_not_made_anew(bench: Bench) ->
     assert bench.engine.state.jobs['A'].job.recipe is None
 
 
-def test_8_6_a_job_that_is_made_from_an_equal_older_version_again_says_so(bench: Bench) -> None:
+def test_8_6_job_regenerated_from_equal_older_version_reports_it(bench: Bench) -> None:
     for version, name in ((1, 'A'), (2, 'B')):
         bench.order(name)
         bench.give(made(version, f'{version}{version}'))

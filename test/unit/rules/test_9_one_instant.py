@@ -68,20 +68,18 @@ def plan(*sent: str, failing: str = '#1=abort', long_timeout: float = 300.0) -> 
         (['', '#2=reject'], ['second_b1', 'long', 'second_b0']),
     ],
 )
-def test_9_1_a_cancel_waits_for_the_acceptance_of_its_goal_and_for_nothing_else(
-    sent: list[str], ends: list[str]
-) -> None:
+def test_9_1_cancel_waits_only_for_goal_acceptance(sent: list[str], ends: list[str]) -> None:
     """A goal that is on its way is answered at once, or accepted and then cancelled (2.4)."""
     line = plan(*sent)
     product = ProductBench(line)
     assert operate(product, ())
-    assert [one for one in product.run.order('task.failed') if one != 'bad'] == ends
+    assert [name for name in product.run.order('task.failed') if name != 'bad'] == ends
     naive = NaiveBench(line)
     assert operate(naive, ())
     assert naive.cell.records == comparable(product.run.records)
 
 
-def test_9_1_an_end_that_is_there_in_time_comes_before_the_time_limit() -> None:
+def test_9_1_timely_end_precedes_time_limit() -> None:
     line = plan(failing='', long_timeout=3.0)
     product = ProductBench(line)
     assert operate(product, ())

@@ -78,7 +78,7 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
         assert operate(naive, plan.moments) == ended
         records = product.run.records
         assert comparable(records) == naive.cell.records
-        assert [found for found in map(mistake_in, records) if found] == []
+        assert [mistake for mistake in map(mistake_in, records) if mistake] == []
         draws = draws_of(seen['all'])
         stuck = refused(plan)
         for name in product.scripts:
@@ -103,10 +103,10 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
         seen['passed'] += any('jobs' in o for o in product.run.all('component.out_of_service'))
         seen['generated'] += any('awaits_release' in o for o in product.run.all('job.queued'))
         seen['released'] += bool(product.run.all('script.released'))
-        seen['placed'] += any('position' in one for one in product.run.all('job.queued'))
+        seen['placed'] += any('position' in record for record in product.run.all('job.queued'))
 
         seen.update(event for event in OF_JOBS if product.run.all(event))
-        seen['requeued'] += any('rest_of' in one for one in product.run.all('job.queued'))
+        seen['requeued'] += any('rest_of' in record for record in product.run.all('job.queued'))
         seen['taken back'] += bool(product.run.all('queue.stop_cancelled'))
 
     holds()
@@ -145,7 +145,7 @@ def test_5_1_short_orders_go_as_the_second_opinion_says(plan: Plan) -> None:
     assert comparable(product.run.records) == naive.cell.records
 
 
-def test_7_7_runs_of_rejects_go_as_the_second_opinion_says() -> None:
+def test_7_7_runs_of_rejects_match_second_opinion() -> None:
     """Limits of cells and of scripts, over jobs and stops, with answers at any moment."""
     seen: Counter[str] = Counter()
 
@@ -186,11 +186,11 @@ def test_6_12_first_pieces_go_as_the_second_opinion_says() -> None:
         naive = NaiveBench(plan, product.refused)
         assert operate(naive, plan.moments) == ended
         assert comparable(product.run.records) == naive.cell.records
-        resumed = [one for one in product.run.all('job.resumed') if 'item' in one]
+        resumed = [record for record in product.run.all('job.resumed') if 'item' in record]
         seen['all'] += 1
-        seen['approved'] += any('another' not in one for one in resumed)
-        seen['another'] += any('another' in one for one in resumed)
-        seen['stopped'] += any('item' in one for one in product.run.all('job.stopping'))
+        seen['approved'] += any('another' not in record for record in resumed)
+        seen['another'] += any('another' in record for record in resumed)
+        seen['stopped'] += any('item' in record for record in product.run.all('job.stopping'))
 
     holds()
     if PROFILE != 'shard':
@@ -235,7 +235,7 @@ def told_line(faults: list[str], moments: tuple[Moment, ...]) -> Plan:
     return Plan(cell, tuple(scripts), orders, (), moments, (), frozenset())
 
 
-def test_5_3_what_topics_tell_goes_as_the_second_opinion_says() -> None:
+def test_5_3_setups_from_topics_match_second_opinion() -> None:
     """Whatever is set up by hand, and whenever; some of it while the line changes it."""
     seen: Counter[str] = Counter()
     choices = [Moment(0.13, SETS_UP), Moment(3.71, 0), Moment(3.71, SETS_UP), Moment(17.93, 1)]
@@ -251,6 +251,6 @@ def test_5_3_what_topics_tell_goes_as_the_second_opinion_says() -> None:
         assert comparable(run.run.records) == naive.cell.records, moments
         seen['held'] += bool(run.run.all('hold.raised', reason='setup_missing'))
         seen['told in time'] += not run.run.all('hold.raised')
-        changes = [one['job'] for one in run.run.all('task.started', name='TASK_C')]
+        changes = [record['job'] for record in run.run.all('task.started', name='TASK_C')]
         seen['changed again'] += len(changes) > len({*changes})
     assert min(seen['held'], seen['changed again']) > 0, seen

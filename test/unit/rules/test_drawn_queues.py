@@ -39,4 +39,4 @@ def test_drawn_queues_end(plan: Plan, chance: Random) -> None:
         operator.answer(run)
         run.go(until=(run.sim.clock.next_deadline() or run.now) + chance.uniform(0, 60))
     assert run.ended, run.waits()
-    assert [found for found in map(mistake_in, run.records) if found] == []
+    assert [mistake for mistake in map(mistake_in, run.records) if mistake] == []

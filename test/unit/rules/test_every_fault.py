@@ -80,9 +80,9 @@ def _is_explained(job: VirtualRun, reasons: list[str], answer: str | None) -> No
     failed = job.all('task.failed')
     held = job.all('hold.raised')
     decided = job.all('operator.decided')
-    assert [one['reason'] for one in held] == reasons
-    assert [one['answer'] for one in decided] == [answer] * len(reasons)
-    assert [one['hold'] for one in decided] == [one['hold'] for one in held]
+    assert [record['reason'] for record in held] == reasons
+    assert [record['answer'] for record in decided] == [answer] * len(reasons)
+    assert [record['hold'] for record in decided] == [record['hold'] for record in held]
     for attempt, hold, decision in zip(failed, held, decided, strict=True):
         assert attempt['seq'] < hold['seq'] < decision['seq']
         assert (hold['item'], hold['task']) == (attempt['item'], attempt['task'])

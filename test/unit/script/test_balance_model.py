@@ -73,21 +73,21 @@ def random_line(chance: random.Random) -> Line:
     return Line(tuple(tuple(chance.choices(OPTIONS, k=length)) for length in lengths))
 
 
-def test_an_item_is_left_behind_just_if_a_check_says_so() -> None:
+def test_check_reports_exactly_the_items_left_behind() -> None:
     chance = random.Random(1)
     accepted = left = 0
     for _ in range(1500):
         line = random_line(chance)
-        found = mistakes(lambda: script(line.text))  # noqa: B023 - called at once
-        if not found:
+        findings = mistakes(lambda: script(line.text))  # noqa: B023 - called at once
+        if not findings:
             accepted += 1
             assert not is_left_behind(line.tasks), line.text
         elif any(
-            words in one
-            for one in found
+            words in finding
+            for finding in findings
             for words in ('never taken out', 'no task takes', 'only rejected items')
         ):
             left += 1
-            assert is_left_behind(line.tasks), (line.text, found)
+            assert is_left_behind(line.tasks), (line.text, findings)
     assert accepted > 50
     assert left > 500

@@ -64,15 +64,15 @@ def test_a_missing_file_is_refused(tmp_path: Path) -> None:
         read_cell(tmp_path / 'cell.yaml', FakeActionTypes())
 
 
-def test_a_start_is_binding_unless_the_cell_says_that_it_is_advice() -> None:
+def test_start_is_binding_unless_cell_makes_it_advisory() -> None:
     assert cell().start is Start.BINDING
     assert parsed(f'{CELL}\nstart: advisory\n').start is Start.ADVISORY
-    said = mistakes(lambda: parsed(f'{CELL}\nstart: maybe\n'))
-    assert len(said) == 1
-    assert 'binding' in said[0]
+    findings = mistakes(lambda: parsed(f'{CELL}\nstart: maybe\n'))
+    assert len(findings) == 1
+    assert 'binding' in findings[0]
 
 
-def test_the_most_items_of_an_order_are_no_part_of_the_digest() -> None:
+def test_order_item_limit_does_not_change_digest() -> None:
     more = parsed(f'{CELL}\nmost_items: 50000\n')
     assert (cell().most_items, more.most_items) == (MOST_ITEMS, 50_000)
     assert digest(more) == digest(cell()), 'releases are for a digest, and no goal changes'

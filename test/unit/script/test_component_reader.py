@@ -55,7 +55,7 @@ def test_the_conveyor_may_have_faults() -> None:
     assert parsed(BELT.format(options)).conveyor.component.faults == (Fault(FaultKind.HANG),)
 
 
-def test_a_component_needs_a_name_and_a_type_only() -> None:
+def test_component_needs_only_name_and_type() -> None:
     component = parsed(arm('')).components['arm']
     assert (component.sections, component.state, component.results) == ((), None, {})
     assert component.durations_s == {}
@@ -68,7 +68,7 @@ def test_the_conveyor_may_retry_and_abort() -> None:
     assert belt.component.duration_s('anything') == 4.0
 
 
-def test_the_index_task_of_a_type_without_task_field_is_a_label() -> None:
+def test_index_task_without_task_field_is_a_label() -> None:
     options = 'sections: 3, type: plain_interfaces/action/Index'
     assert parsed(BELT.format(options)).conveyor.task == 'Index'
     assert parsed(BELT.format(options + ', task: GO')).conveyor.task == 'GO'

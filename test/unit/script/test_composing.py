@@ -27,7 +27,7 @@ def test_what_is_not_allowed(text: str, expected: list[str]) -> None:
 
 
 @pytest.mark.parametrize(('text', 'expected'), table('yaml'))
-def test_findings_do_not_depend_on_how_pyyaml_was_built(
+def test_findings_do_not_depend_on_pyyaml_build(
     text: str, expected: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(composing, '_fast_loader', lambda: yaml.SafeLoader)
@@ -72,7 +72,7 @@ def test_places_count_from_one() -> None:
     assert [item.place for item in items.items] == [Place(2, 9), Place(2, 12)]
 
 
-def test_the_first_of_two_values_is_kept_and_noted_as_doubtful() -> None:
+def test_first_of_two_values_is_kept_as_doubtful() -> None:
     report = Report('file.yaml')
     node = compose('a: 1\na: 2\nb: 3', report)
     assert isinstance(node, MapNode)
@@ -95,9 +95,9 @@ def test_the_first_of_two_values_is_kept_and_noted_as_doubtful() -> None:
     ids=['bell', 'nul', 'surrogate', 'brackets', 'braces', 'dashes', 'many'],
 )
 def test_hostile_texts(text: str, line: int, what: str) -> None:
-    (found,) = mistakes(lambda: composed(text))
-    assert found.startswith(f'{line}:')
-    assert what in found
+    (finding,) = mistakes(lambda: composed(text))
+    assert finding.startswith(f'{line}:')
+    assert what in finding
 
 
 @pytest.mark.parametrize('loader', [yaml.SafeLoader, composing._fast_loader()])
@@ -119,11 +119,11 @@ def bomb(template: str) -> str:
 
 @pytest.mark.parametrize('template', ['[{}]', '{{<<: [{}]}}'])
 def test_aliases_do_not_explode(template: str) -> None:
-    (found,) = mistakes(lambda: composed(bomb(template)))
-    assert 'more than 200000 keys and values, aliases counted' in found
+    (finding,) = mistakes(lambda: composed(bomb(template)))
+    assert 'more than 200000 keys and values, aliases counted' in finding
 
 
 def test_aliases_do_not_nest_deeper_than_text() -> None:
     chain = 'a0: &a0 [x]\n' + ''.join(f'a{n}: &a{n} [*a{n - 1}]\n' for n in range(1, 1000))
-    (found,) = mistakes(lambda: composed(chain))
-    assert 'nested deeper than 40' in found
+    (finding,) = mistakes(lambda: composed(chain))
+    assert 'nested deeper than 40' in finding

@@ -35,7 +35,7 @@ def fields(text: str) -> tuple[Fields, Report]:
 
 
 def told(report: Report) -> list[str]:
-    return [str(one).removeprefix('f:') for one in report.findings]
+    return [str(finding).removeprefix('f:') for finding in report.findings]
 
 
 def test_absent_keys_have_their_defaults() -> None:
@@ -48,7 +48,7 @@ def test_absent_keys_have_their_defaults() -> None:
     assert told(report) == []
 
 
-def test_no_name_of_a_long_list_is_compared_with_the_others(
+def test_long_name_list_is_checked_without_pairwise_comparison(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """An order of 100 kB with 50,000 recipes took minutes."""
@@ -79,14 +79,14 @@ def test_values_are_read() -> None:
     assert told(report) == []
 
 
-def test_what_cannot_be_read_is_not_sure_and_has_its_default() -> None:
+def test_unreadable_value_is_unsure_and_gets_default() -> None:
     read, report = fields('name: [x]\ncount: 0\nlimit: 0\nmode: medium\nmembers: [3]')
     assert (read.text('name'), read.whole('count'), read.choice('mode')) == (None, 7, 'fast')
     assert read.timeout('limit', 3.0) == 3.0
     assert list(read.tables('members')) == []
     for key in ('name', 'count', 'limit', 'mode', 'members'):
         assert not read.is_sure(key)
-    assert [one.split(':')[0] for one in told(report)] == ['1', '2', '3', '4', '5']
+    assert [finding.split(':')[0] for finding in told(report)] == ['1', '2', '3', '4', '5']
 
 
 def test_places_are_those_of_key_and_value() -> None:
@@ -101,7 +101,7 @@ def test_a_missing_key_is_told_at_the_mapping() -> None:
     assert not read.is_sure('name')
 
 
-def test_a_misspelt_key_is_read_as_the_known_one() -> None:
+def test_misspelt_key_is_read_as_known_key() -> None:
     read, report = fields('nam: x\ncuont: 3')
     assert (read.text('name'), read.whole('count')) == ('x', 3)
     assert told(report) == [
@@ -116,7 +116,7 @@ def test_a_misspelt_key_yields_to_the_right_one() -> None:
     assert len(told(report)) == 1
 
 
-def test_a_misspelt_key_of_another_kind_is_not_read() -> None:
+def test_misspelt_key_of_another_kind_is_ignored() -> None:
     read, report = fields('nam: [x]\niner: 3')
     assert (read.text('name'), read.table('inner')) == (None, None)
     assert not read.is_sure('name')
@@ -128,7 +128,7 @@ def test_a_misplaced_key_says_why() -> None:
     assert told(report) == ['2:1: things have no colour; remove it']
 
 
-def test_a_key_that_was_given_twice_is_not_sure() -> None:
+def test_key_given_twice_is_not_sure() -> None:
     read, report = fields('name: x\ncount: 1\ncount: 2\nnaem: z')
     assert read.whole('count') == 1
     assert not read.is_sure('count')
@@ -136,6 +136,6 @@ def test_a_key_that_was_given_twice_is_not_sure() -> None:
     assert len(told(report)) == 2
 
 
-def test_a_misspelt_key_that_was_given_twice_is_not_sure() -> None:
+def test_misspelt_key_given_twice_is_not_sure() -> None:
     read, _ = fields('name: x\ncuont: 1\ncuont: 2')
     assert not read.is_sure('count')

@@ -57,14 +57,14 @@ def test_results_are_read_as_their_types(words: list[str], results: dict[str, ob
         ('x' * 100_000, 'the results have 100000 characters; expected at most 64000'),
     ],
 )
-def test_what_does_not_fit_is_refused_with_what_would(text: str, said: str) -> None:
+def test_unfit_result_is_refused_with_explanation(text: str, said: str) -> None:
     with pytest.raises(CommandRefused) as refused:
         given_results(text, ACTION)
     assert said in str(refused.value)
 
 
 @pytest.mark.parametrize('value', ['nan', '.nan', 'NaN', 'inf', '-.inf', 'Infinity', '1e999'])
-def test_a_number_that_is_not_finite_is_refused_at_every_door(value: str) -> None:
+def test_non_finite_number_is_refused_in_every_notation(value: str) -> None:
     """A shell, JSON and YAML write it in their own ways."""
     with pytest.raises(CommandRefused, match='`measurement` must be a finite number'):
         given_results(results_text(results_of([f'measurement={value}'])), ACTION)
@@ -80,7 +80,7 @@ def test_a_number_that_is_not_finite_is_refused_at_every_door(value: str) -> Non
         (['a=1', 'a.b=2'], 'a is given as a whole and in parts'),
     ],
 )
-def test_a_word_that_is_no_result_is_wrong_use(words: list[str], said: str) -> None:
+def test_malformed_result_word_is_wrong_usage(words: list[str], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         results_of(words)
 

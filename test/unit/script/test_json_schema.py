@@ -49,7 +49,7 @@ def is_told_of_structure(findings: Sequence[str]) -> bool:
     return any(map(is_structural, findings))
 
 
-def test_every_table_of_mistakes_is_about_a_kind_of_file() -> None:
+def test_every_mistake_table_matches_a_file_kind() -> None:
     elsewhere = {'yaml', 'orders_by_recipe'}  # the second: mistakes that only a recipe shows
     assert {path.stem for path in FOLDER.glob('*.txt')} == {*AROUND, *elsewhere}
 

@@ -83,9 +83,9 @@ def test_a_default_is_in_range(table: Table, key: Key) -> None:
 @pytest.mark.parametrize(('table', 'key'), KEYS)
 @pytest.mark.parametrize('value', ['{a: 1}', '[1]', 'word', '-1000000000000', '.nan', 'null', ''])
 def test_no_value_is_worse_than_a_finding(table: Table, key: Key, value: str) -> None:
-    found = mistakes(lambda: read(table, key, value))
-    assert len(found) <= 1
-    assert all(f'`{key.name}`' in one for one in found)
+    findings = mistakes(lambda: read(table, key, value))
+    assert len(findings) <= 1
+    assert all(f'`{key.name}`' in finding for finding in findings)
 
 
 def test_names_are_unique() -> None:

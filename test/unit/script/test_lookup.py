@@ -27,7 +27,7 @@ def refusal(name: str, folders: list[Path]) -> str:
     return str(caught.value)
 
 
-def test_a_name_is_looked_up_in_each_folder_in_turn(folders: list[Path]) -> None:
+def test_name_is_looked_up_in_folder_order(folders: list[Path]) -> None:
     assert find_script('process', folders) == folders[0] / 'process.yaml'
     assert find_script('process', folders[::-1]) == folders[1] / 'process.yaml'
     assert find_script('inspect', folders) == folders[1] / 'inspect.yaml'
@@ -38,11 +38,11 @@ def test_a_path_is_taken_as_it_is(folders: list[Path]) -> None:
     assert find_script(path, []) == Path(path)
 
 
-def test_below_the_folders_a_path_is_as_good_as_a_name(folders: list[Path]) -> None:
+def test_path_below_folders_works_like_a_name(folders: list[Path]) -> None:
     path = folders[1] / 'inspect.yaml'
     for asked in ('inspect', str(path), f'{folders[0]}/../installed/inspect.yaml'):
-        found = find_below(asked, folders, '--any')
-        assert found.resolve() == path.resolve()
+        script_path = find_below(asked, folders, '--any')
+        assert script_path.resolve() == path.resolve()
 
 
 @pytest.mark.parametrize('path', ['/etc/shadow', '/etc/nothing.yaml', '../x.yaml', 'a/\0b', '/'])
@@ -85,7 +85,7 @@ def test_an_unknown_name_is_told_with_the_nearest(folders: list[Path]) -> None:
     )
 
 
-def test_a_folder_that_is_not_there_is_no_mistake_of_its_own(folders: list[Path]) -> None:
+def test_missing_lookup_folder_is_no_mistake(folders: list[Path]) -> None:
     nowhere = folders[0] / 'nowhere'
     assert find_script('inspect', [nowhere, *folders]).name == 'inspect.yaml'
     assert str(nowhere) in refusal('x', [nowhere])

@@ -72,8 +72,8 @@ def told(kind: str, *plants: Plant) -> frozenset[str]:
     A hint lists what there is, and that may be another plant's.
     """
     frame, read = KINDS[kind]
-    found = mistakes(lambda: read(frame.planted(*plants)))
-    return frozenset(one.partition('; ')[0] for one in found)
+    findings = mistakes(lambda: read(frame.planted(*plants)))
+    return frozenset(finding.partition('; ')[0] for finding in findings)
 
 
 def chosen(frame: Frame) -> list[tuple[Plant, Plant]]:
@@ -94,7 +94,7 @@ def test_two_mistakes_are_told_and_nothing_that_follows(kind: str) -> None:
         both = told(kind, first, second)
         each = told(kind, first) | told(kind, second)
         if LOST_ID in (first.name, second.name):
-            each = frozenset(one for one in each if one in both or not UNKNOWN_ID.match(one))
+            each = frozenset(flaw for flaw in each if flaw in both or not UNKNOWN_ID.match(flaw))
         assert both == each, (first.name, second.name)
 
 
@@ -130,8 +130,8 @@ AROUND_OPTIONS = {
 
 def whats(text: str) -> list[str]:
     """Return what is told of a script, without places and hints."""
-    found = mistakes(lambda: script(text))
-    return sorted(one.partition(': ')[2].partition('; ')[0] for one in found)
+    findings = mistakes(lambda: script(text))
+    return sorted(finding.partition(': ')[2].partition('; ')[0] for finding in findings)
 
 
 def options() -> Iterator[tuple[str, str]]:
@@ -143,16 +143,16 @@ def options() -> Iterator[tuple[str, str]]:
 
 
 @pytest.mark.parametrize('around', AROUND_OPTIONS.values(), ids=AROUND_OPTIONS)
-def test_what_is_wrong_around_a_task_hides_nothing_in_it(around: str) -> None:
+def test_mistake_around_task_hides_no_inner_mistake(around: str) -> None:
     outside = whats(LINE + around.format(''))
     assert outside
     for name, text in options():
         inside = whats(LINE + '  3:\n' + RICH.format(text))
-        found = [
-            one.replace('an initialization task', 'a task')
-            for one in whats(LINE + around.format(text))
+        findings = [
+            finding.replace('an initialization task', 'a task')
+            for finding in whats(LINE + around.format(text))
         ]
-        assert found == sorted(outside + inside), name
+        assert findings == sorted(outside + inside), name
 
 
 @pytest.mark.parametrize('section', SECTIONS.values(), ids=SECTIONS)
@@ -167,10 +167,10 @@ def test_a_wrong_section_hides_no_unknown_id(section: str) -> None:
     'unreadable',
     ['  2: [look]\n', '  2: look\n', '  2: {steps: [{id: look}]}\n', '  2: [{id: [look]}]\n'],
 )
-def test_what_cannot_be_read_hides_only_the_ids_in_it(unreadable: str) -> None:
+def test_unreadable_part_hides_only_its_own_ids(unreadable: str) -> None:
     zones = 'zones: {t: [look, place], u: [nowhere, place]}\n'
-    found = [one for one in whats(LINE + unreadable + zones) if 'there is no' in one]
-    assert found == ['there is no task `nowhere`']
+    findings = [flaw for flaw in whats(LINE + unreadable + zones) if 'there is no' in flaw]
+    assert findings == ['there is no task `nowhere`']
 
 
 TAIL = """\
@@ -187,22 +187,22 @@ def test_quantities_and_relations_are_told_together(text: str, expected: list[st
 
 
 def test_quantities_are_told_beside_what_cannot_be_read() -> None:
-    found = whats(
+    findings = whats(
         LINE + '  2: [{id: also, task: RUN, action: /camera/task, qty_change: 1,\n'
         '    when: "${order.id}"}, {task: RUN, action: /camera/task, qty_change: 2}, RUN]\n'
     )
-    assert [one for one in found if 'item' in one] == [
+    assert [finding for finding in findings if 'item' in finding] == [
         'a task that places the item cannot have `when`',
         'items are placed twice, by `place` and by `also`',
     ]
 
 
 def test_every_broken_reference_of_a_text_is_told() -> None:
-    found = whats(
+    findings = whats(
         LINE + '  3: [{task: TASK_A, action: /press/task, '
         'args: {special_argument_1: "${param.x} ${results.no.x} ${order.x}"}}]\n'
     )
-    assert found == [
+    assert findings == [
         '`${order.x}` does not exist',
         '`${param.x}` has an unknown source',
         '`${results.no.x}` names no task of the script',
@@ -210,27 +210,27 @@ def test_every_broken_reference_of_a_text_is_told() -> None:
 
 
 def test_references_are_checked_where_the_action_is_unknown() -> None:
-    found = whats(LINE + '  3: [{action: /nowhere, args: {a: [{b: "${results.no.x}"}]}}]\n')
-    assert found[0] == '`${results.no.x}` names no task of the script'
+    findings = whats(LINE + '  3: [{action: /nowhere, args: {a: [{b: "${results.no.x}"}]}}]\n')
+    assert findings[0] == '`${results.no.x}` names no task of the script'
 
 
 def test_both_sides_of_a_comparison_are_told() -> None:
-    found = whats(
+    findings = whats(
         LINE + '  3: [{action: /cart/drive, when: {value: "${params.no}", equals: [3]}}]\n'
     )
-    assert found == [
+    assert findings == [
         '`equals` must be a plain value, not a list',
         'the script has no parameter `no`',
     ]
 
 
 def test_what_is_given_again_is_read_too() -> None:
-    found = whats(
+    findings = whats(
         LINE + 'zones: {t: [place, pack]}\n'
         'zones: {u: [place, nowhere]}\n'
         'params: {a: {type: str}, a: {type: text}, a b: {type: int}}\n'
     )
-    assert found == [
+    assert findings == [
         '`a b` cannot be a parameter name: only letters, digits, `_` and `-` are allowed',
         '`type` cannot be `text`',
         'the key `a` is given twice',

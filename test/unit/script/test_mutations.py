@@ -71,10 +71,10 @@ def test_a_damaged_file_is_refused_in_words(name: str) -> None:
 @pytest.mark.parametrize('name', FILES)
 def test_a_misspelt_key_is_one_mistake(name: str) -> None:
     text = (ROOT / name).read_text(encoding='utf-8')
-    keys = [one for one in re.finditer(r'\b[a-z_]{4,}(?=:)', text) if one.group() in KEYS]
+    keys = [entry for entry in re.finditer(r'\b[a-z_]{4,}(?=:)', text) if entry.group() in KEYS]
     assert keys
     for key in keys:
         word = key.group()
         damaged = text[: key.start()] + word[0] + word[2] + word[1] + word[3:] + text[key.end() :]
-        found = mistakes(lambda: read(name, damaged))  # noqa: B023 - called at once
-        assert [f'did you mean `{word}`?' in one for one in found] == [True], damaged
+        findings = mistakes(lambda: read(name, damaged))  # noqa: B023 - called at once
+        assert [f'did you mean `{word}`?' in entry for entry in findings] == [True], damaged

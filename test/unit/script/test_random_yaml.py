@@ -84,14 +84,14 @@ STRUCTURES = st.dictionaries(
 
 @examples(300, 10_000)
 @given(st.sampled_from(KINDS), st.one_of(st.text(), st.lists(TOKENS, max_size=60).map(''.join)))
-def test_any_text_is_read_or_refused_with_a_place(name: str, text: str) -> None:
+def test_random_text_is_read_or_refused_with_place(name: str, text: str) -> None:
     refusal(name, text)
 
 
 @examples(100, 4_000)
 @example('trees/reference_process.yaml', {'lots': {'\n': None}}, None)
 @given(st.sampled_from(KINDS), STRUCTURES, st.sampled_from((None, True, False)))
-def test_any_structure_is_read_or_refused_with_a_place(
+def test_random_structure_is_read_or_refused_with_place(
     name: str, data: Any, flow: bool | None
 ) -> None:
     refusal(name, yaml.safe_dump(data, default_flow_style=flow, allow_unicode=True))

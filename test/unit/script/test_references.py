@@ -39,7 +39,7 @@ def test_a_broken_reference_is_a_fault(text: str) -> None:
     assert isinstance(list(split(text))[-1], ReferenceFault)
 
 
-def test_what_is_behind_a_broken_reference_is_read_too() -> None:
+def test_text_after_broken_reference_is_read_too() -> None:
     before, fault, between, behind = split('a ${x} b ${order.id}')
     assert (before, between, behind) == ('a ', ' b ', Path('order', 'id'))
     assert isinstance(fault, ReferenceFault)

@@ -15,11 +15,11 @@ from bt_orchestrator.script.report import (
 )
 
 
-def test_findings_are_in_the_order_of_the_file_and_told_once() -> None:
+def test_findings_are_in_file_order_without_duplicates() -> None:
     report = Report('a.yaml')
     for line, column in ((2, 1), (1, 9), (1, 2), (2, 1)):
         report.add(Place(line, column), 'wrong', 'mend it')
-    assert [(one.line, one.column) for one in report.findings] == [(1, 2), (1, 9), (2, 1)]
+    assert [(flaw.line, flaw.column) for flaw in report.findings] == [(1, 2), (1, 9), (2, 1)]
     with pytest.raises(Refused, match=r'a\.yaml:1:2: wrong; mend it'):
         report.refuse()
 

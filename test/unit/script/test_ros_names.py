@@ -33,7 +33,7 @@ def test_illegal_names(name: str) -> None:
 
 
 @pytest.mark.parametrize('name', ['~/a', '~', '/{node}/a', '{ns}/a'])
-def test_names_of_the_own_node_are_no_names_of_components(name: str) -> None:
+def test_names_of_own_node_are_refused_for_components(name: str) -> None:
     report = Report('a.yaml')
     assert not check_action_name(name, START, report)
     assert 'would mean this node' in report.findings[0].what
@@ -81,7 +81,7 @@ def test_a_legal_spelling_is_offered(name: str, legal: str) -> None:
 def test_type_names(name: str, kind: str, hint: str | None) -> None:
     report = Report('a.yaml')
     assert check_type_name(name, kind, START, report) is (hint is None)
-    assert [one.hint for one in report.findings] == (
+    assert [finding.hint for finding in report.findings] == (
         [f'write for instance `{hint}`'] if hint else []
     )
 

@@ -52,7 +52,7 @@ def test_the_script_with_flags_and_rejects_is_read() -> None:
     assert read.sections[4].steps[0].is_group
 
 
-def test_the_script_that_gets_stuck_has_no_static_mistake() -> None:
+def test_stuck_script_has_no_static_mistake() -> None:
     assert shipped('test/data/stuck.yaml').name == 'stuck'
 
 

@@ -30,7 +30,7 @@ def test_ids(text: str, expected: list[str]) -> None:
     assert mistakes(lambda: line(text)) == expected
 
 
-def test_steps_tracks_and_default_ids_count_in_list_order() -> None:
+def test_steps_tracks_and_default_ids_follow_list_order() -> None:
     read = line(
         '  2:\n'
         '    - {task: RUN, action: /camera/task}\n'
@@ -83,7 +83,7 @@ def test_initialization_has_an_upper_limit() -> None:
         return f'initialization:\n{tasks}'
 
     assert mistakes(lambda: line(whole(INITIALIZATION))) == []
-    (found,) = mistakes(lambda: line(whole(INITIALIZATION + 2)))
-    assert found.endswith(
+    (finding,) = mistakes(lambda: line(whole(INITIALIZATION + 2)))
+    assert finding.endswith(
         f'initialization has more than {INITIALIZATION} tasks; let a section do the others'
     )

@@ -42,18 +42,18 @@ READERS: dict[str, Callable[[str], object]] = {
 @pytest.mark.parametrize('kind', READERS)
 @pytest.mark.parametrize('name', STRANGERS)
 def test_of_what_is_something_else_nothing_is_told(kind: str, name: str) -> None:
-    (told,) = mistakes(lambda: READERS[kind](STRANGERS[name]))
-    assert told.startswith(f'1:1: this is not a {kind}, but ')
-    assert not [word for word in SECRETS if word in told]
+    (finding,) = mistakes(lambda: READERS[kind](STRANGERS[name]))
+    assert finding.startswith(f'1:1: this is not a {kind}, but ')
+    assert not [word for word in SECRETS if word in finding]
 
 
 @pytest.mark.parametrize('name', STRANGERS)
-def test_nothing_is_told_by_what_looks_for_the_kind_of_a_file(name: str, tmp_path: Path) -> None:
+def test_file_kind_detection_reveals_no_content(name: str, tmp_path: Path) -> None:
     path = tmp_path / 'file.yaml'
     path.write_text(STRANGERS[name])
-    (told,) = mistakes(lambda: file_kind(path))
-    assert 'this is not a cell file or a script, but ' in told
-    assert not [word for word in SECRETS if word in told]
+    (finding,) = mistakes(lambda: file_kind(path))
+    assert 'this is not a cell file or a script, but ' in finding
+    assert not [word for word in SECRETS if word in finding]
 
 
 @pytest.mark.parametrize(
@@ -71,8 +71,8 @@ def test_nothing_is_told_by_what_looks_for_the_kind_of_a_file(name: str, tmp_pat
         ('# nothing\n', 'the file is empty'),
     ],
 )
-def test_what_is_meant_as_a_script_is_told_its_mistakes(text: str, expected: str) -> None:
-    assert any(expected in told for told in mistakes(lambda: script(text)))
+def test_faulty_script_is_checked_as_a_script(text: str, expected: str) -> None:
+    assert any(expected in finding for finding in mistakes(lambda: script(text)))
 
 
 KINDS = {
@@ -84,10 +84,10 @@ KINDS = {
 
 @pytest.mark.parametrize('expected', READERS)
 @pytest.mark.parametrize('found', KINDS)
-def test_another_kind_of_file_is_told_in_one_line(expected: str, found: str) -> None:
-    told = mistakes(lambda: READERS[expected](KINDS[found]))
+def test_wrong_file_kind_is_reported_in_one_line(expected: str, found: str) -> None:
+    findings = mistakes(lambda: READERS[expected](KINDS[found]))
     hint = 'check which file is named'
     if (expected, found) == ('work order', 'a script'):
         hint = 'name a file with `script: a` and `quantity`'
     is_so = [f'1:1: this is {found}, and a {expected} is expected; {hint}']
-    assert (told == is_so) == (found != f'a {expected}')
+    assert (findings == is_so) == (found != f'a {expected}')

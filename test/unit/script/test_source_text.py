@@ -56,12 +56,12 @@ def test_a_file_as_folder_cannot_be_read(tmp_path: Path) -> None:
 
 def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / 'a')
-    told = '1:1: this is a pipe or a device, and no ordinary file; save it as a file'
-    assert refusal(tmp_path / 'a') == told
-    assert refusal(Path('/dev/zero')) == told
+    message = '1:1: this is a pipe or a device, and no ordinary file; save it as a file'
+    assert refusal(tmp_path / 'a') == message
+    assert refusal(Path('/dev/zero')) == message
 
 
-def test_a_file_that_another_process_has_leased_is_not_waited_for(tmp_path: Path) -> None:
+def test_file_leased_by_another_process_does_not_block(tmp_path: Path) -> None:
     path = tmp_path / 'a.yaml'
     path.write_text('a: 1')
     leased = os.open(path, os.O_RDWR)

@@ -70,25 +70,25 @@ def test_editors_accept_the_files() -> None:
     assert refusals('work_order.schema.json', files[ORDER_FILE]) == []
 
 
-def test_a_file_names_its_schema_if_there_is_one() -> None:
+def test_file_names_its_schema_if_available() -> None:
     files = starter_files('mine', plan_cell(2, (), TYPES), {CELL_FILE: '/share/a.json'})
     assert files[CELL_FILE].startswith('# yaml-language-server: $schema=/share/a.json\n')
     assert 'yaml-language-server' not in files[ORDER_FILE]
 
 
-def test_what_was_found_takes_the_places_that_its_tasks_speak_of() -> None:
-    found = [
+def test_discovered_servers_get_sections_that_their_tasks_imply() -> None:
+    servers = [
         server('/belt/drive', EXAMPLES + 'Conveyor'),
         server('/cell/left/task', EXAMPLES + 'PackingArm'),
         server('/cell/right/task', EXAMPLES + 'UnpackingArm', '/cell/right/state'),
         server('/camera/task', EXAMPLES + 'Component'),
         server('/press/task', EXAMPLES + 'Component'),
     ]
-    files = texts(4, found)
+    files = texts(4, servers)
     cell, script = read(files)
     assert cell.conveyor.component.action == '/belt/drive'
     assert cell.conveyor.task == 'MOVE_ONE_INDEX'
-    sections = {name: one.sections for name, one in cell.components.items() if one.sections}
+    sections = {name: part.sections for name, part in cell.components.items() if part.sections}
     assert sections == {'right': (1,), 'camera': (2,), 'press': (3,), 'left': (4,)}
     place, pack = (task for task in script.tasks.values() if task.qty_change)
     assert (place.name, place.qty_change) == ('PLACE_AT_CONVEYOR', 1)
@@ -103,26 +103,26 @@ def test_sections_without_a_found_device_get_an_example() -> None:
     assert [*cell.components][1:] == ['loader', 'press', 'station_3', 'packer']
 
 
-def test_what_cannot_be_used_is_named_in_a_comment() -> None:
+def test_unusable_server_is_named_in_a_comment() -> None:
     files = texts(2, [server('/strange/thing', 'strange_interfaces/action/Thing')])
     read(files)
     assert '#   /strange/thing: strange_interfaces/action/Thing\n' in files[CELL_FILE]
 
 
-def test_a_conveyor_is_known_by_its_name_if_not_by_a_task() -> None:
+def test_conveyor_is_recognized_by_name_without_task() -> None:
     cell, script = read(texts(2, [server('/line/belt', 'plain_interfaces/action/Index')]))
     assert (cell.conveyor.component.action, cell.conveyor.task) == ('/line/belt', 'Index')
-    assert 'conveyor' not in {one.component for one in script.tasks.values()}
+    assert 'conveyor' not in {task.component for task in script.tasks.values()}
 
 
-def test_a_device_that_only_gets_ready_does_that_for_work() -> None:
+def test_device_that_only_prepares_does_so_as_work() -> None:
     _, script = read(texts(3, [server('/lazy/task', LAZY.name)]))
     assert script.tasks['lazy_prepare'] in script.sections[2].tasks
 
 
 def test_two_devices_of_one_name_are_told_apart() -> None:
-    found = [server(f'/{side}/arm/task', EXAMPLES + 'Component') for side in ('left', 'right')]
-    cell, _ = read(texts(3, found))
+    servers = [server(f'/{side}/arm/task', EXAMPLES + 'Component') for side in ('left', 'right')]
+    cell, _ = read(texts(3, servers))
     assert {'arm', 'arm_2'} < {*cell.components}
 
 
@@ -134,7 +134,7 @@ SERVERS = st.builds(
 )
 
 
-@given(st.integers(1, 5), st.lists(SERVERS, unique_by=lambda one: one.action, max_size=7))
+@given(st.integers(1, 5), st.lists(SERVERS, unique_by=lambda device: device.action, max_size=7))
 def test_whatever_is_found_the_files_fit_each_other(
     sections: int, found: list[FoundServer]
 ) -> None:

@@ -73,11 +73,11 @@ def test_continue_if_fail_is_a_policy(option: str, policy: OnFailure) -> None:
     assert line(TASK.format(f', {option}')).tasks['2.1'].on_failure is policy
 
 
-def test_a_task_without_a_task_field_is_labelled_by_its_type() -> None:
+def test_task_without_task_field_is_labelled_by_type() -> None:
     assert line('  2: [{action: /cart/drive}]\n').tasks['2.1'].name == 'DriveTo'
 
 
-def test_every_goal_to_a_belt_without_a_task_field_would_move_it() -> None:
+def test_task_on_belt_without_task_field_is_refused() -> None:
     belt = parse_cell(
         'cell: c\n'
         'conveyor: {sections: 1, action: /belt, type: plain_interfaces/action/Index}\n'
@@ -88,12 +88,12 @@ def test_every_goal_to_a_belt_without_a_task_field_would_move_it() -> None:
     text = 'script: a\ninitialization: [{task: GO, action: /belt}]\nsections: {1: [\n'
     text += '  {id: in, task: RUN, action: /lamp/task, qty_change: 1},\n'
     text += '  {id: out, task: RUN, action: /lamp/task, qty_change: -1}]}\n'
-    found = mistakes(lambda: parse_script(text, 's.yaml', belt, FakeActionTypes()))
-    assert [one.split(':')[:2] for one in found] == [['2', '25']]
-    assert 'a task cannot move the belt' in found[0]
+    findings = mistakes(lambda: parse_script(text, 's.yaml', belt, FakeActionTypes()))
+    assert [finding.split(':')[:2] for finding in findings] == [['2', '25']]
+    assert 'a task cannot move the belt' in findings[0]
 
 
-def test_a_type_that_is_gone_is_reported_where_it_is_used() -> None:
+def test_missing_type_is_reported_where_it_is_used() -> None:
     cell_text = (
         'cell: c\n'
         'conveyor: {sections: 1, action: /belt, type: plain_interfaces/action/Index}\n'

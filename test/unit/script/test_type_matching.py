@@ -71,7 +71,7 @@ def test_types_in_words(type_: FieldType, words: str) -> None:
     assert in_words(type_) == words
 
 
-def test_only_single_plain_values_can_stand_in_a_text() -> None:
+def test_only_single_plain_values_are_printable_in_text() -> None:
     assert is_printable(FLOAT64)
     assert not is_printable(array(FLOAT64))
     assert not is_printable(POSE_FIELD)

@@ -28,9 +28,9 @@ class WrittenMeanwhile(io.RawIOBase):
 
     def readinto(self, buffer: Any) -> int:
         end = self._ends.pop(0) if len(self._ends) > 1 else self._ends[0]
-        found = self._text.read(min(len(buffer), end - self._text.tell()))
-        buffer[: len(found)] = found
-        return len(found)
+        chunk = self._text.read(min(len(buffer), end - self._text.tell()))
+        buffer[: len(chunk)] = chunk
+        return len(chunk)
 
 
 def _tail_module() -> Any:
@@ -42,9 +42,7 @@ def _tail_module() -> Any:
     return module
 
 
-def test_a_line_that_is_half_written_is_read_once_it_is_whole(
-    tmp_path: Path, monkeypatch: Any
-) -> None:
+def test_half_written_line_is_read_once_complete(tmp_path: Path, monkeypatch: Any) -> None:
     log = tmp_path / 'log'
     log.touch()
     tail = _tail_module().Tail(log)

@@ -44,7 +44,7 @@ def make_installer(environment: Path) -> Installer:
     return Installer(environment / 'bin' / 'python', environment / 'logs')
 
 
-def test_a_silent_step_shows_every_moment_what_its_program_said_last(
+def test_silent_step_shows_latest_program_output(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(report, 'SILENCE_S', 0.01)
@@ -88,7 +88,7 @@ def test_pip_does_what_uv_cannot(environment: Path, capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.parametrize('setting', ['global.index-url', ':env:.proxy', 'install.no-index'])
-def test_a_pip_that_was_told_where_to_look_does_the_work(
+def test_configured_pip_installs_instead_of_uv(
     environment: Path, setting: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr('installer.find_spec', lambda name: None)
@@ -106,9 +106,7 @@ def test_the_environment_holds_compiled_modules() -> None:
         assert Path(str(module.__spec__.cached)).exists()
 
 
-def test_uv_comes_as_a_wheel_or_not_at_all(
-    environment: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_uv_is_installed_only_as_wheel(environment: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr('installer.find_spec', lambda name: None)
     pins = environment / 'installers.txt'
     make_installer(environment).prepare(pins)
@@ -211,7 +209,7 @@ def test_changed_interfaces_are_built_again(environment: Path, cache: Path, chan
     assert asked(environment) == ['built', 'built']
 
 
-def test_a_home_that_cannot_be_written_costs_time_only(environment: Path, cache: Path) -> None:
+def test_unwritable_home_costs_only_time(environment: Path, cache: Path) -> None:
     cache.write_text('a file where a folder should be')
     assert build(interfaces(environment / 'drill', environment), environment)
 
@@ -230,7 +228,7 @@ def test_the_cache_does_not_grow_for_ever(
     assert project.stamp in [path.name for path in kept]
 
 
-def test_an_own_package_is_remembered_until_its_folder_is_gone(
+def test_own_package_is_remembered_until_folder_is_gone(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     known = tmp_path / 'venv' / 'interfaces.txt'
@@ -251,7 +249,7 @@ def test_a_folder_that_is_no_package_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / 'interfaces.txt').exists()
 
 
-def test_a_fingerprint_tells_names_and_contents_and_not_places(tmp_path: Path) -> None:
+def test_fingerprint_depends_on_names_and_contents_not_places(tmp_path: Path) -> None:
     prints = []
     for folder, name, text in (('a', 'x', '1'), ('b', 'x', '1'), ('c', 'y', '1'), ('d', 'x', '2')):
         (tmp_path / folder).mkdir()

@@ -46,7 +46,7 @@ def gates(clone: Path, *words: str, **variables: str) -> subprocess.CompletedPro
     return run(['bash', 'scripts/test', *words], clone, **variables)
 
 
-def test_a_gate_over_twice_its_budget_is_named_and_fails_nothing(clone: Path) -> None:
+def test_slow_gate_is_named_but_does_not_fail(clone: Path) -> None:
     done = gates(clone, '--only', 'format,lint', CI='true')
     assert done.returncode == 0
     assert 'lint         passed, over twice its budget ' in done.stdout
@@ -60,7 +60,7 @@ def test_types_are_left_out_without_the_annotated_rclpy(clone: Path) -> None:
 
 
 @pytest.mark.parametrize('status', [0, 1])
-def test_types_are_checked_beside_the_gates_that_come_next(clone: Path, status: int) -> None:
+def test_types_are_checked_alongside_following_gates(clone: Path, status: int) -> None:
     mypy = clone / '.venv' / 'kilted' / 'bin' / 'mypy'
     waits = 'for _ in $(seq 1500); do [ -e imported ] && break; sleep 0.02; done'
     program(mypy, waits, '[ -e imported ] || exit 3', f'echo looked; exit {status}')
@@ -92,10 +92,8 @@ def test_a_stop_ends_the_types_too(clone: Path) -> None:
 
 
 @pytest.mark.parametrize(('number', 'status'), [(2, 0), (3, 1)])
-def test_what_needs_a_repeat_is_named_and_more_than_two_fail(
-    clone: Path, number: int, status: int
-) -> None:
-    names = ', '.join(f'"test_a.py::test_{one}": true' for one in range(number))
+def test_repeats_are_named_and_limited_to_two(clone: Path, number: int, status: int) -> None:
+    names = ', '.join(f'"test_a.py::test_{index}": true' for index in range(number))
     program(
         clone / '.venv' / 'jazzy' / 'bin' / 'pytest',
         'for word; do case $word in cache_dir=*) cache=${word#*=}/v/cache;; esac; done',
@@ -109,9 +107,7 @@ def test_what_needs_a_repeat_is_named_and_more_than_two_fail(
 
 @pytest.mark.parametrize('status', [0, 1])
 @pytest.mark.parametrize('written', ['', 'touch "$TMPDIR/kept"'])
-def test_only_what_a_failed_run_wrote_stays_in_memory(
-    clone: Path, status: int, written: str
-) -> None:
+def test_only_failed_run_keeps_its_files_in_memory(clone: Path, status: int, written: str) -> None:
     program(clone / 'bin' / 'df', 'echo Avail; echo 4000001')
     pytest_ = clone / '.venv' / 'jazzy' / 'bin' / 'pytest'
     program(pytest_, 'echo "$TMPDIR" >where', written or 'true', f'exit {status}')
@@ -156,7 +152,7 @@ def test_the_gates_of_programs_run_together(clone: Path) -> None:
     assert re.fullmatch(r'\d+: .* test/integration test/opcua', programs)
 
 
-def test_ci_takes_what_a_machine_may_have_by_hand_off_path(tmp_path: Path) -> None:
+def test_ci_path_hides_manually_installed_programs(tmp_path: Path) -> None:
     for name in ('node', 'chromium', 'psql', 'redis-server', 'c++'):
         program(tmp_path / 'bin' / name, f'echo {name}')
     path = f'{tmp_path / "bin"}:{os.environ["PATH"]}'
@@ -166,26 +162,26 @@ def test_ci_takes_what_a_machine_may_have_by_hand_off_path(tmp_path: Path) -> No
     assert run(['bash', str(ROOT / '.ci' / 'bare'), 'c++'], tmp_path, PATH=path).stdout == 'c++\n'
 
 
-def test_the_programs_that_ci_leaves_are_there_for_every_user(tmp_path: Path) -> None:
+def test_ci_programs_are_available_to_every_user(tmp_path: Path) -> None:
     """`apt-get` runs its checks as a user of its own."""
     mode = ['bash', '-c', 'stat -c %A "$PATH"']
-    told = run(['bash', str(ROOT / '.ci' / 'bare'), *mode], tmp_path, PATH=os.environ['PATH'])
-    assert told.stdout == 'drwxr-xr-x\n'
+    result = run(['bash', str(ROOT / '.ci' / 'bare'), *mode], tmp_path, PATH=os.environ['PATH'])
+    assert result.stdout == 'drwxr-xr-x\n'
 
 
-def test_what_bootstrap_brings_has_its_place_on_the_short_path(tmp_path: Path) -> None:
+def test_bootstrap_tools_are_on_the_short_path(tmp_path: Path) -> None:
     for name in ('bash', 'mktemp', 'chmod', 'ln', 'rm', 'ls'):
         (tmp_path / name).symlink_to(str(shutil.which(name)))
     names = ['bash', '-c', 'ls "$PATH"']
-    told = run(['bash', str(ROOT / '.ci' / 'bare'), *names], tmp_path, PATH=str(tmp_path))
-    assert {'dot', 'python3', 'c++'} <= set(told.stdout.split())
+    result = run(['bash', str(ROOT / '.ci' / 'bare'), *names], tmp_path, PATH=str(tmp_path))
+    assert {'dot', 'python3', 'c++'} <= set(result.stdout.split())
 
 
 @pytest.mark.parametrize(
     ('reason', 'ci', 'status'),
     [('no clock here', 'true', 1), ('no clock here', '', 0), ('needs root, for x', 'true', 0)],
 )
-def test_a_skip_in_ci_is_a_failure_unless_it_is_listed(
+def test_unlisted_skip_in_ci_is_a_failure(
     tmp_path: Path, reason: str, ci: str, status: int
 ) -> None:
     (tmp_path / 'test_a.py').write_text(
@@ -199,7 +195,7 @@ def test_a_skip_in_ci_is_a_failure_unless_it_is_listed(
 
 
 @pytest.mark.parametrize(('begun_s', 'rounds'), [(115, ['3']), (121, [])])
-def test_drawn_lines_of_the_shard_end_with_its_time(
+def test_shard_stops_drawing_lines_at_its_time_limit(
     tmp_path: Path, begun_s: int, rounds: list[str]
 ) -> None:
     program(tmp_path / 'bin' / 'git', 'echo 000003')
@@ -213,7 +209,7 @@ def test_drawn_lines_of_the_shard_end_with_its_time(
     assert (there.read_text().split() if there.exists() else []) == rounds
 
 
-def test_a_failure_in_the_shard_is_one_of_ci(tmp_path: Path) -> None:
+def test_shard_failure_fails_ci(tmp_path: Path) -> None:
     program(tmp_path / 'bin' / 'git', 'echo 000000')
     program(tmp_path / '.venv' / 'jazzy' / 'bin' / 'pytest', 'exit 1')
     path = f'{tmp_path / "bin"}:{os.environ["PATH"]}'

@@ -38,7 +38,7 @@ def asked(tmp_path: Path) -> list[str]:
     return (tmp_path / 'asked').read_text().splitlines()
 
 
-def test_npm_puts_what_is_locked_into_the_environment_and_runs_no_scripts(
+def test_npm_installs_locked_packages_without_running_scripts(
     environment: steps.Environment, tmp_path: Path
 ) -> None:
     environment.add_node_packages()

@@ -45,7 +45,7 @@ def test_pip_audit_is_judged(packages: list[object], accepted: dict[str, str], l
     assert (str(outcome), outcome.failed) == (line, False)
 
 
-def test_a_known_hole_fails_and_says_where_it_is() -> None:
+def test_known_vulnerability_fails_and_names_its_package() -> None:
     outcome = audit.of_python(said(CLEAN, HOLE), '', {'PYSEC-2000-1': 'another one'})
     assert outcome.failed
     assert 'PYSEC-2023-175 in pillow 9.0.0; pin another release' in str(outcome)
@@ -58,18 +58,18 @@ def test_a_known_hole_fails_and_says_where_it_is() -> None:
         'ERROR:pip_audit._cli: Tip: your network may be blocking this service.\n',
     ],
 )
-def test_a_network_that_is_away_fails_nothing_and_is_named(error: str) -> None:
+def test_unreachable_network_is_named_but_fails_nothing(error: str) -> None:
     line = 'NOT DONE Python packages: no advisories can be had here (no connection)'
     assert str(audit.of_python('', error, {})) == line
 
 
-def test_a_scan_that_did_not_work_is_no_network_that_is_away() -> None:
+def test_failed_scan_is_not_an_unreachable_network() -> None:
     error = 'WARNING: a\nERROR:pip_audit._cli:package six has duplicate requirements\n'
     line = 'FAILED   Python packages: ERROR:pip_audit._cli:package six has duplicate requirements'
     assert str(audit.of_python('', error, {})) == line
 
 
-def test_a_round_names_a_package_once_and_all_rounds_every_release() -> None:
+def test_rounds_cover_every_release_without_repeating_packages() -> None:
     rounds = audit.rounds(LISTS.glob('*.txt'))
     pins = {pin for pins in rounds for pin in pins}
     assert any(pin.startswith('ros-rclpy==9') for pin in pins)
@@ -124,7 +124,7 @@ def test_every_accepted_hole_has_a_reason() -> None:
     assert [name for name, reason in accepted.items() if len(reason.split()) < 3] == []
 
 
-def test_every_package_that_a_user_gets_has_its_licence_on_the_page() -> None:
+def test_every_shipped_package_has_its_licence_listed() -> None:
     text = (ROOT / licences.PAGE).read_text(encoding='utf-8')
     rows = re.findall(r'^\| (?!licence|---)(.+?) \| (.+) \|$', text, re.MULTILINE)
     listed = [name for _, names in rows for name in re.findall(r'`([^`]+)`', names)]

@@ -25,8 +25,8 @@ def variable(name: str, **environment: str) -> str:
 
 
 def test_an_overlay_stays_after_this_environment(tmp_path: Path) -> None:
-    found = variable('AMENT_PREFIX_PATH', AMENT_PREFIX_PATH=f'{tmp_path}:{sys.prefix}')
-    assert found.split(':') == [sys.prefix, str(tmp_path)]
+    value = variable('AMENT_PREFIX_PATH', AMENT_PREFIX_PATH=f'{tmp_path}:{sys.prefix}')
+    assert value.split(':') == [sys.prefix, str(tmp_path)]
 
 
 def test_another_ros_2_does_not(tmp_path: Path) -> None:
@@ -35,17 +35,17 @@ def test_another_ros_2_does_not(tmp_path: Path) -> None:
     (packages / 'rclpy').touch()
     assert variable('AMENT_PREFIX_PATH', AMENT_PREFIX_PATH=str(tmp_path)) == sys.prefix
     lib = f'{tmp_path}/lib'
-    found = variable('LD_LIBRARY_PATH', AMENT_PREFIX_PATH=str(tmp_path), LD_LIBRARY_PATH=lib)
-    assert lib not in found.split(':')
+    value = variable('LD_LIBRARY_PATH', AMENT_PREFIX_PATH=str(tmp_path), LD_LIBRARY_PATH=lib)
+    assert lib not in value.split(':')
 
 
 def test_libraries_of_an_overlay_are_found(tmp_path: Path) -> None:
     lib = f'{tmp_path}/lib'
-    found = variable('LD_LIBRARY_PATH', AMENT_PREFIX_PATH=str(tmp_path), LD_LIBRARY_PATH=lib)
-    assert {lib, f'{sys.prefix}/lib'} <= set(found.split(':'))
+    value = variable('LD_LIBRARY_PATH', AMENT_PREFIX_PATH=str(tmp_path), LD_LIBRARY_PATH=lib)
+    assert {lib, f'{sys.prefix}/lib'} <= set(value.split(':'))
 
 
-def test_a_process_started_by_such_a_process_has_the_same() -> None:
+def test_nested_process_keeps_the_same_prefix_path() -> None:
     code = f'import subprocess, sys; subprocess.run([{sys.executable!r}, "-c", sys.argv[1]])'
     inner = 'import os; print(os.environ["AMENT_PREFIX_PATH"])'
     run = subprocess.run(

@@ -3,7 +3,7 @@ from __future__ import annotations
 from bt_orchestrator.sim.gateway import VirtualClock
 
 
-def test_starts_at_zero_and_stays_while_nothing_is_armed() -> None:
+def test_clock_stays_at_zero_while_nothing_is_armed() -> None:
     clock = VirtualClock()
     assert clock.next_deadline() is None
     assert not clock.advance()
@@ -28,7 +28,7 @@ def test_time_is_exact_after_many_steps() -> None:
     assert clock.now() == 10_000.0
 
 
-def test_runs_what_is_armed_for_the_same_instant_meanwhile() -> None:
+def test_advance_runs_calls_newly_armed_for_same_instant() -> None:
     clock = VirtualClock()
     seen: list[float] = []
 

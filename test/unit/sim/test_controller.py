@@ -131,7 +131,7 @@ class Bench:
             pass
 
 
-def test_a_task_takes_its_nominal_duration_and_ends_well() -> None:
+def test_task_takes_nominal_duration_and_succeeds() -> None:
     bench = Bench()
     goal = bench.accepted()
     bench.finish()
@@ -140,7 +140,7 @@ def test_a_task_takes_its_nominal_duration_and_ends_well() -> None:
     assert goal.result == {'task_result': True, 'size': 0}
 
 
-def test_results_come_from_the_cell_file_and_the_default_duration_is_a_second() -> None:
+def test_results_come_from_cell_file_after_default_duration() -> None:
     bench = Bench()
     goal = bench.accepted(task='B')
     bench.finish()
@@ -157,7 +157,7 @@ def test_feedback_comes_at_the_start_and_at_intervals() -> None:
     assert goal.done == [0.0, 0.25, 0.5, 0.75]
 
 
-def test_a_feedback_interval_of_zero_gives_the_first_feedback_only() -> None:
+def test_zero_feedback_interval_gives_only_first_feedback() -> None:
     bench = Bench(feedback_s=0.0)
     goal = bench.accepted()
     bench.finish()
@@ -174,7 +174,7 @@ def test_speed_divides_the_seconds_of_tasks_and_faults() -> None:
     assert bench.carrier.seen[-2:] == [(1.0, 'not ready'), (3.0, 'ready')]
 
 
-def test_a_second_goal_is_rejected_while_one_runs_and_not_counted() -> None:
+def test_second_concurrent_goal_is_rejected_and_not_counted() -> None:
     bench = Bench('#2=abort')
     first = bench.accepted()
 
@@ -237,7 +237,7 @@ def test_a_goal_that_hangs_obeys_a_cancel_request() -> None:
     assert goal.status is GoalStatus.CANCELED
 
 
-def test_a_goal_that_ignores_cancel_goes_on_for_good() -> None:
+def test_goal_that_ignores_cancel_keeps_running_forever() -> None:
     bench = Bench('=ignore_cancel')
     goal = bench.accepted()
     bench.finish()
@@ -257,7 +257,7 @@ def test_a_request_that_is_not_accepted_executes_nothing(fault: str, verdict: Ve
     bench.accepted()  # the next goal finds it idle
 
 
-def test_a_controller_that_dies_is_back_after_its_time_and_knows_nothing() -> None:
+def test_dead_controller_returns_later_without_its_goals() -> None:
     bench = Bench('#1=die:5')
     goal = bench.accepted()
     bench.finish()
@@ -275,7 +275,7 @@ def test_a_controller_that_dies_is_back_after_its_time_and_knows_nothing() -> No
     assert second.status is GoalStatus.SUCCEEDED
 
 
-def test_an_absent_controller_comes_after_its_time_or_never() -> None:
+def test_absent_controller_appears_late_or_never() -> None:
     late, never = Bench('=absent:3'), Bench('=absent')
     late.finish()
     never.finish()
@@ -285,7 +285,7 @@ def test_an_absent_controller_comes_after_its_time_or_never() -> None:
     assert not never.carrier.seen
 
 
-def test_not_ready_from_the_start_says_nothing_else_before() -> None:
+def test_initial_not_ready_is_the_first_state() -> None:
     bench = Bench('#0=not_ready:5')
     bench.finish()
 
@@ -299,7 +299,7 @@ def test_an_absent_controller_may_come_unready() -> None:
     assert bench.carrier.seen == [(3.0, 'appears'), (3.0, 'not ready')]
 
 
-def test_not_ready_lasts_from_the_end_of_the_goal_for_good() -> None:
+def test_not_ready_after_a_goal_lasts_forever() -> None:
     bench = Bench('A#1=not_ready')
     bench.accepted()
     bench.finish()
@@ -307,7 +307,7 @@ def test_not_ready_lasts_from_the_end_of_the_goal_for_good() -> None:
     assert bench.carrier.seen[2:] == [(4.0, 'not ready')]
 
 
-def test_it_says_not_ready_before_it_ends_the_goal() -> None:
+def test_not_ready_is_published_before_goal_end() -> None:
     bench = Bench('#1=not_ready')
     bench.accepted()
     bench.finish()
@@ -315,7 +315,7 @@ def test_it_says_not_ready_before_it_ends_the_goal() -> None:
     assert bench.carrier.at_ends == ['not ready']
 
 
-def test_a_later_not_ready_is_not_ended_by_an_earlier_one() -> None:
+def test_earlier_not_ready_does_not_end_later_one() -> None:
     bench = Bench('#*=not_ready:5')
     bench.accepted()
     bench.clock.advance()  # feedback
@@ -334,7 +334,7 @@ def test_a_silent_state_topic_never_says_anything() -> None:
     assert bench.carrier.seen == [(0.0, 'appears')]
 
 
-def test_switched_off_it_aborts_the_goal_and_takes_no_other() -> None:
+def test_switched_off_controller_aborts_goal_and_rejects_others() -> None:
     bench = Bench()
     goal = bench.accepted()
     bench.controller.switch_off()
@@ -343,7 +343,7 @@ def test_switched_off_it_aborts_the_goal_and_takes_no_other() -> None:
     assert bench.request()[0].verdict is Verdict.REJECT
 
 
-def test_of_several_endings_the_first_one_listed_counts_and_late_adds_to_it() -> None:
+def test_first_listed_ending_counts_and_late_is_added() -> None:
     bench = Bench('=late:2.5', '=abort', '=hang')
     goal = bench.accepted()
     bench.finish()
@@ -351,7 +351,7 @@ def test_of_several_endings_the_first_one_listed_counts_and_late_adds_to_it() ->
     assert (goal.status, goal.ended_at) == (GoalStatus.ABORTED, 6.5)
 
 
-def test_every_goal_is_noted_with_what_became_of_it() -> None:
+def test_every_goal_is_noted_with_its_outcome() -> None:
     bench = Bench('#2=reject', '#3=mute', '#4=die')
     bench.accepted()
     bench.finish()

@@ -23,7 +23,7 @@ def test_faults_add_to_those_of_the_component() -> None:
     assert BARE.components['press'].faults == ()
 
 
-def test_a_fault_of_the_conveyor_is_the_conveyors_wherever_one_looks() -> None:
+def test_conveyor_fault_applies_to_both_component_entries() -> None:
     cell = with_faults(BARE, ['conveyor=hang'], TYPES)
 
     assert cell.conveyor.component.faults == (Fault(FaultKind.HANG),)

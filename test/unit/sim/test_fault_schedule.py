@@ -27,11 +27,11 @@ def struck(spec: str, tasks: str) -> list[int]:
         ('#0=not_ready', []),
     ],
 )
-def test_counts_goals_of_the_component_or_of_the_task(spec: str, goals: list[int]) -> None:
+def test_fault_counts_goals_of_component_or_task(spec: str, goals: list[int]) -> None:
     assert struck(spec, 'A B A B B') == goals
 
 
-def test_of_two_kinds_the_first_one_listed_is_found() -> None:
+def test_first_listed_of_two_kinds_is_found() -> None:
     faults = [parse_fault(spec) for spec in ('=late:2.5', '=abort', '=hang')]
 
     goal = FaultSchedule(faults).next_goal('A')
@@ -40,14 +40,14 @@ def test_of_two_kinds_the_first_one_listed_is_found() -> None:
     assert goal.late_s == 2.5
 
 
-def test_a_goal_without_faults_ends_well_and_in_time() -> None:
+def test_goal_without_faults_succeeds_in_time() -> None:
     goal = FaultSchedule([]).next_goal('A')
 
     assert goal.find(*FaultKind) is None
     assert goal.late_s == 0.0
 
 
-def test_faults_from_the_start_are_told_apart_from_those_of_goals() -> None:
+def test_initial_faults_are_separate_from_goal_faults() -> None:
     schedule = FaultSchedule([parse_fault('=not_ready:3'), parse_fault('#0=not_ready:5')])
 
     at_start = schedule.at_start(FaultKind.NOT_READY)

@@ -80,21 +80,21 @@ def real_ends(simulation: Simulation) -> dict[str, float | None]:
 
 
 @pytest.mark.parametrize('until_s', [0.0, 1.0, 7.9, 13.0, 20.5, 31.0])
-def test_from_any_moment_on_the_forecast_is_what_happens(until_s: float) -> None:
+def test_forecast_matches_outcome_from_any_moment(until_s: float) -> None:
     with running(3, 2, until_s=until_s) as (simulation, _):
-        live, found = list(simulation.state.jobs), expected(simulation)
+        live, forecast = list(simulation.state.jobs), expected(simulation)
         ends = real_ends(simulation)
 
         assert live
-        assert found == pytest.approx({name: ends[name] for name in live})
+        assert forecast == pytest.approx({name: ends[name] for name in live})
 
 
 def test_long_jobs_are_shortened_and_come_out_right(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run_on, 'CYCLES_RUN', 12)
     with running(60, 30, until_s=40.0) as (simulation, _):
-        found = expected(simulation)
+        forecast = expected(simulation)
 
-        assert found == pytest.approx(real_ends(simulation), rel=0.01)
+        assert forecast == pytest.approx(real_ends(simulation), rel=0.01)
 
 
 def steps_ahead(simulation: Simulation) -> tuple[int, dict[str, float]]:
@@ -107,19 +107,19 @@ def steps_ahead(simulation: Simulation) -> tuple[int, dict[str, float]]:
 
 
 @pytest.mark.parametrize('seconds', [{}, {'a2': 5.0}])
-def test_a_line_is_run_on_until_it_repeats_itself(seconds: dict[str, float]) -> None:
+def test_line_runs_on_until_it_repeats_itself(seconds: dict[str, float]) -> None:
     cell = Line(3, seconds=seconds).cell
     with running(40, until_s=30.0, cell=cell) as (simulation, _):
-        few, found = steps_ahead(simulation)
-        assert found == pytest.approx(real_ends(simulation))
+        few, forecast = steps_ahead(simulation)
+        assert forecast == pytest.approx(real_ends(simulation))
     with running(400, until_s=30.0, cell=cell) as (simulation, _):
-        many, found = steps_ahead(simulation)
-        assert found == pytest.approx(real_ends(simulation))
+        many, forecast = steps_ahead(simulation)
+        assert forecast == pytest.approx(real_ends(simulation))
 
     assert many == few < 60
 
 
-def test_a_line_that_comes_to_its_pace_slowly_does_not_repeat_itself_before() -> None:
+def test_slowly_settling_line_does_not_repeat_itself_early() -> None:
     text = with_section(
         2,
         """
@@ -129,19 +129,19 @@ def test_a_line_that_comes_to_its_pace_slowly_does_not_repeat_itself_before() ->
     )  # 8.0 s per item, until cleaning has come to be half a second later with each of them
     cell = Line(3, seconds={'a1': 6.0, 'b2': 7.5}).cell
     with running(40, until_s=30.0, cell=cell, text=text) as (simulation, _):
-        found = expected(simulation)
+        forecast = expected(simulation)
 
-        assert found == pytest.approx(real_ends(simulation))
+        assert forecast == pytest.approx(real_ends(simulation))
 
 
-def test_items_of_which_each_may_take_another_way_are_all_run() -> None:
+def test_items_with_differing_ways_are_all_run() -> None:
     text = with_section(
         2, '[{id: work, @a2, when: {value: "${item.number}", at_least: 20}}, {id: look, @b2}]'
     )
     with running(40, until_s=9.0, text=text) as (simulation, _):
-        found = expected(simulation)
+        forecast = expected(simulation)
 
-        assert found == pytest.approx(real_ends(simulation))
+        assert forecast == pytest.approx(real_ends(simulation))
 
 
 @examples(10, 500)
@@ -155,12 +155,12 @@ def test_drawn_lines_do_what_is_forecast(plan: Plan, until_s: float) -> None:
         with closing(Simulation(cell, TYPES, MemoryStore())) as simulation:
             simulation.submit(jobs)
             run_until(simulation, until_s)
-            found = expected(simulation)
+            forecast = expected(simulation)
             ends = real_ends(simulation)
-            assert found == pytest.approx({name: ends[name] for name in found})
+            assert forecast == pytest.approx({name: ends[name] for name in forecast})
 
 
-def test_what_was_seen_counts_more_than_what_is_written() -> None:
+def test_observed_durations_outweigh_written_ones() -> None:
     with running(12, until_s=80.0, slower=2.0) as (simulation, durations):
         nominal, seen = expected(simulation), expected(simulation, durations.seconds())
         (end_s,) = real_ends(simulation).values()
@@ -169,25 +169,25 @@ def test_what_was_seen_counts_more_than_what_is_written() -> None:
         assert nominal['J0'] < seen['J0'] - 40.0
 
 
-def test_at_a_quarter_of_nominal_five_goals_of_each_task_are_enough() -> None:
+def test_five_quick_goals_per_task_suffice_for_forecast() -> None:
     with running(30, until_s=20.0, slower=0.25) as (simulation, durations):
         took_s = durations.seconds()
         assert took_s['a3'] == {'TASK_A': 0.25}
-        found = expected(simulation, took_s)
-        left_s = found['J0'] - simulation.clock.now()
+        forecast = expected(simulation, took_s)
+        left_s = forecast['J0'] - simulation.clock.now()
         (end_s,) = real_ends(simulation).values()
         assert end_s is not None
 
         assert left_s == pytest.approx(end_s - 20.0, rel=0.05)
 
 
-def test_tasks_not_seen_yet_are_as_slow_as_the_others() -> None:
+def test_unseen_tasks_are_assumed_equally_slow() -> None:
     with running(12, until_s=4.0, slower=2.0) as (simulation, durations):
         assert 'a3' not in durations.seconds()
-        found = expected(simulation, durations.seconds())
+        forecast = expected(simulation, durations.seconds())
         (end_s,) = real_ends(simulation).values()
 
-        assert found['J0'] == pytest.approx(end_s)
+        assert forecast['J0'] == pytest.approx(end_s)
 
 
 def test_faults_of_simulated_controllers_are_not_foreseen() -> None:
@@ -204,7 +204,7 @@ def test_a_cell_that_somebody_stopped_has_no_forecast() -> None:
         assert expected(simulation) == {}
 
 
-def test_a_run_that_takes_too_long_leaves_jobs_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_overlong_run_leaves_jobs_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run_on, 'LONGEST_S', 0.0)
     with running(4, until_s=3.0) as (simulation, _):
         assert expected(simulation) == {}

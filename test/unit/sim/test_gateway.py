@@ -79,7 +79,7 @@ def test_durations_may_be_drawn_instead() -> None:
     assert asked == [goal.request]
 
 
-def test_label_of_a_type_without_task_field_has_its_own_duration() -> None:
+def test_label_without_task_field_has_own_duration() -> None:
     plain = Component(
         'belt', (), '/belt', 'plain_interfaces/action/Index', durations_s={'A': 1.0, 'B': 3.0}
     )
@@ -104,7 +104,7 @@ def test_second_goal_of_a_busy_component_is_refused() -> None:
     assert world.end(first) == (GoalStatus.SUCCEEDED, 0.2)
 
 
-def test_request_to_a_dead_server_is_lost_after_it_is_back() -> None:
+def test_request_to_dead_server_is_lost_on_return() -> None:
     world = World('=die:10')
     world.send()
     world.advance_to(1.0)
@@ -112,7 +112,7 @@ def test_request_to_a_dead_server_is_lost_after_it_is_back() -> None:
     assert world.end(world.send()) == (GoalStatus.LOST, 1.0 + 10.0 + 2.0)
 
 
-def test_request_to_a_dead_server_is_lost_with_its_lease() -> None:
+def test_request_to_dead_server_is_lost_with_lease() -> None:
     world = World('=die')
     world.send()
     world.advance_to(1.0)
@@ -132,7 +132,7 @@ def test_state_is_ready_before_the_first_drain() -> None:
     assert world.gateway.drain() == (StateReading('arm', 'READY'),)
 
 
-def test_state_is_told_before_the_end_that_changes_it() -> None:
+def test_state_change_is_reported_before_goal_end() -> None:
     world = World('=not_ready:2.0', state=True)
     world.gateway.drain()
     goal = world.send()
@@ -150,7 +150,7 @@ def test_state_of_an_absent_component_comes_with_it() -> None:
     assert world.gateway.drain() == (StateReading('arm', 'READY'),)
 
 
-def test_state_is_none_after_the_lease_of_a_dead_publisher() -> None:
+def test_state_of_dead_publisher_expires_with_lease() -> None:
     world = World('=die:30', state=True)
     world.end(world.send())
     assert world.gateway.drain()[-1] == StateReading('arm', None)

@@ -58,16 +58,16 @@ def difference_us(found: Retrospect) -> dict[str, int]:
 
 
 @pytest.mark.parametrize('job', ['J0', 'J1', 'J2'])
-def test_what_went_as_forecast_is_equal_in_every_figure(job: str) -> None:
-    found = looked(ran(LINE, 3, 2, 4), job)
-    assert found.late_us == 0
-    assert found.forecast.works == found.real.works
-    assert found.real.works
-    pairs = [*found.times(), *found.items(), *found.busy(), found.total]
+def test_run_as_forecast_is_equal_in_every_figure(job: str) -> None:
+    recap = looked(ran(LINE, 3, 2, 4), job)
+    assert recap.late_us == 0
+    assert recap.forecast.works == recap.real.works
+    assert recap.real.works
+    pairs = [*recap.times(), *recap.items(), *recap.busy(), recap.total]
     assert all(pair.more == 0 for pair in pairs)
-    assert sum(pair.real for pair in found.times()) == found.total.real
-    assert [*found.tasks()] == []
-    assert found.first_deviation() is found.worst_deviation() is None
+    assert sum(pair.real for pair in recap.times()) == recap.total.real
+    assert [*recap.tasks()] == []
+    assert recap.first_deviation() is recap.worst_deviation() is None
 
 
 @examples(10, 300)
@@ -77,13 +77,13 @@ def test_a_clock_that_is_set_changes_no_difference(steps: Steps, job: str) -> No
     store = MemoryStore()
     store.append(stepped(run.store.read(), steps))
     reading = Reading(MemoryRecords(store))
-    found = LookingBack(reading, LINE.cell, TYPES, 'the journal').at(job)
-    assert figures_of(found) == figures_of(looked(run, job))
-    first, plain = found.first_deviation(), looked(run, job).first_deviation()
+    recap = LookingBack(reading, LINE.cell, TYPES, 'the journal').at(job)
+    assert figures_of(recap) == figures_of(looked(run, job))
+    first, plain = recap.first_deviation(), looked(run, job).first_deviation()
     assert first is not None
     assert plain is not None
     assert first.real.key == plain.real.key
-    assert retrospect_plain(found)['notes']
+    assert retrospect_plain(recap)['notes']
 
 
 def figures_of(found: Retrospect) -> list[object]:
@@ -91,7 +91,7 @@ def figures_of(found: Retrospect) -> list[object]:
     return [found.late_us, *pairs, *found.tasks()]
 
 
-def test_a_forecast_needs_no_ids_that_were_used_before(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_forecast_does_not_need_previously_used_ids(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(used_ids, 'FULL', 1)
     run = ran(LINE, 3, 2, 4)
     assert len(run.state.order_ids.sealed) == 3
@@ -99,13 +99,13 @@ def test_a_forecast_needs_no_ids_that_were_used_before(monkeypatch: pytest.Monke
 
 
 def test_a_slow_component_is_named() -> None:
-    found = looked(ran(LINE, 5, slower=2.0), 'J0')
-    assert found.late_us == 10 * US, 'two seconds for each of five items'
-    assert difference_us(found) == {'production': 10 * US}
-    assert next(found.busy()) == ('a2', 25 * US, 35 * US)
-    (task,) = found.tasks()
+    recap = looked(ran(LINE, 5, slower=2.0), 'J0')
+    assert recap.late_us == 10 * US, 'two seconds for each of five items'
+    assert difference_us(recap) == {'production': 10 * US}
+    assert next(recap.busy()) == ('a2', 25 * US, 35 * US)
+    (task,) = recap.tasks()
     assert task == ('a2', 'TASK_A', 5, 25 * US, 35 * US)
-    first, worst = found.first_deviation(), found.worst_deviation()
+    first, worst = recap.first_deviation(), recap.worst_deviation()
     assert first is not None
     assert first.real.key.task.item == 'J0/1'
     assert first.late_us == 2 * US
@@ -114,31 +114,31 @@ def test_a_slow_component_is_named() -> None:
 
 
 def test_what_comes_after_the_end_is_not_counted() -> None:
-    found = looked(ran(LINE, 5, 3, slower=-2.0), 'J0')
-    assert difference_us(found) == {'production': -10 * US}
-    busy = {pair.what: (pair.forecast, pair.real) for pair in found.busy()}
+    recap = looked(ran(LINE, 5, 3, slower=-2.0), 'J0')
+    assert difference_us(recap) == {'production': -10 * US}
+    busy = {pair.what: (pair.forecast, pair.real) for pair in recap.busy()}
     assert busy['a2'] == (25 * US, 15 * US)
     assert busy['conveyor'] == (12 * US, 12 * US), 'later moves are of the next job alone'
 
 
 @pytest.mark.parametrize('part_s', [4e-7, 6e-7])
-def test_the_end_is_found_whatever_its_time_is_rounded_to(part_s: float) -> None:
-    found = looked(ran(LINE, 1, slower=part_s), 'J0')
-    assert found.late_us == round(part_s * US)
+def test_job_end_is_recognized_despite_time_rounding(part_s: float) -> None:
+    recap = looked(ran(LINE, 1, slower=part_s), 'J0')
+    assert recap.late_us == round(part_s * US)
 
 
-def test_a_move_that_is_under_way_at_the_start_is_counted() -> None:
+def test_move_in_progress_at_start_is_counted() -> None:
     run = VirtualRun(LINE.cell, TYPES)
     run.submit('J0', LINE.script(THREE), 1)
     early = '[{id: ready, @b1, requires_conveyor: false}, {id: place, @a1, qty_change: 1}]'
     run.submit('J1', LINE.script(THREE.replace('[{id: place, @a1, qty_change: 1}]', early)), 1)
     run.go()
-    found = looked(run, 'J1')
+    recap = looked(run, 'J1')
     (first, *_) = (r['time'] for r in run.all('task.started', task='index'))
-    assert first * US == found.begin_us
+    assert first * US == recap.begin_us
     moves = len(run.all('task.started', task='index'))
-    assert found.real.busy_us['conveyor'] == found.forecast.busy_us['conveyor']
-    assert found.real.busy_us['conveyor'] == moves * 2 * US
+    assert recap.real.busy_us['conveyor'] == recap.forecast.busy_us['conveyor']
+    assert recap.real.busy_us['conveyor'] == moves * 2 * US
 
 
 def test_retries_and_holds_account_for_the_difference() -> None:
@@ -149,36 +149,36 @@ def test_retries_and_holds_account_for_the_difference() -> None:
     assert run.sim.clock.advance()
     run.answer('retry', hold)
     run.go()
-    found = looked(run, 'J0', line.cell)
-    more = difference_us(found)
+    recap = looked(run, 'J0', line.cell)
+    more = difference_us(recap)
     assert more == {'own_fault': 60 * US, 'rework': 15 * US}
-    assert sum(more.values()) == found.total.more == found.late_us
-    first = found.first_deviation()
+    assert sum(more.values()) == recap.total.more == recap.late_us
+    first = recap.first_deviation()
     assert first is not None
     assert (first.real.reason, first.real.key.task.item) == ('aborted', 'J0/2')
-    text = '\n'.join(retrospect_text(found))
+    text = '\n'.join(retrospect_text(recap))
     assert 'first deviation, at ' in text
     assert 'section 2, work of J0/2 (TASK_A) at a2 failed: aborted\n' in text
     assert 'retry by Ann' in text
-    plain = json.loads(json.dumps(retrospect_plain(found)))
+    plain = json.loads(json.dumps(retrospect_plain(recap)))
     assert plain['first_deviation']['reason'] == 'aborted'
-    assert plain['late_s'] == found.total.more / US
+    assert plain['late_s'] == recap.total.more / US
 
 
 def test_a_job_that_runs_is_compared_so_far() -> None:
     run = VirtualRun(LINE.cell, TYPES)
     run.submit('J0', LINE.script(THREE), 6)
     run.go(until=20.0)
-    found = looked(run, 'J0')
-    assert found.late_us is None
-    assert found.real.until_us == 18 * US, 'the last event'
-    assert found.real.busy_us['a2'] == 11 * US, 'two items, and one second of the third'
-    assert found.forecast.end_us is not None
-    assert found.forecast.end_us > found.real.until_us == found.forecast.until_us
-    pairs = [*found.times(), *found.items(), *found.busy(), found.total]
+    recap = looked(run, 'J0')
+    assert recap.late_us is None
+    assert recap.real.until_us == 18 * US, 'the last event'
+    assert recap.real.busy_us['a2'] == 11 * US, 'two items, and one second of the third'
+    assert recap.forecast.end_us is not None
+    assert recap.forecast.end_us > recap.real.until_us == recap.forecast.until_us
+    pairs = [*recap.times(), *recap.items(), *recap.busy(), recap.total]
     assert all(pair.more == 0 for pair in pairs)
     assert 'the job has not ended: times and items are compared up to' in '\n'.join(
-        retrospect_text(found)
+        retrospect_text(recap)
     )
 
 
@@ -191,13 +191,13 @@ def test_usual_durations_are_those_before_the_job() -> None:
 
 def test_another_cell_file_is_said() -> None:
     other = Line(3, seconds={'a2': 9.0})
-    found = looked(ran(LINE, 2), 'J0', other.cell)
-    assert found.cell_differs
-    assert found.late_us == -8 * US
-    assert 'the node ran with another cell file than this one' in '\n'.join(retrospect_text(found))
+    recap = looked(ran(LINE, 2), 'J0', other.cell)
+    assert recap.cell_differs
+    assert recap.late_us == -8 * US
+    assert 'the node ran with another cell file than this one' in '\n'.join(retrospect_text(recap))
 
 
-def test_a_forecast_that_would_wait_for_a_person_is_none() -> None:
+def test_forecast_that_needs_a_person_is_refused() -> None:
     unless = "fails_unless: {value: '${results.work.measurement}', at_least: 4.0}"
     line = Line(3, faults={'a2': '#1=reads:5.0'})
     run = ran(line, 1, text=with_section(2, f'- {{id: work, @a2, {unless}}}'))
@@ -219,9 +219,9 @@ def test_both_are_seen_by_their_watchers_alone() -> None:
     run = ran(LINE, 5, slower=2.0)
     forecast, real = (GanttFold(by_component=True) for _ in range(2))
     reading = Reading(MemoryRecords(run.store))
-    found = LookingBack(reading, LINE.cell, TYPES, 'it').at('J0', Watchers([forecast], [real]))
-    assert found.real.end_us is not None
-    end_s = found.real.end_us / US
+    recap = LookingBack(reading, LINE.cell, TYPES, 'it').at('J0', Watchers([forecast], [real]))
+    assert recap.real.end_us is not None
+    end_s = recap.real.end_us / US
     took = {
         name: [bar.end_s - bar.start_s for row in fold.past(0.0, end_s).rows for bar in row.tasks
                if row.title == 'a2']

@@ -32,9 +32,9 @@ def expected(found: Script, line: Line = LINE) -> Expected | None:
 
 
 def sure(section: str, line: Line = LINE) -> Expected:
-    found = expected(script(section, line), line)
-    assert found is not None
-    return found
+    estimate = expected(script(section, line), line)
+    assert estimate is not None
+    return estimate
 
 
 def near(found: Expected, mean_s: float) -> bool:
@@ -44,10 +44,10 @@ def near(found: Expected, mean_s: float) -> bool:
 
 @pytest.mark.parametrize('share', [0.0, 0.05, 0.3, 1.0])
 def test_8_4_a_condition_runs_as_often_as_is_likely(share: float) -> None:
-    found = sure(MAYBE.replace('LIKELY', str(share)))
-    assert found.per_item_s == pytest.approx(3.0 + 4.0 * share, abs=2 * found.sure_s + 1e-9)
-    assert found.sure_s == 0.0 if share in (0.0, 1.0) else 0.0 < found.sure_s < 0.15
-    assert (found.items, found.good, found.holds) == (1000, 1.0, 0)
+    estimate = sure(MAYBE.replace('LIKELY', str(share)))
+    assert estimate.per_item_s == pytest.approx(3.0 + 4.0 * share, abs=2 * estimate.sure_s + 1e-9)
+    assert estimate.sure_s == 0.0 if share in (0.0, 1.0) else 0.0 < estimate.sure_s < 0.15
+    assert (estimate.items, estimate.good, estimate.holds) == (1000, 1.0, 0)
 
 
 def test_8_4_unless_says_how_often_it_runs_as_well() -> None:
@@ -56,61 +56,61 @@ def test_8_4_unless_says_how_often_it_runs_as_well() -> None:
 
 
 def test_8_4_tasks_with_one_condition_are_drawn_together() -> None:
-    found = sure(
+    estimate = sure(
         """
         - {id: work, @a2}
         - {id: one, @b2, when: "${results.work.item_present}", likely: 0.3}
         - {id: other, @b2, unless: "${results.work.item_present}"}
         """
     )
-    assert found.per_item_s == pytest.approx(7.0)
-    assert found.sure_s == pytest.approx(0.0)
-    assert found.always == ()
+    assert estimate.per_item_s == pytest.approx(7.0)
+    assert estimate.sure_s == pytest.approx(0.0)
+    assert estimate.always == ()
 
 
-def test_8_4_tasks_with_other_conditions_are_drawn_each_by_itself() -> None:
-    found = sure(
+def test_8_4_tasks_with_different_conditions_are_drawn_independently() -> None:
+    estimate = sure(
         """
         - {id: work, @a2}
         - {id: one, @b2, when: "${results.work.item_present}", likely: 0.3}
         - {id: other, @b2, when: {value: "${results.work.measurement}", at_least: 1}, likely: 0.7}
         """
     )
-    assert near(found, 3.0 + 4.0)
-    assert found.sure_s > 0.05
+    assert near(estimate, 3.0 + 4.0)
+    assert estimate.sure_s > 0.05
 
 
-def test_8_4_a_condition_without_a_rate_is_told_and_always_met() -> None:
-    found = sure(
+def test_8_4_condition_without_rate_is_reported_and_always_met() -> None:
+    estimate = sure(
         """
         - {id: work, @a2}
         - {id: one, @b2, when: "${results.work.item_present}", likely: 0.0}
         - {id: other, @b2, when: {value: "${results.work.measurement}", at_least: 1}}
         """
     )
-    assert found.per_item_s == pytest.approx(7.0)
-    assert found.always == ('other',)
-    assert '  no `likely`, so counted as always run: other' in list(found.lines())
+    assert estimate.per_item_s == pytest.approx(7.0)
+    assert estimate.always == ('other',)
+    assert '  no `likely`, so counted as always run: other' in list(estimate.lines())
 
 
 def test_8_4_a_failed_attempt_is_made_again() -> None:
-    found = sure('- {id: work, @b2, retries: 3, on_failure: reject, likely: 0.2}')
-    assert near(found, 2.0 + 4.0 * (1 + 0.2 + 0.04 + 0.008))
-    assert found.good == pytest.approx(1 - 0.2**4, abs=0.005)
+    estimate = sure('- {id: work, @b2, retries: 3, on_failure: reject, likely: 0.2}')
+    assert near(estimate, 2.0 + 4.0 * (1 + 0.2 + 0.04 + 0.008))
+    assert estimate.good == pytest.approx(1 - 0.2**4, abs=0.005)
 
 
-def test_8_4_rejected_items_are_told_as_the_pace_of_good_ones() -> None:
-    found = sure('[{id: look, @a2, on_failure: reject, likely: 0.25}, {id: work, @b2}]')
-    assert near(found, 3.0 + 4.0 * 0.75)
-    assert found.good == pytest.approx(0.75, abs=0.04)
-    assert found.per_good_s == pytest.approx(found.per_item_s / found.good)
-    assert f', {found.per_good_s:.2f} s per good item' in next(found.lines())
+def test_8_4_rejected_items_appear_in_good_item_pace() -> None:
+    estimate = sure('[{id: look, @a2, on_failure: reject, likely: 0.25}, {id: work, @b2}]')
+    assert near(estimate, 3.0 + 4.0 * 0.75)
+    assert estimate.good == pytest.approx(0.75, abs=0.04)
+    assert estimate.per_good_s == pytest.approx(estimate.per_item_s / estimate.good)
+    assert f', {estimate.per_good_s:.2f} s per good item' in next(estimate.lines())
 
 
-def test_8_4_items_that_go_on_after_a_failure_are_not_good() -> None:
-    found = sure('[{id: look, @a2, on_failure: continue, likely: 0.25}, {id: work, @b2}]')
-    assert found.per_item_s == pytest.approx(7.0)
-    assert found.good == pytest.approx(0.75, abs=0.04)
+def test_8_4_items_that_continue_after_failure_are_not_good() -> None:
+    estimate = sure('[{id: look, @a2, on_failure: continue, likely: 0.25}, {id: work, @b2}]')
+    assert estimate.per_item_s == pytest.approx(7.0)
+    assert estimate.good == pytest.approx(0.75, abs=0.04)
 
 
 REWORK = """
@@ -122,18 +122,18 @@ REWORK = """
 """
 
 
-def test_8_4_a_repeat_is_done_again_as_often_as_its_verdict_refuses() -> None:
-    found = sure(REWORK.replace('POLICY', 'reject'))
-    assert near(found, 2.0 + 5.0 * (1 + 0.2 + 0.04))
-    assert found.good == pytest.approx(1 - 0.2**3, abs=0.01)
-    assert found.holds == 0
+def test_8_4_repeat_follows_refusal_rate_of_its_verdict() -> None:
+    estimate = sure(REWORK.replace('POLICY', 'reject'))
+    assert near(estimate, 2.0 + 5.0 * (1 + 0.2 + 0.04))
+    assert estimate.good == pytest.approx(1 - 0.2**3, abs=0.01)
+    assert estimate.holds == 0
 
 
-def test_8_4_a_failure_that_is_held_is_answered_at_once() -> None:
-    found = sure(REWORK.replace('POLICY', 'hold'))
-    assert near(found, 2.0 + 5.0 * (1 + 0.2 + 0.04))
-    assert found.holds == pytest.approx(1000 * 0.2**3, abs=7)
-    assert 'answered at once: waiting is not counted' in list(found.lines())[-1]
+def test_8_4_held_failure_is_answered_at_once() -> None:
+    estimate = sure(REWORK.replace('POLICY', 'hold'))
+    assert near(estimate, 2.0 + 5.0 * (1 + 0.2 + 0.04))
+    assert estimate.holds == pytest.approx(1000 * 0.2**3, abs=7)
+    assert 'answered at once: waiting is not counted' in list(estimate.lines())[-1]
 
 
 def test_8_4_waits_for_what_sections_share_are_in_it() -> None:
@@ -144,9 +144,9 @@ def test_8_4_waits_for_what_sections_share_are_in_it() -> None:
       2: [{id: look, @a2}, {id: lift, @arm, when: "${results.look.item_present}", likely: 1}]
       3: [{id: turn, @arm.TASK_B}, {id: pack, @a3, qty_change: -1}]
     """
-    found = expected(line.script(text), line)
-    assert found is not None
-    assert found.per_item_s == pytest.approx(
+    estimate = expected(line.script(text), line)
+    assert estimate is not None
+    assert estimate.per_item_s == pytest.approx(
         PaceJudge(line.cell, TYPES, MemoryStore).pace_s(line.script(text))
     )
 
@@ -156,13 +156,13 @@ def test_8_4_it_is_the_same_every_time() -> None:
     assert sure(section) == sure(section)
 
 
-def test_8_4_components_of_the_file_do_not_fail_beside_it() -> None:
+def test_8_4_estimate_ignores_faults_of_the_cell_file() -> None:
     line = Line(seconds={'b2': 4.0}, faults={'a2': '#3=abort', 'b2': '#*=late:9'})
     section = MAYBE.replace('LIKELY', '0.3')
     assert sure(section, line).per_item_s == sure(section).per_item_s
 
 
-def test_8_4_a_long_script_has_fewer_items_and_a_very_long_one_no_figure(
+def test_8_4_long_script_gets_fewer_items_or_no_figure(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(pace_judge, 'MOST_TASKS', 400)

@@ -52,9 +52,9 @@ def as_then(status: CellStatus) -> CellStatus:
     """Leave out what no journal knows."""
     return replace(
         status,
-        sections=tuple(replace(one, running=unfed(one.running)) for one in status.sections),
+        sections=tuple(replace(part, running=unfed(part.running)) for part in status.sections),
         belt=replace(status.belt, running=unfed(status.belt.running)),
-        components=tuple(replace(one, feedback='') for one in status.components),
+        components=tuple(replace(part, feedback='') for part in status.components),
     )
 
 
@@ -88,7 +88,7 @@ def test_every_settle_is_shown_as_it_was(text: str) -> None:
     simulation.close()
 
 
-def test_a_moment_in_the_middle_of_a_settle_has_its_own_facts() -> None:
+def test_moment_within_a_settle_has_its_own_facts() -> None:
     line = Line(3)
     store = MemoryStore()
     simulation = Simulation(line.cell, FakeActionTypes(), store)
@@ -126,9 +126,7 @@ def test_7_4_a_past_moment_tells_why_the_cell_stood() -> None:
 
 
 @pytest.mark.parametrize(('after_s', 'is_told'), [(0.5, False), (1.0, True), (300.0, True)])
-def test_7_4_a_past_moment_between_two_events_is_that_moment(
-    after_s: float, is_told: bool
-) -> None:
+def test_7_4_past_moment_between_two_events_is_exact(after_s: float, is_told: bool) -> None:
     past, seq, since, simulation = standing(Line(3))
     status = past.status_at(seq, since + after_s)
     assert (status.stands is not None) is is_told
@@ -137,7 +135,7 @@ def test_7_4_a_past_moment_between_two_events_is_that_moment(
 
 
 @pytest.mark.parametrize('step_s', [0.0, -50.0, 3600.0])
-def test_7_4_what_changes_nothing_on_the_line_does_not_begin_a_standstill(step_s: float) -> None:
+def test_7_4_unrelated_events_do_not_begin_a_standstill(step_s: float) -> None:
     line = Line(3, faults={'a2': '#1=abort'}, topics=('a3',))
     store = MemoryStore()
     simulation = Simulation(line.cell, FakeActionTypes(), store)
@@ -146,32 +144,32 @@ def test_7_4_what_changes_nothing_on_the_line_does_not_begin_a_standstill(step_s
     live = Overview(simulation.orchestrator)
     before = live.status(simulation.clock.now() + 60.0).stands
     assert before is not None
-    said = OperatorDecided(answer='comment', who='Ann', reason='I look', hold='1')
+    comment = OperatorDecided(answer='comment', who='Ann', reason='I look', hold='1')
     reading = ComponentStateChanged(component='a3', ready=True, value='READY')
     refused = RequestRefused(who='x', count=2, commands={'job.move': 2}, since=0.0)
-    quiet: list[Event] = [said, reading, refused]
+    quiet: list[Event] = [comment, reading, refused]
     if step_s:
         quiet.append(ClockStepped(seconds=step_s))
     seq, time = simulation.state.seq, simulation.clock.now()
     store.append(
         [
-            one.stamped(
-                seq + n, time + 60.0 * n + (step_s if one.event == 'clock.stepped' else 0.0)
+            event.stamped(
+                seq + n, time + 60.0 * n + (step_s if event.event == 'clock.stepped' else 0.0)
             )
-            for n, one in enumerate(quiet, 1)
+            for n, event in enumerate(quiet, 1)
         ]
     )
     past = JournalPast(line.cell, MemoryRecords(store))
-    told = past.status_at(seq + len(quiet), time + 60.0 * (len(quiet) + 1) + step_s).stands
-    assert told is not None
-    assert told == replace(before, since=before.since + step_s)
+    after = past.status_at(seq + len(quiet), time + 60.0 * (len(quiet) + 1) + step_s).stands
+    assert after is not None
+    assert after == replace(before, since=before.since + step_s)
     simulation.close()
 
 
 def test_7_4_between_two_events_of_a_moment_nothing_stood() -> None:
     past, seq, _since, simulation = standing(Line(3))
-    told = [past.status_at(number).stands for number in range(1, seq)]
-    assert not any(told), 'the line worked on to its standstill'
+    standstills = [past.status_at(number).stands for number in range(1, seq)]
+    assert not any(standstills), 'the line worked on to its standstill'
     simulation.close()
 
 

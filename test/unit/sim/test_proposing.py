@@ -71,8 +71,8 @@ def proposed(simulation: Simulation) -> Proposal:
 def late_s(found: Consequence, simulation: Simulation) -> float:
     """Return how late jobs end together, of what would be."""
     now_s = simulation.clock.now()
-    dues = {name: one.job.terms.due for name, one in simulation.state.jobs.items()}
-    ends = {one.job: one.ends_s for one in found.after}
+    dues = {name: entry.job.terms.due for name, entry in simulation.state.jobs.items()}
+    ends = {entry.job: entry.ends_s for entry in found.after}
     return sum(
         max(0.0, now_s + (ends[name] or 0.0) - due)
         for name, due in dues.items()
@@ -94,57 +94,57 @@ MIXES = (
 
 
 @pytest.mark.parametrize('mix', MIXES)
-def test_6_7_of_few_orders_the_one_with_the_least_lateness_is_proposed(
+def test_6_7_proposal_has_least_lateness_of_few_orders(
     mix: list[tuple[str, int, float | None]],
 ) -> None:
-    with line_with(*(order(*one) for one in mix)) as simulation:
-        found = proposed(simulation)
+    with line_with(*(order(*row) for row in mix)) as simulation:
+        proposal = proposed(simulation)
         names = [name for name, *_ in mix]
         every = {
-            one: late_s(after_moves(simulation, one), simulation) for one in permutations(names)
+            row: late_s(after_moves(simulation, row), simulation) for row in permutations(names)
         }
         least_s = min(every.values())
-        assert found.new_late_s == pytest.approx(least_s, abs=0.001 * len(mix))
-        assert every[tuple(found.order)] == pytest.approx(least_s, abs=0.001 * len(mix))
-        assert found.late_s == pytest.approx(every[tuple(names)], abs=0.001 * len(mix))
-        assert found.late_s > found.new_late_s
-        assert (found.is_best, found.orders) == (True, 24)
-        assert found.is_new
-        best = [one for one, late in every.items() if late < least_s + 0.0005]
-        moved = {one: sum(abs(one.index(n) - names.index(n)) for n in names) for one in best}
-        assert moved[tuple(found.order)] == min(moved.values()), 'the least is moved'
+        assert proposal.new_late_s == pytest.approx(least_s, abs=0.001 * len(mix))
+        assert every[tuple(proposal.order)] == pytest.approx(least_s, abs=0.001 * len(mix))
+        assert proposal.late_s == pytest.approx(every[tuple(names)], abs=0.001 * len(mix))
+        assert proposal.late_s > proposal.new_late_s
+        assert (proposal.is_best, proposal.orders) == (True, 24)
+        assert proposal.is_new
+        best = [row for row, late in every.items() if late < least_s + 0.0005]
+        moved = {row: sum(abs(row.index(n) - names.index(n)) for n in names) for row in best}
+        assert moved[tuple(proposal.order)] == min(moved.values()), 'the least is moved'
 
 
 def test_what_is_proposed_is_what_then_happens() -> None:
-    with line_with(*(order(*one) for one in MIXES[0])) as simulation:
-        found = proposed(simulation)
+    with line_with(*(order(*row) for row in MIXES[0])) as simulation:
+        offer = proposed(simulation)
         now_s = simulation.clock.now()
-        asked = Arrange(found.order, found.queue_digest, BY)
+        asked = Arrange(offer.order, offer.queue_digest, BY)
         assert simulation.orchestrator.ask(asked).accepted
         go(simulation)
-        ends = {name: one.ended_at for name, one in simulation.state.ended.items()}
-    assert {one.job: now_s + (one.new_ends_s or 0.0) for one in found.jobs} == pytest.approx(ends)
-    with line_with(*(order(*one) for one in MIXES[0])) as simulation:
+        ends = {name: row.ended_at for name, row in simulation.state.ended.items()}
+    assert {row.job: now_s + (row.new_ends_s or 0.0) for row in offer.jobs} == pytest.approx(ends)
+    with line_with(*(order(*row) for row in MIXES[0])) as simulation:
         go(simulation)
-        ends = {name: one.ended_at for name, one in simulation.state.ended.items()}
-    assert {one.job: now_s + (one.ends_s or 0.0) for one in found.jobs} == pytest.approx(ends)
+        ends = {name: row.ended_at for name, row in simulation.state.ended.items()}
+    assert {row.job: now_s + (row.ends_s or 0.0) for row in offer.jobs} == pytest.approx(ends)
 
 
 def test_6_7_priority_comes_before_lateness() -> None:
     late = [order('A', 9, 300.0, priority=1), order('B', 1, 20.0), order('C', 1, 10.0)]
     with line_with(*late) as simulation:
-        found = proposed(simulation)
-    assert found.order[0] == 'A'
-    assert found.orders == 2
-    assert found.new_late_s > 60.0
+        proposal = proposed(simulation)
+    assert proposal.order[0] == 'A'
+    assert proposal.orders == 2
+    assert proposal.new_late_s > 60.0
 
 
-def test_6_7_an_order_in_which_no_job_is_late_stays_as_it_is() -> None:
+def test_6_7_order_without_late_jobs_stays_unchanged() -> None:
     early = [order('A', 1, 900.0), order('B', 1), order('C', 1, 800.0), order('D', 1, 850.0)]
     with line_with(*early) as simulation:
-        found = proposed(simulation)
-    assert (found.is_new, found.is_best, found.looked_at) == (False, True, 1)
-    assert (found.order, found.new_late_s) == (['A', 'B', 'C', 'D'], 0.0)
+        proposal = proposed(simulation)
+    assert (proposal.is_new, proposal.is_best, proposal.looked_at) == (False, True, 1)
+    assert (proposal.order, proposal.new_late_s) == (['A', 'B', 'C', 'D'], 0.0)
 
 
 Change = Callable[[Simulation], object]
@@ -153,9 +153,9 @@ Change = Callable[[Simulation], object]
 @pytest.mark.parametrize(
     ('change', 'job', 'why'),
     [
-        (lambda one: one.orchestrator.ask(MoveJob('A', 1, BY)), 'A', 'its place was chosen'),
+        (lambda entry: entry.orchestrator.ask(MoveJob('A', 1, BY)), 'A', 'its place was chosen'),
         (
-            lambda one: one.orchestrator.ask(ControlJob('hold', 'A', BY)),
+            lambda entry: entry.orchestrator.ask(ControlJob('hold', 'A', BY)),
             'A',
             'A is held in the queue',
         ),
@@ -166,33 +166,33 @@ def test_6_7_what_a_person_decided_stays(change: Change, job: str, why: str) -> 
     with line_with(*jobs) as simulation:
         assert proposed(simulation).order == ['C', 'B', 'A']
         change(simulation)
-        found = proposed(simulation)
-    assert found.order == ['A', 'C', 'B']
-    assert {one.job: one.stays for one in found.jobs if one.stays} == {job: why}
+        proposal = proposed(simulation)
+    assert proposal.order == ['A', 'C', 'B']
+    assert {entry.job: entry.stays for entry in proposal.jobs if entry.stays} == {job: why}
 
 
-def test_a_job_without_an_end_says_why_and_hides_no_other() -> None:
+def test_unknown_end_is_explained_and_hides_no_job() -> None:
     jobs = [order('A', 9), order('B', 9, 500.0), order('C', 1, 25.0)]
     with line_with(*jobs) as simulation:
         simulation.orchestrator.ask(ControlJob('hold', 'A', BY))
-        found = proposed(simulation)
-    assert found.order == ['A', 'C', 'B']
-    assert list(found.unknown) == ['A']
-    assert {one.job for one in found.jobs if one.new_ends_s is None} == {'A'}
+        proposal = proposed(simulation)
+    assert proposal.order == ['A', 'C', 'B']
+    assert list(proposal.unknown) == ['A']
+    assert {entry.job for entry in proposal.jobs if entry.new_ends_s is None} == {'A'}
 
 
-def test_6_7_a_job_that_waits_for_its_start_is_passed_by_the_next() -> None:
+def test_6_7_next_job_passes_job_awaiting_its_start() -> None:
     """D is due first, but does not start before 60 s: nothing is gained by moving it."""
     waits = Job('D', SCRIPT, 1, terms=Terms(start=60.0, due=80.0))
     with line_with(order('B', 1, 40.0), order('C', 6, 78.0), waits) as simulation:
-        found = proposed(simulation)
+        proposal = proposed(simulation)
         every = {
-            one: late_s(after_moves(simulation, one), simulation) for one in permutations('BCD')
+            plan: late_s(after_moves(simulation, plan), simulation) for plan in permutations('BCD')
         }
-    assert found.new_late_s == pytest.approx(min(every.values()), abs=0.003)
+    assert proposal.new_late_s == pytest.approx(min(every.values()), abs=0.003)
 
 
-def test_a_long_queue_gets_the_best_compared_order_and_says_so(
+def test_long_queue_gets_best_of_compared_orders(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Jobs alike: what is due first comes first, as no order is better then."""
@@ -200,34 +200,34 @@ def test_a_long_queue_gets_the_best_compared_order_and_says_so(
     dues = [130.0, 40.0, 100.0, 60.0, 90.0, 50.0, 120.0, 80.0]
     jobs = [order(f'J{number}', 2, due) for number, due in enumerate(dues)]
     with line_with(*jobs) as simulation:
-        found, again = proposed(simulation), proposed(simulation)
+        proposal, again = proposed(simulation), proposed(simulation)
         by_due = sorted((due, job.id) for due, job in zip(dues, jobs, strict=True))
         least = late_s(after_moves(simulation, [name for _, name in by_due]), simulation)
-    assert found == again
-    assert found.new_late_s == pytest.approx(least, abs=0.01)
-    assert (found.orders, found.is_best) == (math.factorial(8), False)
-    assert 1 < found.looked_at <= KEPT + 1
+    assert proposal == again
+    assert proposal.new_late_s == pytest.approx(least, abs=0.01)
+    assert (proposal.orders, proposal.is_best) == (math.factorial(8), False)
+    assert 1 < proposal.looked_at <= KEPT + 1
 
 
 def test_the_work_for_a_proposal_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(proposing, 'MOST_STEPS', 1)
-    with line_with(*(order(*one) for one in MIXES[0])) as simulation:
-        found = proposed(simulation)
-    assert (found.looked_at, found.is_best) == (2, False)
-    assert found.new_late_s < found.late_s
+    with line_with(*(order(*spec) for spec in MIXES[0])) as simulation:
+        proposal = proposed(simulation)
+    assert (proposal.looked_at, proposal.is_best) == (2, False)
+    assert proposal.new_late_s < proposal.late_s
 
 
 def test_an_empty_queue_has_one_order() -> None:
     with line_with() as simulation:
-        found = proposed(simulation)
-    assert [(one.job, one.place) for one in found.jobs] == [('first', 0)]
-    assert (found.orders, found.is_best, found.is_new) == (1, True, False)
+        proposal = proposed(simulation)
+    assert [(entry.job, entry.place) for entry in proposal.jobs] == [('first', 0)]
+    assert (proposal.orders, proposal.is_best, proposal.is_new) == (1, True, False)
 
 
 # --- what is looked at first ------------------------------------------------------------------
 
 
-def test_of_few_orders_all_are_told_and_none_moves_a_job_that_stays() -> None:
+def test_few_orders_are_listed_without_moving_fixed_jobs() -> None:
     jobs = [Waiting(0, True, 5.0), Waiting(0, False, 1.0), Waiting(2, True, 9.0)]
     orders = QueueOrders([*jobs, Waiting(0, True, 2.0)])
     assert orders.count == 2
@@ -235,23 +235,23 @@ def test_of_few_orders_all_are_told_and_none_moves_a_job_that_stays() -> None:
     assert orders.change((2, 1, 0, 3)) == 4
 
 
-def test_of_many_orders_bounded_many_are_told_and_the_guess_is_good() -> None:
+def test_many_orders_are_limited_and_well_guessed() -> None:
     works = [3.0, 9.0, 1.0, 7.0, 2.0, 8.0, 4.0, 6.0, 5.0]
     jobs = [Waiting(0, True, 12.0 + at % 4 * 6, work_s=work) for at, work in enumerate(works)]
     orders = QueueOrders(jobs)
     assert orders.count > FEW
-    told = orders.promising()
-    assert len(set(told)) == len(told) == KEPT
-    assert all(sorted(one) == list(range(9)) for one in told)
+    guesses = orders.promising()
+    assert len(set(guesses)) == len(guesses) == KEPT
+    assert all(sorted(sequence) == list(range(9)) for sequence in guesses)
 
-    def late(one: Sequence[int]) -> float:
+    def late(sequence: Sequence[int]) -> float:
         now_s = total_s = 0.0
-        for at in one:
+        for at in sequence:
             now_s += works[at]
             total_s += max(0.0, now_s - jobs[at].due_s)
         return total_s
 
-    least = [late(one) for one in told]
+    least = [late(sequence) for sequence in guesses]
     assert least == sorted(least)
     assert least[0] == min(map(late, permutations(range(9))))
 
@@ -259,10 +259,10 @@ def test_of_many_orders_bounded_many_are_told_and_the_guess_is_good() -> None:
 def test_a_very_long_queue_is_guessed_within_bounds() -> None:
     jobs = [Waiting(at % 3, True, at * 37 % 101, work_s=1.0 + at % 5) for at in range(100)]
     orders = QueueOrders(jobs)
-    told = orders.promising()
-    assert len(told) == KEPT
+    rows = orders.promising()
+    assert len(rows) == KEPT
     assert len(orders._guesses) <= GUESSES + 3, 'and those that it begins with'
-    assert all([jobs[at].priority for at in one] == [2] * 33 + [1] * 33 + [0] * 34 for one in told)
+    assert all([jobs[at].priority for at in row] == [2] * 33 + [1] * 33 + [0] * 34 for row in rows)
 
 
 # --- three products with setups (5.3) ---------------------------------------------------------
@@ -319,21 +319,21 @@ def outcome(simulation: Simulation) -> tuple[float, float]:
 MIXED = (('A', 'gift'), ('B', 'box'), ('C', 'crate'), ('D', 'box'), ('E', 'gift'))
 
 
-def test_6_7_a_proposal_saves_the_changes_that_the_simulation_then_saves() -> None:
-    jobs = [product(*one) for one in MIXED]
+def test_6_7_proposal_predicts_changeover_savings_of_simulation() -> None:
+    jobs = [product(*entry) for entry in MIXED]
     with line_of_products(*jobs) as simulation:
-        found = proposed(simulation)
-        assert found.is_best
-        assert list(found.order) == ['B', 'D', 'C', 'A', 'E']
+        proposal = proposed(simulation)
+        assert proposal.is_best
+        assert list(proposal.order) == ['B', 'D', 'C', 'A', 'E']
         now_s, now_ends_s = outcome(simulation)
     with line_of_products(*jobs) as simulation:
-        answer = simulation.orchestrator.ask(Arrange(found.order, found.queue_digest, BY))
+        answer = simulation.orchestrator.ask(Arrange(proposal.order, proposal.queue_digest, BY))
         assert answer.accepted, answer.message
         then_s, then_ends_s = outcome(simulation)
     assert (now_s, then_s) == pytest.approx((69.0, 15.0))
-    assert (found.changeover_s, found.new_changeover_s) == pytest.approx((now_s, then_s))
-    ends_s = max(one.ends_s or 0.0 for one in found.jobs)
-    new_ends_s = max(one.new_ends_s or 0.0 for one in found.jobs)
+    assert (proposal.changeover_s, proposal.new_changeover_s) == pytest.approx((now_s, then_s))
+    ends_s = max(entry.ends_s or 0.0 for entry in proposal.jobs)
+    new_ends_s = max(entry.new_ends_s or 0.0 for entry in proposal.jobs)
     assert ends_s - new_ends_s == pytest.approx(now_ends_s - then_ends_s)
     assert now_ends_s > then_ends_s
 
@@ -341,9 +341,9 @@ def test_6_7_a_proposal_saves_the_changes_that_the_simulation_then_saves() -> No
 def test_6_7_lateness_goes_before_changes() -> None:
     jobs = [product('A', 'gift', due=20.0), product('B', 'box'), product('C', 'gift')]
     with line_of_products(*jobs) as simulation:
-        found = proposed(simulation)
-    assert found.new_changeover_s < found.changeover_s
-    assert list(found.order) == ['A', 'C', 'B']
+        proposal = proposed(simulation)
+    assert proposal.new_changeover_s < proposal.changeover_s
+    assert list(proposal.order) == ['A', 'C', 'B']
 
 
 def test_6_7_priority_goes_before_changes() -> None:
@@ -355,20 +355,20 @@ def test_6_7_priority_goes_before_changes() -> None:
 def test_a_long_queue_is_guessed_with_its_changes() -> None:
     jobs = [product(f'J{n}', ('gift', 'box', 'crate')[n % 3]) for n in range(7)]
     with line_of_products(*jobs) as simulation:
-        found = proposed(simulation)
-    assert not found.is_best
-    assert found.new_changeover_s == pytest.approx(15.0)
-    assert found.changeover_s > 60.0
+        proposal = proposed(simulation)
+    assert not proposal.is_best
+    assert proposal.new_changeover_s == pytest.approx(15.0)
+    assert proposal.changeover_s > 60.0
 
 
-def test_the_queue_of_a_cell_that_does_not_start_by_itself_takes_what_is_proposed_for_it() -> None:
+def test_cell_without_auto_start_accepts_queue_proposal() -> None:
     simulation = Simulation(LINE.cell, TYPES, MemoryStore(), auto_start=False)
     for job in (order('A', 3), order('B', 1, 20.0)):
         assert simulation.orchestrator.ask(AddJobs((job,), BY)).accepted
     simulation.orchestrator.settle()
     assert not simulation.state.jobs.line
-    found = proposed(simulation)
-    assert [(one.job, one.new_place) for one in found.jobs] == [('B', 1), ('A', 2)]
-    answer = simulation.orchestrator.ask(Arrange(found.order, found.queue_digest, BY))
+    proposal = proposed(simulation)
+    assert [(entry.job, entry.new_place) for entry in proposal.jobs] == [('B', 1), ('A', 2)]
+    answer = simulation.orchestrator.ask(Arrange(proposal.order, proposal.queue_digest, BY))
     assert answer.accepted, answer.message
     simulation.close()

@@ -27,7 +27,7 @@ def test_what_the_cell_file_does_not_say() -> None:
     }
 
 
-def test_what_the_cell_file_says_also_inside_of_messages() -> None:
+def test_cell_file_results_reach_into_nested_messages() -> None:
     given = {'RUN': {'ok': False, 'pose': {'position': {'x': 2.5}}}}
     result = simulated_result(replace(component('any'), results=given), RICH, 'RUN')
     assert result['ok'] is False
@@ -49,7 +49,7 @@ def test_not_done_where_the_type_can_say_it() -> None:
     'ready',
     [('READY',), ('NOT_READY', 'x'), (True,), (False,), (0,), (1, 0), (3, 1, 0), (0.5, 1.0)],
 )
-def test_not_ready_is_a_value_of_the_same_kind(ready: tuple[Any, ...]) -> None:
+def test_not_ready_value_has_the_same_type(ready: tuple[Any, ...]) -> None:
     state = StateTopic('/arm/state', 'std_msgs/msg/String', 'data', ready)
     value = not_ready_value(state)
     assert ready_value(state) == ready[0]

@@ -90,14 +90,14 @@ def test_what_a_hold_does_not_offer_is_said() -> None:
     ]
 
 
-def test_the_first_answer_that_a_hold_offers_is_given() -> None:
+def test_first_answer_offered_by_hold_is_given() -> None:
     done = Answered(Line(3, faults={'a3': '#1=abort'}), THREE, ['skip', 'mark_done', 'retry'])
 
     assert done.outcome is Outcome.FINISHED
     assert [answer for _, answer, _ in done.decisions()] == ['mark_done']
 
 
-def test_an_answer_is_chosen_when_the_hold_is_raised() -> None:
+def test_answer_is_chosen_when_hold_is_raised() -> None:
     """Its item is rejected before the answer is due; then another answer is chosen."""
     beside = '{id: work, @a2}, {id: bad, @b2.TASK_B, on_failure: reject}'
     text = with_section(2, f'- parallel: [{beside}]')
@@ -110,7 +110,7 @@ def test_an_answer_is_chosen_when_the_hold_is_raised() -> None:
     assert [(answer, time) for _, answer, time in early.decisions()] == [('reject', 9.0)]
 
 
-def test_a_fault_that_stays_is_not_tried_for_ever() -> None:
+def test_permanent_fault_is_not_retried_forever() -> None:
     done = Answered(Line(3, faults={'a2': '#*=abort'}), THREE, ['retry'])
 
     assert done.outcome is Outcome.HELD
@@ -119,21 +119,21 @@ def test_a_fault_that_stays_is_not_tried_for_ever() -> None:
     assert complaint.startswith(f'work of J/1 was tried again {MOST_RETRIES} times and failed')
 
 
-def test_a_belt_that_fails_now_and_then_is_tried_again_each_time() -> None:
+def test_intermittent_belt_fault_is_retried_each_time() -> None:
     faults = {'conveyor': ' '.join(f'#{n}=abort' for n in range(1, 2 * MOST_RETRIES, 2))}
     done = Answered(Line(3, faults=faults), THREE, ['retry'])
 
     assert done.outcome is Outcome.FINISHED
 
 
-def test_a_move_that_stays_held_after_its_answer_is_told() -> None:
+def test_move_still_held_after_answer_is_reported() -> None:
     done = Answered(Line(3, faults={'conveyor': '#1=abort'}), THREE, ['abort_job'])
 
     assert done.outcome is Outcome.HELD
     assert done.complaints == ['hold 1 stays after abort_job; another answer has to end it']
 
 
-def test_an_item_that_would_leave_the_belt_is_taken_off() -> None:
+def test_item_about_to_leave_belt_is_removed() -> None:
     line = Line(3, faults={'a2': '#1=abort'})
     text = THREE.replace('{id: work, @a2}', '{id: work, @a2, on_failure: hold}')
     done = Answered(line, text, ['reject', 'remove_item'])

@@ -34,7 +34,7 @@ def reasons(simulation: Simulation) -> list[str]:
     return [str(wait) for wait in standstill(simulation.state, simulation.waits())]
 
 
-def test_idle_sections_are_left_out_unless_a_wait_names_what_they_do() -> None:
+def test_idle_sections_appear_only_if_waits_name_them() -> None:
     with stuck(read_cell(REFERENCE_CELL, TYPES)) as simulation:
         parts = [wait.part for wait in simulation.waits()]
 
@@ -46,7 +46,7 @@ def test_idle_sections_are_left_out_unless_a_wait_names_what_they_do() -> None:
     assert {'section 1', 'section 3', 'section 5'} < set(parts)
 
 
-def test_the_circle_is_told_by_facts_and_not_only_by_words() -> None:
+def test_wait_circle_is_reported_as_structured_facts() -> None:
     with stuck(read_cell(REFERENCE_CELL, TYPES)) as simulation:
         circle = [wait.wait for wait in standstill(simulation.state, simulation.waits())]
 

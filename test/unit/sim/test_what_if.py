@@ -58,7 +58,7 @@ def asked_of(
     return EngineWhatIf(moment, TYPES, trees).ask(requests)
 
 
-def test_an_id_that_was_used_before_is_refused_as_by_the_node() -> None:
+def test_previously_used_id_is_refused_as_by_node() -> None:
     with running(1e6) as simulation:
         assert not simulation.state.jobs
         text = state_to_text(nearest(simulation.state, with_ids=True))
@@ -96,7 +96,7 @@ def test_an_unknown_end_says_why() -> None:
     with running(9.0, fails='#1=abort') as simulation:
         held = asked_of(simulation)
         assert simulation.state.holds
-    assert {one.ends_s for one in held.after} == {None}
+    assert {entry.ends_s for entry in held.after} == {None}
     assert all('hold 1' in why for why in held.unknown.values())
     with running(4.0) as simulation:
         kept = asked_of(simulation, ask('job.hold', ann('lunch'), job='C'))
@@ -104,17 +104,17 @@ def test_an_unknown_end_says_why() -> None:
     assert kept.unknown['C'].startswith('C ')
 
 
-def test_a_job_that_comes_first_ends_earlier_and_the_others_later() -> None:
+def test_prioritized_job_ends_earlier_and_others_later() -> None:
     with running(4.0) as simulation:
-        found = asked_of(simulation, ask('job.next', ann(), job='C'))
-        before, after = dict(found.before), dict(found.after)
+        effect = asked_of(simulation, ask('job.next', ann(), job='C'))
+        before, after = dict(effect.before), dict(effect.after)
         assert list(before) == ['A', 'B', 'C']
         assert list(after) == ['A', 'C', 'B']
         assert after['A'] == before['A']
         assert after['C'] is not None
         assert after['C'] == before['B']
         assert after['B'] == before['C']
-        assert found.refusals == ()
+        assert effect.refusals == ()
         # Nothing of it happens: the run itself comes to what was expected of it.
         now_s = simulation.clock.now()
         ends: dict[str, float] = {}
@@ -126,38 +126,38 @@ def test_a_job_that_comes_first_ends_earlier_and_the_others_later() -> None:
         assert ends == pytest.approx(before)
 
 
-def test_a_job_is_late_by_the_due_time_that_it_would_have() -> None:
+def test_lateness_uses_the_changed_due_time() -> None:
     with running(4.0) as simulation:
         now_s = simulation.clock.now()
         due = datetime.fromtimestamp(now_s + 5.0, timezone.utc).isoformat()
-        found = asked_of(simulation, ask('job.update', ann(), job='C', due=due))
-    assert not found.refusals
-    assert found.due_s == pytest.approx({'C': 5.0})
-    changed = {one.job: one for one in found.changes}['C']
+        effect = asked_of(simulation, ask('job.update', ann(), job='C', due=due))
+    assert not effect.refusals
+    assert effect.due_s == pytest.approx({'C': 5.0})
+    changed = {entry.job: entry for entry in effect.changes}['C']
     assert changed.change == 'same'
     assert changed.is_late(changed.after)
 
 
-def test_refusals_are_told_and_the_others_are_carried_out() -> None:
+def test_refusals_are_reported_and_other_requests_proceed() -> None:
     with running(4.0) as simulation:
-        found = asked_of(
+        effect = asked_of(
             simulation,
             ask('job.resume', ann(), job='A'),
             ask('queue.add', ann(), orders=[WorkOrder('nowhere')]),
             ask('job.cancel', ann(), job='B'),
         )
-        assert len(found.refusals) == 2
-        assert found.refusals[0].startswith('job.resume: A is Running; ')
-        assert found.refusals[1].startswith('queue.add: refused with 1 finding; ')
-        assert 'nowhere' in found.refusals[1]
-        assert list(dict(found.after)) == ['A', 'C']
+        assert len(effect.refusals) == 2
+        assert effect.refusals[0].startswith('job.resume: A is Running; ')
+        assert effect.refusals[1].startswith('queue.add: refused with 1 finding; ')
+        assert 'nowhere' in effect.refusals[1]
+        assert list(dict(effect.after)) == ['A', 'C']
 
 
-def test_a_job_that_is_kept_from_starting_has_no_end() -> None:
+def test_job_kept_from_starting_has_no_end() -> None:
     with running(4.0) as simulation:
-        found = asked_of(simulation, ask('job.hold', ann(), job='B'))
-        assert dict(found.after)['B'] is None
-        assert dict(found.after)['C'] == dict(found.before)['B']
+        effect = asked_of(simulation, ask('job.hold', ann(), job='B'))
+        assert dict(effect.after)['B'] is None
+        assert dict(effect.after)['C'] == dict(effect.before)['B']
 
 
 def test_an_order_that_comes_in_between(tmp_path: Path) -> None:
@@ -168,24 +168,24 @@ def test_an_order_that_comes_in_between(tmp_path: Path) -> None:
     with running(4.0) as simulation:
         order = WorkOrder('other', 'D', 1)
         asked = ask('queue.add', ann(), orders=[order], position=1)
-        found = asked_of(simulation, asked, trees=(tmp_path,))
-        assert found.refusals == ()
-        assert list(dict(found.after)) == ['A', 'D', 'B', 'C']
-        before, after = dict(found.before), dict(found.after)
+        effect = asked_of(simulation, asked, trees=(tmp_path,))
+        assert effect.refusals == ()
+        assert list(dict(effect.after)) == ['A', 'D', 'B', 'C']
+        before, after = dict(effect.before), dict(effect.after)
         assert before['B'] is not None
         assert after['B'] is not None
         assert after['B'] > before['B']
 
 
-def test_a_cell_that_is_held_has_no_forecast_until_it_is_answered() -> None:
+def test_held_cell_has_no_forecast_until_answered() -> None:
     with running(40.0, fails='#2=abort') as simulation:
         (hold,) = simulation.state.holds
-        found = asked_of(simulation, ask('hold.skip', ann(), hold=hold))
-        assert set(dict(found.before).values()) == {None}
-        assert None not in dict(found.after).values()
+        effect = asked_of(simulation, ask('hold.skip', ann(), hold=hold))
+        assert set(dict(effect.before).values()) == {None}
+        assert None not in dict(effect.after).values()
 
 
-def test_of_two_runs_only_what_both_know_is_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_two_runs_are_compared_only_where_both_finish(monkeypatch: pytest.MonkeyPatch) -> None:
     """The second run is slow, and comes to the end of fewer jobs."""
     with running(4.0) as simulation:
         whole = dict(asked_of(simulation).before)
@@ -198,9 +198,9 @@ def test_of_two_runs_only_what_both_know_is_compared(monkeypatch: pytest.MonkeyP
                 return next(given_up)
 
         monkeypatch.setattr(what_if, 'RunOn', Slow)
-        found = asked_of(simulation)
-        assert dict(found.before) == {'A': whole['A'], 'B': None, 'C': None}
-        assert found.after == found.before
+        effect = asked_of(simulation)
+        assert dict(effect.before) == {'A': whole['A'], 'B': None, 'C': None}
+        assert effect.after == effect.before
 
 
 OTHER = 'script: other\nparams: {n: {type: int, default: 1}}\n' + THREE.replace(
@@ -226,15 +226,15 @@ def test_an_order_is_checked_before_anybody_gives_it(tmp_path: Path) -> None:
             return checked(simulation, (tmp_path,), {**good, **change})
 
         assert of() == CheckedOrder(True, '')
-        assert [one.field for one in of(quantity='x').wrong] == ['quantity']
-        assert [one.field for one in of(params={'n': 'x'}).wrong] == ['params.n']
+        assert [flaw.field for flaw in of(quantity='x').wrong] == ['quantity']
+        assert [flaw.field for flaw in of(params={'n': 'x'}).wrong] == ['params.n']
         several = of(order='D/1', quantity=10**9, params={'n': 'x'})
-        assert sorted(one.field for one in several.wrong) == ['order', 'params.n', 'quantity']
+        assert sorted(flaw.field for flaw in several.wrong) == ['order', 'params.n', 'quantity']
         unread = of(order='D/1', script='broken')
-        assert [one.field for one in unread.wrong] == ['order']
+        assert [flaw.field for flaw in unread.wrong] == ['order']
         used = of(order='B')
         assert not used.accepted
-        assert [one.field for one in used.wrong] == ['order']
+        assert [flaw.field for flaw in used.wrong] == ['order']
         broken = of(script='broken')
         assert not broken.accepted
         assert broken.message.startswith('the script is refused with')
@@ -247,18 +247,18 @@ def test_an_order_is_checked_before_anybody_gives_it(tmp_path: Path) -> None:
         assert list(simulation.state.jobs) == ['A', 'B', 'C'], 'nothing was queued'
 
 
-def test_an_order_with_the_id_of_a_job_is_refused() -> None:
+def test_order_with_id_of_existing_job_is_refused() -> None:
     with running(4.0) as simulation:
         script = simulation.state.jobs['A'].job.script
         engine = simulation.orchestrator
         again = AddJobs((Job('A', script, 1),), ann())
-        told = engine.ask(again).message
+        refusal = engine.ask(again).message
         plain = json.loads(state_to_text(nearest(simulation.state)))
         moment = Moment(simulation.state.cell, plain, simulation.clock.now())
     with closing(RunOn(moment.cell, TYPES, plain, {}, moment.now_s)) as run:
         answer = run.orchestrator.ask(again)
     assert not answer.accepted
-    assert answer.message == told == 'order A was given before; choose another id'
+    assert answer.message == refusal == 'order A was given before; choose another id'
 
 
 # --- orders by recipe -------------------------------------------------------------------------
@@ -322,21 +322,21 @@ def test_an_order_by_recipe_is_generated_and_checked(glued: Glued) -> None:
 
 def sent(*requests: Asked) -> tuple[Asked, ...]:
     """Return requests as the process gets them that works it out."""
-    found: tuple[Asked, ...] = pickle.loads(pickle.dumps(requests))
-    return found
+    received: tuple[Asked, ...] = pickle.loads(pickle.dumps(requests))
+    return received
 
 
-def test_orders_by_recipe_that_come_from_another_process_are_generated(glued: Glued) -> None:
+def test_recipe_orders_from_another_process_are_generated(glued: Glued) -> None:
     orders = [order_from(BOX)]
-    found = glued.what_if().ask(sent(ask('queue.add', ann(), orders=orders)))
-    assert found.refusals == ()
-    assert [job.job for job in found.after] == ['D']
+    effect = glued.what_if().ask(sent(ask('queue.add', ann(), orders=orders)))
+    assert effect.refusals == ()
+    assert [job.job for job in effect.after] == ['D']
     change = ask('job.update', ann(), job='D', recipe=['BOX-7'])
     both = sent(ask('queue.add', ann(), orders=orders, held=True), change)
     assert glued.what_if().ask(both).refusals == ()
 
 
-def test_the_rest_of_a_job_is_made_in_the_run_alone(glued: Glued) -> None:
+def test_rest_of_job_exists_only_in_the_run(glued: Glued) -> None:
     choice = RecipeChoice(('BOX-7',))
     made = glued.maker.script(choice, frozenset())
     assert isinstance(made, MadeScript)
@@ -345,9 +345,9 @@ def test_the_rest_of_a_job_is_made_in_the_run_alone(glued: Glued) -> None:
         simulation.submit([Job('A', script, 8, {'n': 1}, recipe=choice)])
         simulation.orchestrator.settle()
         what_if = glued.at(simulation)
-    found = what_if.ask(sent(ask('job.requeue', ann(), job='A')))
-    assert found.refusals == ()
-    assert [job.job for job in found.after] == ['A', 'A-rest']
+    effect = what_if.ask(sent(ask('job.requeue', ann(), job='A')))
+    assert effect.refusals == ()
+    assert [job.job for job in effect.after] == ['A', 'A-rest']
     (refused,) = what_if.ask([ask('job.requeue', ann(), job='B')]).refusals
     assert refused.startswith('job.requeue: there is no job B')
 
@@ -362,14 +362,14 @@ def test_the_rest_of_a_job_is_made_in_the_run_alone(glued: Glued) -> None:
         ({'bind': {'close': 'robot_a'}}, 'bind.close', '`robot_a` does not have `close`'),
     ],
 )
-def test_mistakes_of_an_order_by_recipe_stand_at_their_fields(
+def test_recipe_order_mistakes_appear_at_their_fields(
     glued: Glued, change: dict[str, object], field: str, what: str
 ) -> None:
-    found = glued.what_if().check({**BOX, **change})
-    assert not found.accepted
-    ((where, said, _),) = found.wrong
+    verdict = glued.what_if().check({**BOX, **change})
+    assert not verdict.accepted
+    ((where, reason, _),) = verdict.wrong
     assert where == field
-    assert what in said
+    assert what in reason
 
 
 @pytest.mark.parametrize(
@@ -381,47 +381,47 @@ def test_mistakes_of_an_order_by_recipe_stand_at_their_fields(
         ({'recipe': [], 'order': 'a/b'}, {'recipe', 'order'}),
     ],
 )
-def test_all_mistakes_of_an_order_by_recipe_are_told_at_once(
+def test_recipe_order_mistakes_are_all_reported_at_once(
     glued: Glued, change: dict[str, object], fields: set[str]
 ) -> None:
-    found = glued.what_if().check({**BOX, 'params': {'n': 'x'}, **change})
-    assert not found.accepted
-    assert sorted(one.field for one in found.wrong) == sorted(fields)
+    verdict = glued.what_if().check({**BOX, 'params': {'n': 'x'}, **change})
+    assert not verdict.accepted
+    assert sorted(mistake.field for mistake in verdict.wrong) == sorted(fields)
 
 
-def test_a_recipe_that_is_not_here_is_left_to_the_node(glued: Glued) -> None:
-    found = glued.what_if().check({**BOX, 'recipe': 'BOX-8'})
-    assert (found.accepted, found.is_checked) == (True, False)
-    assert found.message == 'there is no recipe BOX-8 here'
+def test_unknown_recipe_is_left_to_the_node(glued: Glued) -> None:
+    verdict = glued.what_if().check({**BOX, 'recipe': 'BOX-8'})
+    assert (verdict.accepted, verdict.is_checked) == (True, False)
+    assert verdict.message == 'there is no recipe BOX-8 here'
 
 
 def test_a_recipe_with_mistakes_is_told_in_short(glued: Glued) -> None:
     wrong = glue_cell.RECIPE.replace('BOX-7', 'LID-1').replace('do: close', 'do: clse')
     (glued.recipes / 'lid.yaml').write_text(wrong)
-    found = glued.what_if().check({**BOX, 'recipe': 'LID-1'})
-    assert (found.accepted, found.wrong) == (False, ())
-    assert found.message.startswith('the recipe is refused with 1 finding: ')
-    assert 'lid.yaml:7:21: no component has the capability `clse`' in found.message
+    verdict = glued.what_if().check({**BOX, 'recipe': 'LID-1'})
+    assert (verdict.accepted, verdict.wrong) == (False, ())
+    assert verdict.message.startswith('the recipe is refused with 1 finding: ')
+    assert 'lid.yaml:7:21: no component has the capability `clse`' in verdict.message
 
 
-def test_what_is_out_of_service_is_left_out_of_what_is_generated(glued: Glued) -> None:
+def test_generation_omits_components_out_of_service(glued: Glued) -> None:
     assert glued.what_if('robot_a').check(BOX).accepted
-    found = glued.what_if('robot_b').check(BOX)
-    assert [one.field for one in found.wrong] == ['recipe']
-    assert 'only robot_b could, and it is out of service' in found.wrong[0].what
+    verdict = glued.what_if('robot_b').check(BOX)
+    assert [mistake.field for mistake in verdict.wrong] == ['recipe']
+    assert 'only robot_b could, and it is out of service' in verdict.wrong[0].what
 
 
-def test_the_end_of_an_order_by_recipe_is_worked_out(glued: Glued) -> None:
+def test_end_of_recipe_order_is_forecast(glued: Glued) -> None:
     order = order_from(BOX)
-    found = glued.what_if().ask([ask('queue.add', ann(), orders=[order])])
-    assert found.refusals == ()
-    assert [name for name, _ in found.after] == ['D']
+    effect = glued.what_if().ask([ask('queue.add', ann(), orders=[order])])
+    assert effect.refusals == ()
+    assert [name for name, _ in effect.after] == ['D']
     lost = ask('component.out_of_service', ann(), component='robot_a')
-    found = glued.what_if().ask([lost, ask('queue.add', ann(), orders=[order])])
-    assert found.refusals == (), 'generated without robot_a'
+    effect = glued.what_if().ask([lost, ask('queue.add', ann(), orders=[order])])
+    assert effect.refusals == (), 'generated without robot_a'
     lost = ask('component.out_of_service', ann(), component='robot_b')
-    found = glued.what_if().ask([lost, ask('queue.add', ann(), orders=[order])])
-    assert 'only robot_b could, and it is out of service' in found.refusals[0]
+    effect = glued.what_if().ask([lost, ask('queue.add', ann(), orders=[order])])
+    assert 'only robot_b could, and it is out of service' in effect.refusals[0]
 
 
 def outage(component: str) -> Asked:
@@ -429,39 +429,39 @@ def outage(component: str) -> Asked:
 
 
 def test_queued_jobs_are_made_anew_in_an_outage(glued: Glued) -> None:
-    found = glued.with_jobs(2, 3).ask([outage('robot_a')])
-    assert found.refusals == ()
-    assert found.unknown == {
+    effect = glued.with_jobs(2, 3).ask([outage('robot_a')])
+    assert effect.refusals == ()
+    assert effect.unknown == {
         'A': 'A needs robot_a, which is out of service',
         'B': 'B waits for the release of its script',
     }
     released = ask('script.release_script', ann(), script=glued.made_without('robot_a'))
-    found = glued.with_jobs(2, 3).ask([released, outage('robot_a')])
-    assert found.unknown['B'] == 'A needs robot_a, which is out of service'
+    effect = glued.with_jobs(2, 3).ask([released, outage('robot_a')])
+    assert effect.unknown['B'] == 'A needs robot_a, which is out of service'
     requeue = ask('job.requeue', ann(), job='A')
-    found = glued.with_jobs(2, 3).ask([released, outage('robot_a'), requeue])
-    assert found.refusals == ()
-    assert [one.job for one in found.after] == ['A', 'A-rest', 'B']
-    assert found.unknown['A-rest'] == 'A needs robot_a, which is out of service'
+    effect = glued.with_jobs(2, 3).ask([released, outage('robot_a'), requeue])
+    assert effect.refusals == ()
+    assert [entry.job for entry in effect.after] == ['A', 'A-rest', 'B']
+    assert effect.unknown['A-rest'] == 'A needs robot_a, which is out of service'
 
 
-def test_a_job_that_cannot_be_made_anew_says_why(glued: Glued) -> None:
-    found = glued.with_jobs(2, 3).ask([outage('robot_b')])
-    assert found.refusals == ()
-    assert 'only robot_b could, and it is out of service' in found.unknown['B']
+def test_job_that_cannot_be_regenerated_says_why(glued: Glued) -> None:
+    effect = glued.with_jobs(2, 3).ask([outage('robot_b')])
+    assert effect.refusals == ()
+    assert 'only robot_b could, and it is out of service' in effect.unknown['B']
 
 
-def test_a_job_with_its_rest_is_compared_with_the_job(glued: Glued) -> None:
-    found = glued.with_jobs(8).ask([ask('job.requeue', ann(), job='A')])
-    (note,) = found.notes
-    ends = dict(found.after)['A-rest'], dict(found.before)['A']
+def test_job_with_its_rest_is_compared_to_original(glued: Glued) -> None:
+    effect = glued.with_jobs(8).ask([ask('job.requeue', ann(), job='A')])
+    (note,) = effect.notes
+    ends = dict(effect.after)['A-rest'], dict(effect.before)['A']
     assert None not in ends
     assert note == (
         f'A with A-rest ends in {ends[0]:.1f} s; without the requeue, A ends in {ends[1]:.1f} s'
     )
 
 
-def test_a_change_of_version_keeps_the_recipe_of_the_job(
+def test_version_change_keeps_recipe_of_job(
     glued: Glued,
 ) -> None:
     wanted = [
@@ -474,9 +474,9 @@ def test_a_change_of_version_keeps_the_recipe_of_the_job(
     assert 'there is no component `nobody`' in refusal
 
 
-def test_what_a_component_out_of_service_keeps_back_has_no_end() -> None:
+def test_jobs_blocked_by_component_outage_have_no_end() -> None:
     with running(4.0) as simulation:
-        found = asked_of(simulation, ask('component.out_of_service', ann(), component='a2'))
-        assert found.refusals == ()
-        assert None not in dict(found.before).values()
-        assert dict(found.after) == dict.fromkeys('ABC')
+        effect = asked_of(simulation, ask('component.out_of_service', ann(), component='a2'))
+        assert effect.refusals == ()
+        assert None not in dict(effect.before).values()
+        assert dict(effect.after) == dict.fromkeys('ABC')

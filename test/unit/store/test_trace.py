@@ -11,7 +11,7 @@ from bt_orchestrator.model.events import BeatStarted
 from bt_orchestrator.store.trace import TraceFile, UnusableTrace
 
 
-def test_events_are_in_the_file_as_soon_as_they_are_published(tmp_path: Path) -> None:
+def test_events_reach_the_file_when_published(tmp_path: Path) -> None:
     path = tmp_path / 'trace.jsonl'
     with TraceFile(path) as trace:
         trace.publish([BeatStarted(seq=1, beat=2, time=1.5)])

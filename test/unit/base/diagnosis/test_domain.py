@@ -155,8 +155,8 @@ def test_an_overlay_stays_before_the_wheels(wheels: Path) -> None:
     environment = {'AMENT_PREFIX_PATH': '/opt/line', 'ROS_DISTRO': 'kilted'}
     for _ in range(2):
         name_ros_wheels(environment, str(wheels))
-        found = {'AMENT_PREFIX_PATH': f'/opt/line:{wheels}', 'ROS_DISTRO': 'kilted'}
-        assert environment == found
+        expected = {'AMENT_PREFIX_PATH': f'/opt/line:{wheels}', 'ROS_DISTRO': 'kilted'}
+        assert environment == expected
 
 
 def test_without_ros_wheels_nothing_is_set(tmp_path: Path) -> None:

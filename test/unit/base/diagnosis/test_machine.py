@@ -19,7 +19,7 @@ def test_python(version: tuple[int, ...], verdict: Verdict) -> None:
     assert machine.python(version).verdict is verdict
 
 
-def test_the_python_and_py_trees_that_run_this_are_fine() -> None:
+def test_running_python_and_py_trees_pass() -> None:
     assert machine.python().verdict is Verdict.OK
     assert machine.py_trees().verdict is Verdict.OK
 
@@ -61,7 +61,7 @@ def test_prefixes(tmp_path: Path) -> None:
     assert check.found == f'no such folder: {gone}'
 
 
-def test_the_log_folder_is_the_one_that_ros_takes(tmp_path: Path) -> None:
+def test_log_folder_follows_ros_environment(tmp_path: Path) -> None:
     log, home = str(tmp_path / 'log'), str(tmp_path)
     for environment, folder in (
         ({'ROS_LOG_DIR': log, 'HOME': '/nowhere'}, f'{log} (from ROS_LOG_DIR)'),

@@ -16,7 +16,7 @@ def test_security_that_is_not_asked_for_is_off() -> None:
     assert 'any participant may command the cell' in security({}).found
 
 
-def test_security_without_keys_is_none_or_ends_the_program(tmp_path: Path) -> None:
+def test_missing_keys_warn_or_fail_when_enforced(tmp_path: Path) -> None:
     for more in ({}, {'ROS_SECURITY_KEYSTORE': str(tmp_path)}):
         assert security(ON | more).verdict is Verdict.WARN
         assert security(ENFORCED | more).verdict is Verdict.FAIL
@@ -24,17 +24,17 @@ def test_security_without_keys_is_none_or_ends_the_program(tmp_path: Path) -> No
 
 def test_security_with_keys_is_on(tmp_path: Path) -> None:
     (tmp_path / 'enclaves').mkdir()
-    found = security(ENFORCED | {'ROS_SECURITY_KEYSTORE': str(tmp_path)})
-    assert found.verdict is Verdict.OK
+    check = security(ENFORCED | {'ROS_SECURITY_KEYSTORE': str(tmp_path)})
+    assert check.verdict is Verdict.OK
 
 
 def test_what_ros_says_without_a_word_is_explained(tmp_path: Path) -> None:
     error = RuntimeError('failed to initialize rcl: error not set')
-    said = ros_says(error, ENFORCED)
-    assert 'ROS_SECURITY_KEYSTORE is not set' in said
-    assert 'unset ROS_SECURITY_ENABLE' in said
+    message = ros_says(error, ENFORCED)
+    assert 'ROS_SECURITY_KEYSTORE is not set' in message
+    assert 'unset ROS_SECURITY_ENABLE' in message
     (tmp_path / 'enclaves').mkdir()
-    said = ros_says(error, ENFORCED | {'ROS_SECURITY_KEYSTORE': str(tmp_path)})
-    assert said.startswith('ROS 2 says: failed to initialize rcl: error not set; ')
-    assert 'may be built without security' in said
+    message = ros_says(error, ENFORCED | {'ROS_SECURITY_KEYSTORE': str(tmp_path)})
+    assert message.startswith('ROS 2 says: failed to initialize rcl: error not set; ')
+    assert 'may be built without security' in message
     assert ros_says(error, {}) == 'ROS 2 says: failed to initialize rcl: error not set'

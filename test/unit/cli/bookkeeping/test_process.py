@@ -16,7 +16,7 @@ from bt_orchestrator.store.sqlite.store import SqliteStore
 LONGEST_S = 40.0
 
 
-def test_a_process_makes_books_of_a_journal_that_a_node_has_open(tmp_path: Path) -> None:
+def test_process_books_journal_open_in_node(tmp_path: Path) -> None:
     path = tmp_path / 'journal'
     seq = make_long_journal(path, 100, quantity=3)
     with closing(SqliteStore(path)) as store, closing(BooksProcess(path)) as process:

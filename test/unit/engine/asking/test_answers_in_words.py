@@ -34,19 +34,19 @@ def bare_texts(module: str) -> Iterator[int]:
     for node in ast.walk(ast.parse(module)):
         match node:
             case ast.Call(ast.Name(name), [first, *_]) if name in ERRORS:
-                said = [first]
+                messages = [first]
             case ast.Call(ast.Name('Answer'), values, keywords):
                 named = (keyword.value for keyword in keywords if keyword.arg == 'message')
-                said = [*values[1:2], *named]
+                messages = [*values[1:2], *named]
             case ast.FunctionDef(returns=ast.Name('Decided' | '_Act')):
-                said = [
+                messages = [
                     step.value.elts[0]
                     for step in ast.walk(node)
                     if isinstance(step, ast.Return) and isinstance(step.value, ast.Tuple)
                 ]
             case _:
                 continue
-        if any(text for words in said for text in _texts(words)):
+        if any(text for words in messages for text in _texts(words)):
             yield node.lineno
 
 
@@ -64,18 +64,18 @@ def _texts(node: ast.expr) -> Iterator[ast.expr]:
         case ast.IfExp(_, body, other):
             yield from (*_texts(body), *_texts(other))
         case ast.Call(ast.Attribute(value, 'join' | 'format')):
-            yield from (text for said in (value, *node.args) for text in _texts(said))
+            yield from (text for child in (value, *node.args) for text in _texts(child))
 
 
 def test_no_request_is_answered_with_a_bare_text() -> None:
     files = [file for room in ROOMS for file in sorted(PACKAGE.glob(room))]
     assert len(files) > 100
-    found = [
+    places = [
         f'{file.relative_to(ROOT)}:{line}'
         for file in files
         for line in bare_texts(file.read_text(encoding='utf-8'))
     ]
-    assert found == [], 'make it a sentence of model/words'
+    assert places == [], 'make it a sentence of model/words'
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ def value(parameter: Parameter) -> object:
 
 
 @pytest.mark.parametrize('request_', TABLE, ids=lambda request: request.name)
-def test_a_request_is_recorded_by_its_word_and_subject(request_: Any) -> None:
+def test_request_is_recorded_by_word_and_subject(request_: Any) -> None:
     if request_.name in OF_ORDERS:
         return  # they are read first
     given = {p.name: value(p) for p in request_.parameters if p.is_required}
@@ -74,20 +74,20 @@ def test_what_a_request_says_is_prepared() -> None:
     assert asked('job.move', job='J', position=2) == ask('job.move', ANN, job='J', position=2)
 
 
-def test_a_sender_without_permission_learns_nothing_of_the_cell() -> None:
+def test_sender_without_permission_learns_nothing_about_cell() -> None:
     view = replace(ANN, role=Role.VIEW)
     unknown = ask('component.out_of_service', view, component='amr')
     assert prepared(unknown, STATE, TYPES) is unknown
 
 
 @pytest.mark.parametrize('given', [{}, {'belt': ['1=empty'], 'as_shown': 7}])
-def test_clear_says_what_is_on_the_belt_in_one_way(given: dict[str, Any]) -> None:
+def test_clear_needs_exactly_one_belt_description(given: dict[str, Any]) -> None:
     with pytest.raises(CommandRefused, match='either every slot, as in 1=WO-1/3 and 2=empty, or'):
         asked('cell.clear', **given)
 
 
-def test_a_name_that_no_request_has_is_refused_with_those_near_it() -> None:
-    for name, given, error, said in (
+def test_unknown_request_is_refused_with_similar_names() -> None:
+    for name, given, error, reason in (
         (
             'cell.fly',
             {},
@@ -105,11 +105,11 @@ def test_a_name_that_no_request_has_is_refused_with_those_near_it() -> None:
         ),
         ('hold.fly', {'hold': '9'}, CommandRefused, 'there is no hold 9; holds now: none'),
     ):
-        with pytest.raises(error, match=said):
+        with pytest.raises(error, match=reason):
             asked_by_name(name, ANN, given, STATE)
 
 
-def test_an_answer_that_a_hold_does_not_offer_is_refused_with_its_offers() -> None:
+def test_unoffered_hold_answer_is_refused_with_offers() -> None:
     state = Line(faults={'a2': '=abort'}).run().state
     with pytest.raises(CommandRefused, match=r"can be answered with retry, .*; found 'fly'"):
         asked_by_name('hold.fly', ANN, {'hold': '1'}, state)
@@ -119,7 +119,7 @@ def test_an_answer_that_a_hold_does_not_offer_is_refused_with_its_offers() -> No
         asked_by_name('hold.resume', ANN, {'hold': '1'}, run.state)
 
 
-def test_other_words_of_a_request_name_it_as_well() -> None:
+def test_request_alias_names_same_request() -> None:
     assert asked_by_name('job.remove', ANN, {'job': 'J'}, STATE) == ask('job.cancel', ANN, job='J')
 
 
@@ -148,6 +148,6 @@ def test_results_have_the_types_of_their_task(results: object) -> None:
             read(wrong)
 
 
-def test_a_component_that_is_not_there_is_refused_with_the_nearest_name() -> None:
+def test_unknown_component_is_refused_with_nearest_name() -> None:
     with pytest.raises(CommandRefused, match=r"there is no component 'amr'; did you mean `arm`\?"):
         asked('component.out_of_service', component='amr')

@@ -64,14 +64,14 @@ def test_it_is_carried_out_and_on_record(tmp_path: Path) -> None:
     assert answer.message == 'arm was oiled with 3'
     (decided,) = bench.records('operator.decided')
     assert (decided.answer, decided.component, decided.who) == ('oil', 'arm', 'Ann')
-    for arguments, told in (
+    for arguments, reason in (
         ('{component: lamp}', 'lamp is not in the cell file any more'),
         ('{component: arm, drops: 10}', 'drops of component.oil is a whole number from 1 to 9'),
         ('{drops: 1}', 'component.oil needs component'),
     ):
         answer = bench.ask_named('component.oil', arguments)
         assert not answer.accepted
-        assert told in answer.message
+        assert reason in answer.message
     assert len(bench.records('operator.refused')) == 3
 
 
@@ -114,8 +114,8 @@ def test_opc_ua_takes_it() -> None:
         patched.setattr(callers, 'by_caller', lambda reason, _: By('Ann', 'opcua', reason))
         methods = simple_commands.SimpleCommands(Bridge())  # type: ignore[arg-type]
         arguments = json.dumps({'component': 'arm', 'drops': 3})
-        told = asyncio.run(methods._request('component.oil', arguments, 'squeaks'))
-    assert told[0].Value is True
+        outputs = asyncio.run(methods._request('component.oil', arguments, 'squeaks'))
+    assert outputs[0].Value is True
     assert sent == [('component.oil', {'component': 'arm', 'drops': 3}, 'squeaks')]
 
 

@@ -211,7 +211,7 @@ OF_KIND = {
 
 
 def needed(request: Request) -> dict[str, Any]:
-    given = {one.name: OF_KIND[one.kind] for one in request.parameters if one.is_required}
+    given = {param.name: OF_KIND[param.kind] for param in request.parameters if param.is_required}
     return {'as_shown': 1} if request.name == 'cell.clear' else given
 
 

@@ -193,9 +193,9 @@ def assert_right(node: Node, store: MortalStore, told: str) -> None:
     state = node.engine.state
     assert works_of(store) == expected_works(), told
     assert not state.jobs, told
-    found = {name: (job.recipe_version, job.progress.packed) for name, job in state.ended.items()}
-    assert found == {name: (VERSIONS[name], QUANTITIES[name]) for name in VERSIONS}, told
-    queued = Counter(one.job for one in store.read() if isinstance(one, e.JobQueued))
+    made = {name: (job.recipe_version, job.progress.packed) for name, job in state.ended.items()}
+    assert made == {name: (VERSIONS[name], QUANTITIES[name]) for name in VERSIONS}, told
+    queued = Counter(record.job for record in store.read() if isinstance(record, e.JobQueued))
     assert queued == Counter([*VERSIONS]), told
     is_out = False
     for event in store.read():
@@ -207,14 +207,14 @@ def assert_right(node: Node, store: MortalStore, told: str) -> None:
 
 @pytest.mark.parametrize('part', range(PARTS))
 @pytest.mark.parametrize('is_kept', [False, True])
-def test_8_6_killed_at_any_commit_every_order_is_made_once_by_its_version(
+def test_8_6_kill_at_any_commit_makes_each_order_once(
     maker: Maker, *, is_kept: bool, part: int
 ) -> None:
     for commit in itertools.count(part + 1, PARTS):
         store = MortalStore(commit, is_kept=is_kept)
         node = through_the_day(store, maker)
-        told = f'killed {"behind" if is_kept else "before"} commit {commit}'
-        assert_right(node, store, told)
+        label = f'killed {"behind" if is_kept else "before"} commit {commit}'
+        assert_right(node, store, label)
         node.engine.close()
         if store.commits < commit:
             break

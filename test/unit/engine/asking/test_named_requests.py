@@ -21,7 +21,7 @@ def bench(tmp_path: Path) -> RequestBench:
 def test_orders_as_json_are_read_like_order_files(bench: RequestBench) -> None:
     answer = bench.ask_named('queue.add', json.dumps({'orders': [ORDER], 'held': True}))
     assert answer.message == 'A is queued and held'
-    assert [one.job for one in answer.orders] == ['A']
+    assert [order.job for order in answer.orders] == ['A']
     (queued,) = bench.records('job.queued')
     assert (queued.quantity, queued.params, queued.priority) == (2, {'speed': 3}, 4)
 
@@ -31,7 +31,7 @@ def test_an_order_without_an_id_gets_one(bench: RequestBench) -> None:
         'queue.add', json.dumps({'orders': [{'script': 'boxes', 'quantity': 1}, ORDER]})
     )
     assert answer.accepted
-    assert [one.job for one in answer.orders] == ['WO-1', 'A']
+    assert [order.job for order in answer.orders] == ['WO-1', 'A']
 
 
 def test_orders_by_recipe_are_generated(bench: RequestBench) -> None:
@@ -84,7 +84,7 @@ def test_a_change_of_nothing_is_refused(bench: RequestBench) -> None:
         ),
     ],
 )
-def test_a_request_that_does_not_fit_the_table_is_refused_on_record(
+def test_malformed_request_is_refused_on_record(
     bench: RequestBench, name: str, arguments: str, told: str
 ) -> None:
     answer = bench.ask_named(name, arguments)

@@ -34,9 +34,9 @@ def test_a_request_has_so_much_text(letter: str) -> None:
         wanted_orders([order(lot=fits), order(lot=fits), order(lot='x' * 100)])
 
 
-def test_an_answer_tells_so_many_mistakes_of_all_orders_together() -> None:
-    told = Told()
-    first, second, third = (told.of(refused(count)) for count in (FINDINGS - 1, 3, 1))
+def test_answer_limits_mistakes_of_all_orders() -> None:
+    report = Told()
+    first, second, third = (report.of(refused(count)) for count in (FINDINGS - 1, 3, 1))
     assert (len(first), first[0]) == (FINDINGS - 1, 'a.yaml:1:1: wrong')
     rest = 'more; bt-orchestrator check --json, where the files are, lists all'
     assert second == ('a.yaml:1:1: wrong', f'and 2 {rest}')

@@ -77,7 +77,7 @@ def assert_asks_a_person(world: World, second: Orchestrator) -> None:
     assert not world.events(e.TaskResent)
 
 
-def test_9_4_a_goal_that_was_not_in_the_journal_lately_is_sent_again() -> None:
+def test_9_4_goal_absent_from_recent_journal_is_resent() -> None:
     world, second = killed_before_sending(before_the_start)
     (resent,) = world.events(e.TaskResent)
     assert isinstance(resent, e.TaskResent)
@@ -106,7 +106,7 @@ def test_9_4_a_look_of_an_earlier_boot_proves_nothing() -> None:
 
 
 @pytest.mark.parametrize('ahead_s', [3600.0, -3600.0])
-def test_9_4_a_wall_clock_that_was_set_since_proves_nothing(ahead_s: float) -> None:
+def test_9_4_stepped_wall_clock_proves_nothing(ahead_s: float) -> None:
     def set_clock(clock: SetClock) -> None:
         on_second_machine(clock, ahead_s)
 

@@ -73,7 +73,7 @@ def first_seq(path: Path) -> int:
         return records.extent().first_seq
 
 
-def test_a_report_stays_the_same_after_retention_and_kills(
+def test_report_survives_retention_and_kills(
     tmp_path: Path,
 ) -> None:
     reports = []
@@ -96,7 +96,7 @@ def test_a_report_stays_the_same_after_retention_and_kills(
     assert removed.figures.oee is not None
 
 
-def test_a_job_of_long_ago_is_reported_from_books(path: Path) -> None:
+def test_old_job_is_reported_from_books(path: Path) -> None:
     run = LongRun(path, LINE, keep_jobs=0, bookkeeping=BooksAtOnce(path))
     run.job('A', quantity=4)
     run.job('B')
@@ -108,7 +108,7 @@ def test_a_job_of_long_ago_is_reported_from_books(path: Path) -> None:
     assert any('rounded' in note for note in made.notes())
 
 
-def test_nothing_is_removed_while_books_fail_and_it_is_said_once(
+def test_failing_books_block_removal_and_warn_once(
     path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(housekeeping, 'TRY_AGAIN_AFTER', 50)
@@ -118,8 +118,8 @@ def test_nothing_is_removed_while_books_fail_and_it_is_said_once(
         for name in ('A', 'B', 'C', 'D'):
             run.job(name)
             run.rest(20)
-    (said,) = caplog.messages
-    assert said.startswith('the books of the account cannot be made (no memory)')
+    (warning,) = caplog.messages
+    assert warning.startswith('the books of the account cannot be made (no memory)')
     assert bookkeeping.begun > 2
     assert first_seq(path) == 1
     bookkeeping.fails = False
@@ -130,7 +130,7 @@ def test_nothing_is_removed_while_books_fail_and_it_is_said_once(
     assert told(path).figures.produced == 15
 
 
-def test_the_disk_does_not_fill_when_books_never_come(
+def test_disk_stays_bounded_when_books_never_come(
     path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(housekeeping, 'WAIT_AT_MOST', 150)
@@ -154,9 +154,7 @@ def test_the_disk_does_not_fill_when_books_never_come(
     assert made.figures.times.lost_us[Loss.NOT_RECORDED] > 0
 
 
-def test_books_come_after_so_many_events_and_go_on_by_parts(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_books_are_made_after_set_event_count(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(housekeeping, 'BOOKS_EVERY', 100)
     bookkeeping = BooksAtOnce(path)
     run = LongRun(path, LINE, bookkeeping=bookkeeping)

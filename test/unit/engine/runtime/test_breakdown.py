@@ -136,7 +136,7 @@ def test_9_1_without_a_journal_abort_cancels_every_goal() -> None:
 
 
 @pytest.mark.parametrize('is_known', [True, False])
-def test_7_9_a_loss_without_a_journal_cancels_every_goal_once(is_known: bool) -> None:
+def test_7_9_safety_loss_without_journal_cancels_goals_once(is_known: bool) -> None:
     plant = Plant()
     running = plant.gateway.open
     if is_known:
@@ -151,7 +151,7 @@ def test_7_9_a_loss_without_a_journal_cancels_every_goal_once(is_known: bool) ->
     assert plant.gateway.ended(running) == {GoalStatus.CANCELED}
 
 
-def test_7_1_an_abort_of_somebody_who_may_not_cancels_nothing() -> None:
+def test_7_1_unauthorized_abort_cancels_nothing() -> None:
     plant = Plant()
     plant.fill_disk()
     answer = plant.orchestrator.ask(Abort(By('Eve', '', 'a try', Role.VIEW)))
@@ -159,7 +159,7 @@ def test_7_1_an_abort_of_somebody_who_may_not_cancels_nothing() -> None:
     assert not plant.gateway.cancels
 
 
-def test_9_1_nothing_shown_claims_that_the_abort_is_on_record() -> None:
+def test_9_1_status_never_claims_abort_is_recorded() -> None:
     plant = Plant()
     plant.fill_disk()
     broken = plant.orchestrator.broken or ''
@@ -177,7 +177,7 @@ def test_9_1_nothing_shown_claims_that_the_abort_is_on_record() -> None:
     assert state.seq == len(list(plant.disk.read()))
 
 
-def test_9_1_an_abort_that_cannot_be_recorded_cancels_all_the_same() -> None:
+def test_9_1_unrecordable_abort_still_cancels_goals() -> None:
     plant = Plant()
     running = plant.gateway.open
     plant.disk.is_full = True
@@ -189,7 +189,7 @@ def test_9_1_an_abort_that_cannot_be_recorded_cancels_all_the_same() -> None:
     assert plant.orchestrator.state.packml is PackmlState.HELD
 
 
-def test_9_1_an_abort_that_is_refused_as_the_disk_fills_cancels_again() -> None:
+def test_9_1_repeated_abort_on_full_disk_cancels_again() -> None:
     plant = Plant(fault='=ignore_cancel')
     assert plant.abort().accepted
     (stubborn,) = [u for u in plant.gateway.open if plant.gateway.cancels[u]][:1]
@@ -231,7 +231,7 @@ def test_9_1_what_ends_meanwhile_is_known() -> None:
     assert not plant.gateway.cancels
 
 
-def test_9_1_an_end_that_breaks_the_journal_is_known_too() -> None:
+def test_9_1_goal_end_that_breaks_journal_is_known() -> None:
     plant = Plant()
     plant.disk.is_full = True
     plant.go(until=20.0)
@@ -240,7 +240,7 @@ def test_9_1_an_end_that_breaks_the_journal_is_known_too() -> None:
     assert not plant.awaits_ends()
 
 
-def test_9_1_a_goal_that_was_given_up_is_cancelled_too() -> None:
+def test_9_1_abandoned_goal_is_cancelled_too() -> None:
     plant = Plant(fault='=ignore_cancel', options=', timeout: 2')
     plant.go(until=30.0)
     assert [hold.reason for hold in plant.orchestrator.state.holds.values()] == ['in_doubt']
@@ -250,7 +250,7 @@ def test_9_1_a_goal_that_was_given_up_is_cancelled_too() -> None:
     assert plant.gateway.cancels[given_up] == 2  # the first one was the timeout's
 
 
-def test_9_1_a_start_on_a_full_disk_can_cancel_what_it_found() -> None:
+def test_9_1_start_on_full_disk_can_cancel_goals() -> None:
     plant = Plant()
     running = plant.gateway.open
     plant.orchestrator.close()
@@ -263,7 +263,7 @@ def test_9_1_a_start_on_a_full_disk_can_cancel_what_it_found() -> None:
     assert plant.gateway.ended(running) == {GoalStatus.CANCELED}
 
 
-def test_9_1_the_next_orchestrator_holds_what_was_cancelled_off_the_record() -> None:
+def test_9_1_next_orchestrator_holds_goals_cancelled_off_record() -> None:
     plant = Plant(options=', retries: 2')
     plant.fill_disk()
     plant.abort()
@@ -284,7 +284,7 @@ def test_9_1_the_next_orchestrator_holds_what_was_cancelled_off_the_record() -> 
     assert plant.orchestrator.state.packml in (PackmlState.ABORTING, PackmlState.ABORTED)
 
 
-def test_9_1_the_end_of_the_node_cancels_and_awaits_without_a_journal() -> None:
+def test_9_1_shutdown_without_journal_cancels_and_awaits_goals() -> None:
     plant = Plant()
     plant.fill_disk()
     running = plant.gateway.open
@@ -295,7 +295,7 @@ def test_9_1_the_end_of_the_node_cancels_and_awaits_without_a_journal() -> None:
     assert not plant.awaits_ends()
 
 
-def test_9_1_the_end_of_the_node_names_what_ignores_its_cancel() -> None:
+def test_9_1_shutdown_names_goals_that_ignore_cancel() -> None:
     plant = Plant(fault='=ignore_cancel')
     plant.fill_disk()
     plant.orchestrator.ask(Shutdown())

@@ -13,7 +13,7 @@ from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.store.memory import MemoryStore
 
 
-def test_a_duplicate_order_is_refused_while_it_is_live_and_when_it_ended() -> None:
+def test_duplicate_order_is_refused_live_and_ended() -> None:
     line = Line()
     run = line.begin()
     for _ in range(2):
@@ -34,7 +34,7 @@ def test_jobs_of_one_script_share_its_definition() -> None:
     assert len(run.all('script.loaded')) == 2
 
 
-def test_a_reason_with_control_characters_is_refused_and_recorded_with_a_mark() -> None:
+def test_reason_with_control_characters_is_refused_and_marked() -> None:
     run = Line().begin()
     answer = run.ask(Resume(ann(reason='all \u202eorre is')))
     assert not answer.accepted
@@ -45,7 +45,7 @@ def test_a_reason_with_control_characters_is_refused_and_recorded_with_a_mark() 
     assert run.order('operator.refused', 'reason') == ['all \ufffdorre is']
 
 
-def test_an_emergency_is_not_refused_because_of_its_words() -> None:
+def test_invalid_reason_does_not_block_abort() -> None:
     run = Line().begin()
     assert run.ask(Abort(ann(reason='\x1b[31mfire'))).accepted
     assert run.order('operator.decided', 'reason') == ['\ufffd[31mfire']
@@ -90,7 +90,7 @@ def test_shutdown_starts_nothing_more() -> None:
     assert len(run.all('task.started')) == started
 
 
-def test_after_a_shutdown_in_a_retry_delay_nothing_starts_whatever_arrives() -> None:
+def test_shutdown_during_retry_delay_starts_nothing() -> None:
     line = Line(faults={'a2': '#1=abort'})
     run = line.begin(with_section(2, '- {id: work, @a2, retries: 1, retry_delay: 5}'))
     run.go(until=4.0)
@@ -104,7 +104,7 @@ def test_after_a_shutdown_in_a_retry_delay_nothing_starts_whatever_arrives() -> 
     assert run.starts('work') == [3.0]
 
 
-def test_work_goes_on_after_a_shutdown_when_a_new_orchestrator_resumes() -> None:
+def test_new_orchestrator_resumes_work_after_shutdown() -> None:
     line = Line(faults={'a2': '#1=abort'})
     run = line.begin(with_section(2, '- {id: work, @a2, retries: 2, retry_delay: 5}'))
     run.go(until=4.0)

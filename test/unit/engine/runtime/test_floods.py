@@ -89,10 +89,10 @@ class Cell:
 
 @pytest.fixture
 def cell(tmp_path: Path) -> Iterator[Cell]:
-    found = Cell(tmp_path)
-    yield found
-    found.orchestrator.close()
-    found.store.close()
+    instance = Cell(tmp_path)
+    yield instance
+    instance.orchestrator.close()
+    instance.store.close()
 
 
 def by(who: str = 'Eve', reason: str = 'no reason', origin: str = 'a flood') -> By:
@@ -100,9 +100,7 @@ def by(who: str = 'Eve', reason: str = 'no reason', origin: str = 'a flood') -> 
 
 
 @pytest.mark.parametrize('command', [Abort, Pause])
-def test_a_text_without_end_is_refused_as_soon_as_a_short_one(
-    cell: Cell, command: Callable[[By], Command]
-) -> None:
+def test_endless_text_is_refused_at_low_cost(cell: Cell, command: Callable[[By], Command]) -> None:
     """Counted in calls, which are the same on every machine: nothing goes through it."""
     needed = calls(lambda: cell.ask(command(by(reason='\N{SNOWMAN}\x1b' * 2_500_000))))
     assert needed < 20_000
@@ -125,7 +123,7 @@ def test_a_text_without_end_is_refused_as_soon_as_a_short_one(
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_7_1_a_text_that_is_too_long_is_refused_and_cut_on_record(
+def test_7_1_long_text_is_refused_and_cut_on_record(
     cell: Cell, command: Command, said: str
 ) -> None:
     before = cell.bytes
@@ -137,20 +135,20 @@ def test_7_1_a_text_that_is_too_long_is_refused_and_cut_on_record(
     assert cell.bytes - before < 40_000
 
 
-def test_7_1_forty_refusals_with_long_reasons_leave_the_journal_small(cell: Cell) -> None:
+def test_7_1_refusals_with_long_reasons_keep_journal_small(cell: Cell) -> None:
     before = cell.bytes
     for _ in range(40):
         assert not cell.ask(Stop(by(reason=LONG))).accepted
     assert cell.bytes - before < A_MINUTE_OF_REFUSALS
 
 
-def test_7_1_a_ticket_makes_no_other_sender_of_a_command(cell: Cell) -> None:
+def test_7_1_ticket_in_origin_makes_no_new_sender(cell: Cell) -> None:
     for number in range(300):
         assert not cell.ask(Stop(by(reason=LONG, origin=f'page {number:016x}'))).accepted
-    told = sum(
+    written = sum(
         len(to_text(event)) for event in cell.store.read() if event.event == 'operator.refused'
     )
-    assert told <= REFUSALS_OF_ONE.at_once
+    assert written <= REFUSALS_OF_ONE.at_once
     cell.wait(61)
     (counted,) = cell.of('request.refused')
     assert (counted['who'], counted['origin']) == ('Eve', 'page')
@@ -162,9 +160,7 @@ def new_names() -> Callable[[], By]:
 
 
 @pytest.mark.parametrize('sender', [by, new_names()], ids=['one name', 'a new name each time'])
-def test_7_1_refusals_without_end_write_so_much_a_minute_and_no_more(
-    cell: Cell, sender: Callable[[], By]
-) -> None:
+def test_7_1_refusals_write_limited_bytes_per_minute(cell: Cell, sender: Callable[[], By]) -> None:
     for _ in range(3):
         before = cell.bytes
         for _ in range(3000):
@@ -204,7 +200,7 @@ def test_7_1_what_is_counted_is_told_after_a_minute(cell: Cell) -> None:
     }
 
 
-def test_7_1_what_is_counted_is_told_before_the_node_ends(cell: Cell) -> None:
+def test_7_1_counted_refusals_are_recorded_before_shutdown(cell: Cell) -> None:
     for _ in range(100):
         cell.ask(ControlJob('hold', 'nobody', by()))
     cell.ask(Shutdown())
@@ -214,7 +210,7 @@ def test_7_1_what_is_counted_is_told_before_the_node_ends(cell: Cell) -> None:
     ]
 
 
-def test_7_1_another_sender_is_on_record_singly_while_one_floods(cell: Cell) -> None:
+def test_7_1_flood_keeps_other_senders_recorded_singly(cell: Cell) -> None:
     for _ in range(1000):
         cell.ask(ControlJob('hold', 'nobody', by()))
     cell.ask(ControlJob('hold', 'nothing', by('Ann')))
@@ -224,7 +220,7 @@ def test_7_1_another_sender_is_on_record_singly_while_one_floods(cell: Cell) -> 
 # --- commands that are carried out ------------------------------------------------------------
 
 
-def test_7_1_a_script_of_ten_thousand_orders_is_within_what_one_sender_may_write(
+def test_7_1_ten_thousand_orders_stay_within_sender_limit(
     cell: Cell,
 ) -> None:
     for number in range(100):
@@ -235,7 +231,7 @@ def test_7_1_a_script_of_ten_thousand_orders_is_within_what_one_sender_may_write
     assert 100 * written < COMMANDS_OF_ONE.at_once / 2
 
 
-def test_7_1_a_pause_and_its_end_without_end_fill_no_disk(cell: Cell) -> None:
+def test_7_1_endless_pause_and_resume_fill_no_disk(cell: Cell) -> None:
     before = cell.bytes
     reason = 'x' * 2000
     accepted = 0

@@ -168,20 +168,20 @@ def _let_it_drain(run: VirtualRun) -> None:
     run.go()
 
 
-def test_every_word_of_a_command_asks_for_its_method() -> None:
+def test_every_command_word_maps_to_its_method() -> None:
     verbs = {verb: method for verb, (method, _, _) in CONTROLS.items()}
     of_words = {m for m in METHODS if m not in (STORE, STORE_AND_START, UPDATE)} | {ANOTHER}
     assert verbs == {m.verb: m for m in of_words}
 
 
-def test_another_word_is_recorded_as_the_one_of_the_table() -> None:
+def test_alias_is_recorded_as_table_word() -> None:
     run = _queued()
     assert run.control('remove', 'K').accepted
     assert run.all('operator.decided')[-1]['answer'] == 'cancel'
 
 
 @pytest.mark.parametrize('verb', CONTROLS)
-def test_a_job_that_ends_is_asked_for_little_more(verb: str) -> None:
+def test_ending_job_accepts_only_abort(verb: str) -> None:
     run = _running()
     assert run.control('stop', 'K').accepted
     answer = run.control(verb, 'K')
@@ -192,7 +192,7 @@ def test_a_job_that_ends_is_asked_for_little_more(verb: str) -> None:
         assert answer.message == f'{what}; only Abort is left'
 
 
-def test_a_job_that_is_paused_with_the_cell_is_resumed_with_the_cell() -> None:
+def test_job_paused_with_cell_resumes_with_cell() -> None:
     run = _running()
     run.ask(Pause(ann('lunch')))
     assert word(run) is JobWord.SUSPENDED

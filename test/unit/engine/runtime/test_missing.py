@@ -55,7 +55,7 @@ def release(plant: Plant) -> None:
     plant.go()
 
 
-def test_9_2_missing_events_hold_the_cell_until_somebody_has_looked(plant: Plant) -> None:
+def test_9_2_missing_events_hold_cell_until_checked(plant: Plant) -> None:
     plant.add('BEFORE')
     plant.go()
     keep(plant)
@@ -82,7 +82,7 @@ def test_9_2_missing_events_hold_the_cell_until_somebody_has_looked(plant: Plant
     plant.end()
 
 
-def test_9_2_a_file_that_was_copied_alone_holds_the_cell(plant: Plant) -> None:
+def test_9_2_journal_file_copied_alone_holds_cell(plant: Plant) -> None:
     """As scripts make backups while a node runs; here it is another computer that starts on it."""
     plant.add('BEFORE')
     plant.go()
@@ -121,7 +121,7 @@ def test_9_2_it_waits_on_through_a_restart(plant: Plant) -> None:
     plant.end()
 
 
-def test_9_2_a_goal_in_flight_is_not_sent_again_where_events_are_missing(plant: Plant) -> None:
+def test_9_2_missing_events_prevent_goal_resend(plant: Plant) -> None:
     plant.gateway.unsent = 'TASK_B'
     plant.add('J', with_section(2, '- {id: work, @a2.TASK_B, repeatable: true}'), 1)
     plant.go_until_starts('work')
@@ -134,7 +134,7 @@ def test_9_2_a_goal_in_flight_is_not_sent_again_where_events_are_missing(plant: 
     plant.end()
 
 
-def test_9_2_a_damaged_record_holds_the_cell_and_the_file_is_kept(plant: Plant) -> None:
+def test_9_2_damaged_record_holds_cell_and_keeps_file(plant: Plant) -> None:
     plant.add('J')
     plant.go_until_starts('pack')
     plant.end()
@@ -151,7 +151,7 @@ def test_9_2_a_damaged_record_holds_the_cell_and_the_file_is_kept(plant: Plant) 
     plant.end()
 
 
-def test_9_2_a_restored_journal_that_lacks_events_has_one_hold(plant: Plant) -> None:
+def test_9_2_restored_journal_lacking_events_has_one_hold(plant: Plant) -> None:
     plant.add('BEFORE')
     plant.go()
     plant.bring_back()

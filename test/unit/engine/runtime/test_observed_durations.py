@@ -60,7 +60,7 @@ def test_what_ran_while_no_orchestrator_did_says_nothing() -> None:
     assert durations.seconds() == {}
 
 
-def test_the_pace_of_a_cell_is_that_of_the_durations_seen() -> None:
+def test_predicted_ends_use_observed_durations() -> None:
     durations = ObservedDurations()
 
     def quarter_s(request: GoalRequest) -> float:
@@ -82,7 +82,7 @@ def test_the_pace_of_a_cell_is_that_of_the_durations_seen() -> None:
     assert nominal == {name: pytest.approx(4 * seconds) for name, seconds in seen.items()}
 
 
-def test_a_component_that_the_cell_has_no_more_is_passed_over() -> None:
+def test_removed_component_is_ignored() -> None:
     seen = as_observed(LINE.cell, {'gone': {'TASK_A': 9.0}, 'a1': {'TASK_A': 3.0}})
     assert seen.components['a1'].duration_s('TASK_A') == 3.0
     assert seen.components.keys() == LINE.cell.components.keys()

@@ -46,20 +46,20 @@ def at_work(line: Line, options: str, answer: str = '') -> VirtualRun:
 
 
 def passed(status: CellStatus) -> dict[str, tuple[str, str]]:
-    return {one.id: (one.end.value, one.reason) for one in status.sections[1].passed}
+    return {task.id: (task.end.value, task.reason) for task in status.sections[1].passed}
 
 
 def slot(status: CellStatus, section: int) -> ItemStatus:
-    found = status.sections[section - 1].slot
-    assert found is not None
-    return found
+    item_status = status.sections[section - 1].slot
+    assert item_status is not None
+    return item_status
 
 
 def item(status: CellStatus, section: int) -> ItemStatus:
     """Return the item of the cycle in hand."""
-    found = status.sections[section - 1].item
-    assert found is not None
-    return found
+    item_status = status.sections[section - 1].item
+    assert item_status is not None
+    return item_status
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def item(status: CellStatus, section: int) -> ItemStatus:
         ('retries: 1', '', ('done', ''), 'done'),
     ],
 )
-def test_a_task_that_was_passed_says_how_it_ended(
+def test_passed_task_says_how_it_ended(
     options: str, answer: str, look: tuple[str, str], word: str
 ) -> None:
     line = Line(faults={'a2': 'TASK_A#1=false'}, seconds={'b2': 3.0})
@@ -83,9 +83,9 @@ def test_a_task_that_was_passed_says_how_it_ended(
     if 'retries' in options:
         run.go(until=6.5)
     status = run.sim.status()
-    found = passed(status)
-    assert found['look'][0] == look[0]
-    assert found['look'][1].startswith(look[1])
+    ends = passed(status)
+    assert ends['look'][0] == look[0]
+    assert ends['look'][1].startswith(look[1])
     assert ('look' in status.sections[1].failed) is (
         look[0] in ('rejected', 'continued', 'aborted')
     )
@@ -115,7 +115,7 @@ def test_a_nonconforming_item_names_the_tasks() -> None:
     assert slot(status, 2).nonconforming == item(status, 2).nonconforming == ('look',)
 
 
-def test_an_empty_position_is_told_of_the_cycle_too() -> None:
+def test_empty_position_is_reported_in_cycle() -> None:
     line = Line(seconds={'b2': 3.0})
     run = at_work(line, 'timeout: none')
     run.remove('J/1')
@@ -133,7 +133,7 @@ def test_initialization_that_ended_is_told() -> None:
 # --- work of this beat that is finished -------------------------------------------------------
 
 
-def test_finished_work_stays_told_through_an_abort_and_a_restart() -> None:
+def test_finished_work_survives_abort_and_restart() -> None:
     line = Line(seconds={'a1': 4.0})
     run = line.begin(THREE, 3).go(until=7.5)
     done = FinishedCycle('J', 'J/1', (PassedTask('work', End.DONE),))
@@ -162,34 +162,34 @@ def test_drawing_and_terminal_tell_the_finished_work() -> None:
 def test_an_empty_belt_has_no_finished_work() -> None:
     run = Line().begin(THREE, 1).go()
     assert run.state.sections[3].finished is not None
-    assert [one.finished for one in run.sim.status().sections] == [None, None, None]
+    assert [section.finished for section in run.sim.status().sections] == [None, None, None]
 
 
 # --- goals in flight ------------------------------------------------------------------------
 
 
-def test_a_goal_in_flight_is_told_where_it_runs() -> None:
+def test_running_goal_is_reported_where_it_runs() -> None:
     line = Line(seconds={'b2': 3.0})
     run = line.begin(SCRIPT % 'timeout: none', quantity=3).go(until=0.5)
     (job,) = run.sim.status().jobs
-    assert [(one.id, one.component, one.expected_s) for one in job.running] == [
+    assert [(task.id, task.component, task.expected_s) for task in job.running] == [
         ('home', 'b2', 3.0)
     ]
     assert job.initialization == ('home',)
     run.go(until=2.0)
     belt = run.sim.status().belt
     assert belt.moving
-    assert [(one.id, one.name, one.component) for one in belt.running] == [
+    assert [(task.id, task.name, task.component) for task in belt.running] == [
         ('index', 'MOVE_ONE_INDEX', 'conveyor')
     ]
     run.go(until=6.0)
     status = run.sim.status()
-    assert [one.id for one in status.sections[1].running] == ['photo']
+    assert [task.id for task in status.sections[1].running] == ['photo']
     assert not status.belt.running
     assert not status.jobs[0].running
 
 
-def test_a_task_is_expected_to_take_what_it_took_lately() -> None:
+def test_expected_task_duration_follows_recent_runs() -> None:
     line = Line(seconds={'a1': 4.0})
     durations = ObservedDurations()
     run = VirtualRun(line.cell, line.types, duration=lambda _: 7.0)
@@ -213,16 +213,16 @@ def test_waits_say_which_components_would_work_otherwise() -> None:
     assert not first.waits
     (wait,) = second.waits
     assert (wait.kind, wait.reason) == (WaitKind.ITEM, 'waiting for an item')
-    assert [one.kind for one in status.belt.waits] == [WaitKind.TURN]
+    assert [belt_wait.kind for belt_wait in status.belt.waits] == [WaitKind.TURN]
 
 
 def test_a_cell_is_described_as_its_file_says() -> None:
     line = Line(seconds={'a1': 4.0})
-    found = description_of(line.cell, TYPES)
-    assert (found.cell, found.sections, found.conveyor) == ('test_line', 3, 'conveyor')
-    arm = next(one for one in found.components if one.name == 'arm')
+    details = description_of(line.cell, TYPES)
+    assert (details.cell, details.sections, details.conveyor) == ('test_line', 3, 'conveyor')
+    arm = next(component for component in details.components if component.name == 'arm')
     assert (arm.action, arm.sections) == ('/arm/do', (2, 3))
-    a1 = next(one for one in found.components if one.name == 'a1')
+    a1 = next(component for component in details.components if component.name == 'a1')
     assert (a1.durations_s['TASK_B'], a1.default_duration_s) == (4.0, 1.0)
     assert a1.tasks == ('PREPARE', 'TASK_A', 'TASK_B', 'TASK_C')
     assert a1.goal_fields == {'special_argument_1': 'string', 'special_argument_2': 'float64'}
@@ -234,7 +234,7 @@ def safe_run() -> VirtualRun:
     return VirtualRun(replace(line.cell, safety=safety), line.types)
 
 
-def test_why_the_safety_input_is_not_ready_is_told_as_facts() -> None:
+def test_unready_safety_input_is_explained_by_facts() -> None:
     run = safe_run()
     overview = Overview(run.sim.orchestrator)
 
@@ -249,7 +249,7 @@ def test_why_the_safety_input_is_not_ready_is_told_as_facts() -> None:
         'unsafe_value', {'value': 'False'}
     )
     (hold,) = overview.status(run.now).holds
-    assert [one.kind for one in hold.message_words] == ['unsafe']
+    assert [fact.kind for fact in hold.message_words] == ['unsafe']
     assert overview.status(run.now).stop_words == Words('hold', {'hold': hold.id})
     told('')
     assert told('as an older node said') is None
@@ -258,7 +258,7 @@ def test_why_the_safety_input_is_not_ready_is_told_as_facts() -> None:
     assert told(sentence('unsafe_value', value='a; b')) is None, 'half of it would be wrong'
 
 
-def test_an_abort_by_the_safety_input_is_told_as_facts() -> None:
+def test_safety_abort_is_reported_as_facts() -> None:
     run = safe_run()
     run.submit('J', Line(3).script(THREE), 1)
     run.go(until=1.0)
@@ -273,8 +273,8 @@ def test_a_contest_is_told_as_facts() -> None:
     run.sim.gateway.bring_in('a2', Contest(('/one', '/two')))
     run.sim.orchestrator.settle()
     status = Overview(run.sim.orchestrator).status(run.now)
-    told = {one.name: one.contested_words for one in status.components}
-    assert told['a2'] is not None
-    assert told['a2'].kind == 'several_servers'
-    assert told['a2'].values['servers'] == '/one, /two'
-    assert told['b2'] is None
+    contests = {component.name: component.contested_words for component in status.components}
+    assert contests['a2'] is not None
+    assert contests['a2'].kind == 'several_servers'
+    assert contests['a2'].values['servers'] == '/one, /two'
+    assert contests['b2'] is None

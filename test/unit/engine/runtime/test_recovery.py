@@ -57,7 +57,7 @@ def killed_after_each_settle(line: Line, text: str) -> Iterator[tuple[int, World
 
 
 @pytest.mark.parametrize('text', [THREE, FLAGS])
-def test_9_2_killed_after_any_settle_the_job_ends_the_same(text: str) -> None:
+def test_9_2_kill_after_any_settle_changes_no_result(text: str) -> None:
     line = Line()
     whole = World(line.cell)
     whole.go(begun(whole, line.script(text)))
@@ -91,16 +91,16 @@ JUDGED = with_section(
 
 def story_of(world: World) -> list[tuple[object, ...]]:
     """Return how each attempt ended and what it gave, and what the next task was given."""
-    found: list[tuple[object, ...]] = []
+    story: list[tuple[object, ...]] = []
     for event in world.store.read():
         if isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
-            found.append((event.time, event.item, event.task, event.attempt, event.results))
+            story.append((event.time, event.item, event.task, event.attempt, event.results))
         elif isinstance(event, e.TaskStarted):
             which = (event.round, event.attempt)
-            found.append((event.time, event.item, event.task, *which, event.args))
+            story.append((event.time, event.item, event.task, *which, event.args))
         elif isinstance(event, e.RoundBegun):
-            found.append((event.time, event.item, event.repeat, event.n))
-    return found
+            story.append((event.time, event.item, event.repeat, event.n))
+    return story
 
 
 def assert_killed_anywhere_it_ends_the_same(
@@ -136,16 +136,16 @@ def test_5_3_killed_after_any_settle_setups_are_the_same() -> None:
     whole = World(line.cell)
     whole.go(begun(whole, line.script(CHANGED)))
     story = story_of(whole)
-    assert len([one for one in story if 'small' in str(one[-1])]) == 4
+    assert len([step for step in story if 'small' in str(step[-1])]) == 4
     assert_killed_anywhere_it_ends_the_same(line, CHANGED, story)
 
 
-def test_2_8_killed_after_any_settle_every_verdict_is_the_same() -> None:
+def test_2_8_kill_after_any_settle_changes_no_verdict() -> None:
     line = Line(faults={'a2': '#1=reads:2.5 #3=reads:3.5 #4=reads:4.5'})
     whole = World(line.cell)
     whole.go(begun(whole, line.script(JUDGED)))
-    refused = [one.results for one in whole.events(e.TaskFailed)]  # type: ignore[attr-defined]
-    assert [one['measurement'] for one in refused] == [2.5, 3.5, 4.5]
+    refused = [entry.results for entry in whole.events(e.TaskFailed)]  # type: ignore[attr-defined]
+    assert [entry['measurement'] for entry in refused] == [2.5, 3.5, 4.5]
     assert_killed_anywhere_it_ends_the_same(line, JUDGED, story_of(whole))
 
 
@@ -165,11 +165,11 @@ REPEATED = with_section(
 )
 
 
-def test_3_9_killed_after_any_settle_every_round_is_the_same() -> None:
+def test_3_9_kill_after_any_settle_changes_no_round() -> None:
     line = Line(faults={'a2': '#1=reads:2.5 #3=reads:3.5 #4=reads:4.5 #5=reads:5.5'})
     whole = World(line.cell)
     whole.go(begun(whole, line.script(REPEATED)))
-    rounds = [(one.item, one.n) for one in whole.events(e.RoundBegun)]  # type: ignore[attr-defined]
+    rounds = [(event.item, event.n) for event in whole.events(e.RoundBegun)]  # type: ignore[attr-defined]
     assert rounds == [('J/1', 1), ('J/2', 1), ('J/2', 2)]
     assert_killed_anywhere_it_ends_the_same(line, REPEATED, story_of(whole))
 
@@ -242,9 +242,7 @@ def test_9_2_a_pause_does_not_hide_a_restart() -> None:
 @pytest.mark.parametrize(
     ('reason', 'left'), [('restarted', []), ('restored', ['1']), ('twin', ['1'])]
 )
-def test_9_2_auto_resume_ends_the_wait_after_a_restart_and_no_other(
-    reason: str, left: list[str]
-) -> None:
+def test_9_2_auto_resume_ends_only_restart_hold(reason: str, left: list[str]) -> None:
     world = World(Line().cell)
     world.store.append([e.HoldRaised(seq=1, hold='1', reason=reason, answers=('resume',))])
     assert list(world.orchestrator(auto_resume=True).state.holds) == left
@@ -293,7 +291,7 @@ def killed_before_sending(
     return world, second
 
 
-def test_9_2_a_goal_that_never_arrived_is_sent_with_the_same_uuid() -> None:
+def test_9_2_unreceived_goal_is_resent_with_same_uuid() -> None:
     world, second = killed_before_sending(Line())
     assert second.state.ended['J'].progress.packed == 1
     (resent,) = world.events(e.TaskResent)
@@ -304,7 +302,7 @@ def test_9_2_a_goal_that_never_arrived_is_sent_with_the_same_uuid() -> None:
     assert not world.events(e.TaskAdopted), 'its server never knew it'
 
 
-def test_9_2_a_goal_is_adopted_once_its_server_has_confirmed_it() -> None:
+def test_9_2_goal_is_adopted_after_server_confirms_it() -> None:
     world = World(Line().cell)
     killed_at_work(world, Line().script(with_section(2, '- {id: work, @a2.TASK_B}')))
     unheard = world.orchestrator()
@@ -330,15 +328,15 @@ def test_9_2_a_result_confirms_a_goal_too() -> None:
     killed_at_work(world, Line().script(with_section(2, '- {id: work, @a2.TASK_B}')))
     world.clock.sleep(RESULT_TIMEOUT_S / 2)  # it ends meanwhile
     world.go(world.orchestrator())
-    told = [
+    kinds = [
         type(event).__name__
         for event in world.store.read()
         if isinstance(event, e.TaskEvent) and event.task == 'work'
     ]
-    assert told == ['TaskStarted', 'TaskAdopted', 'TaskSucceeded']
+    assert kinds == ['TaskStarted', 'TaskAdopted', 'TaskSucceeded']
 
 
-def test_9_2_killed_again_before_the_server_answers_nothing_is_done_twice() -> None:
+def test_9_2_second_kill_before_answer_repeats_nothing() -> None:
     """The second orchestrator dies before it hears that the goal never arrived."""
     world = World(Line().cell)
     first = begun(world, Line().script(with_section(2, '- {id: work, @a2.TASK_B}')), 1)
@@ -355,7 +353,7 @@ def test_9_2_killed_again_before_the_server_answers_nothing_is_done_twice() -> N
     assert [item for item, task in work_of(world) if task == 'work'] == ['J/1']
 
 
-def test_9_2_a_goal_that_the_status_topic_lists_has_arrived() -> None:
+def test_9_2_goal_listed_on_status_topic_has_arrived() -> None:
     """The server forgets sooner than the cell file says; then its denial is no proof."""
     line = Line()
     quick = replace(line.cell.components['a2'], result_timeout_s=1.0)
@@ -388,31 +386,31 @@ def cancelled_before_it_arrived(command: Asked, wait_s: float = 0.0) -> tuple[Wo
     return world, second
 
 
-def test_9_2_a_cancelled_goal_that_never_arrived_is_cancelled_and_asks_nobody() -> None:
+def test_9_2_unreceived_cancelled_goal_ends_without_hold() -> None:
     world, second = cancelled_before_it_arrived(ControlJob('abort', 'J', ann()))
     (failed,) = world.events(e.TaskFailed)
     assert isinstance(failed, e.TaskFailed)
-    told = (failed.reason, failed.message, failed.never_begun)
-    assert told == ('canceled', 'it never reached its server', True)
+    failure = (failed.reason, failed.message, failed.never_begun)
+    assert failure == ('canceled', 'it never reached its server', True)
     assert not world.events(e.HoldRaised), 'no robot has placed the item'
     assert not world.events(e.TaskResent)
     assert not second.state.jobs
 
 
-def test_9_2_a_cancelled_goal_that_may_have_arrived_asks_a_person() -> None:
+def test_9_2_possibly_received_cancelled_goal_is_in_doubt() -> None:
     _, second = cancelled_before_it_arrived(ControlJob('abort', 'J', ann()), RESULT_TIMEOUT_S)
     (hold,) = second.state.holds.values()
     assert hold.reason == 'in_doubt'
 
 
-def test_9_2_a_hold_after_an_abort_says_that_the_goal_never_arrived() -> None:
+def test_9_2_hold_after_abort_says_goal_never_arrived() -> None:
     _, second = cancelled_before_it_arrived(Abort(ann('a hand in the cell')))
     (hold,) = second.state.holds.values()
     assert (hold.reason, hold.message) == ('in_doubt', 'it never reached its server')
     assert 'reject' in hold.answers, 'it is known that the item was not placed'
 
 
-def test_9_2_a_server_may_have_forgotten_what_it_did_long_ago() -> None:
+def test_9_2_server_may_have_forgotten_old_goals() -> None:
     world, second = killed_before_sending(Line(), wait_s=RESULT_TIMEOUT_S)
     assert [hold.reason for hold in second.state.holds.values()] == ['in_doubt']
     assert not world.events(e.TaskResent)
@@ -432,7 +430,7 @@ def test_9_2_a_status_topic_decides_nothing_but_is_told() -> None:
     assert 'the status topic says: succeeded' in hold_words(hold)
 
 
-def test_9_2_how_long_it_remembers_stands_in_the_cell_file() -> None:
+def test_9_2_cell_file_sets_server_memory_time() -> None:
     line = Line()
     short = replace(line.cell.components['a2'], result_timeout_s=1.0)
     line.cell = replace(line.cell, components={**line.cell.components, 'a2': short})
@@ -528,7 +526,7 @@ def test_9_2_a_cancelled_goal_stays_cancelled() -> None:
     assert failed == ['timeout']
 
 
-def test_2_6_what_somebody_cancelled_while_no_orchestrator_ran_is_in_doubt() -> None:
+def test_2_6_external_cancel_during_downtime_is_in_doubt() -> None:
     line = Line(faults={'a2': '#1=cancel'})
     world = World(line.cell)
     options = 'retries: 2, repeatable: true, on_failure: continue'
@@ -559,7 +557,7 @@ def test_7_2_pause_lets_what_runs_end_and_starts_nothing() -> None:
     assert refused.message == 'the cell is not paused; it is Complete'
 
 
-def test_a_changed_cell_is_refused_while_work_is_unfinished() -> None:
+def test_changed_cell_is_refused_during_unfinished_work() -> None:
     line = Line()
     world = World(line.cell)
     first = begun(world, line.script(THREE))

@@ -32,7 +32,7 @@ def queued(world: World) -> Orchestrator:
 
 
 @pytest.mark.parametrize('after', [0, 1])
-def test_6_10_killed_before_and_after_the_record_it_stands_and_nothing_else_starts(
+def test_6_10_release_survives_kills_and_starts_nothing_else(
     after: int,
 ) -> None:
     """Whenever it comes, and whether or not anything follows the record.
@@ -62,7 +62,7 @@ def test_6_10_killed_before_and_after_the_record_it_stands_and_nothing_else_star
     assert settles > 5
 
 
-def test_6_10_a_release_counts_whenever_its_cell_file_is_in_use() -> None:
+def test_6_10_release_belongs_to_its_cell_file() -> None:
     world = World(LINE.cell)
     first = world.orchestrator()
     assert first.ask(RELEASE).accepted
@@ -94,7 +94,7 @@ def test_6_10_a_snapshot_keeps_it() -> None:
     first.close()
 
 
-def test_6_10_a_forecast_knows_it_although_its_cell_has_other_durations() -> None:
+def test_6_10_forecast_knows_release_despite_other_durations() -> None:
     world = World(LINE.cell)
     first = queued(world)
     waiting = RunOn(LINE.cell, LINE.types, state_to_plain(first.state), {}, 0.0)

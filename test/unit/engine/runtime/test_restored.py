@@ -36,9 +36,7 @@ def release(plant: Plant) -> None:
 
 
 @pytest.mark.parametrize('auto_resume', [True, False])
-def test_9_2_work_of_a_copy_waits_until_somebody_has_looked(
-    plant: Plant, *, auto_resume: bool
-) -> None:
+def test_9_2_work_of_copy_waits_until_checked(plant: Plant, *, auto_resume: bool) -> None:
     plant.add('ON-THE-LINE')
     plant.add('QUEUED')
     plant.go_until_starts('pack')
@@ -90,7 +88,7 @@ def test_9_2_a_copy_is_looked_at_once(plant: Plant) -> None:
 
 
 @pytest.mark.parametrize('repeatable', ['true', 'false'])
-def test_9_2_a_goal_in_flight_of_a_copy_is_not_sent_again(plant: Plant, repeatable: str) -> None:
+def test_9_2_goal_in_flight_of_copy_is_not_resent(plant: Plant, repeatable: str) -> None:
     work = f'- {{id: work, @a2.TASK_B, repeatable: {repeatable}}}'
     plant.gateway.unsent = 'TASK_B'
     plant.add('J', with_section(2, work), 1)

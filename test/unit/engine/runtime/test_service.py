@@ -24,8 +24,8 @@ OUT, BACK = SetService('a2', False, ann('worn')), SetService('a2', True, ann('me
 
 def goals_of(world: World, component: str) -> list[float]:
     """Return when a component was sent goals."""
-    started = [one for one in world.events(e.TaskStarted) if isinstance(one, e.TaskStarted)]
-    return [one.time for one in started if one.component == component]
+    started = [event for event in world.events(e.TaskStarted) if isinstance(event, e.TaskStarted)]
+    return [event.time for event in started if event.component == component]
 
 
 def queued(world: World) -> Orchestrator:
@@ -36,7 +36,7 @@ def queued(world: World) -> Orchestrator:
 
 
 @pytest.mark.parametrize('after', [0, 1])
-def test_7_5_killed_after_the_record_it_stands_and_nothing_is_lost(after: int) -> None:
+def test_7_5_out_of_service_record_survives_kill(after: int) -> None:
     """Whenever it comes, and whether or not anything follows the record.
 
     :param after: settles between the record and the end of the process
@@ -69,7 +69,7 @@ def test_7_5_killed_after_the_record_it_stands_and_nothing_is_lost(after: int) -
 
 
 @pytest.mark.parametrize('repeatable', [True, False])
-def test_7_5_a_lost_goal_waits_for_its_component_to_be_in_service(*, repeatable: bool) -> None:
+def test_7_5_lost_goal_waits_until_component_is_in_service(*, repeatable: bool) -> None:
     world = World(Line(faults={'a2': '#1=die:0.5'}).cell)
     option = ', repeatable: true' if repeatable else ''
     killed_at_work(world, LINE.script(with_section(2, f'- {{id: work, @a2{option}}}')))
@@ -99,16 +99,16 @@ def test_7_5_a_snapshot_keeps_it() -> None:
     first.close()
 
 
-def test_7_5_the_record_of_a_component_that_the_cell_has_no_more_ends() -> None:
+def test_7_5_record_ends_when_component_is_removed() -> None:
     world = World(LINE.cell)
     first = world.orchestrator()
     assert first.ask(SetService('lamp', False, ann('dark'))).accepted
     world.go(first)
     first.close()
-    less = {name: one for name, one in LINE.cell.components.items() if name != 'lamp'}
+    less = {name: entry for name, entry in LINE.cell.components.items() if name != 'lamp'}
     world.cell = replace(LINE.cell, components=less)
     second = world.orchestrator()
     world.go(second)
     assert second.state.out_of_service == {}
-    assert [one.component for one in world.events(e.ComponentInService)] == ['lamp']  # type: ignore[attr-defined]
+    assert [entry.component for entry in world.events(e.ComponentInService)] == ['lamp']  # type: ignore[attr-defined]
     second.close()

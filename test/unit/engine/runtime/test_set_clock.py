@@ -75,7 +75,7 @@ class SetLine:
 
 
 @either_way
-def test_2_4_no_goal_times_out_and_none_has_more_time(step_s: float) -> None:
+def test_2_4_clock_step_does_not_change_goal_timeout(step_s: float) -> None:
     run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT + 1)
     run.clock.ahead_s = step_s
     run.go(until=WORK_AT + 9)
@@ -85,7 +85,7 @@ def test_2_4_no_goal_times_out_and_none_has_more_time(step_s: float) -> None:
 
 
 @either_way
-def test_2_4_the_grace_of_a_cancelled_goal_is_the_same(step_s: float) -> None:
+def test_2_4_clock_step_keeps_cancel_grace(step_s: float) -> None:
     run = SetLine('#1=ignore_cancel', 'timeout: 2').go(until=WORK_AT + 2)
     assert run.when(e.TaskCancelRequested) == [WORK_AT + 2]
     run.clock.ahead_s = step_s
@@ -103,7 +103,7 @@ def test_2_6_a_retry_comes_after_its_delay(step_s: float) -> None:
 
 
 @either_way
-def test_2_6_after_a_restart_a_retry_comes_after_its_delay(step_s: float) -> None:
+def test_2_6_retry_after_restart_keeps_its_delay(step_s: float) -> None:
     run = SetLine('#1=abort', 'retries: 1, retry_delay: 5').go(until=WORK_AT + 2)
     run.clock.ahead_s = step_s
     run.restart()
@@ -112,7 +112,7 @@ def test_2_6_after_a_restart_a_retry_comes_after_its_delay(step_s: float) -> Non
     assert run.when(e.TaskStarted)[1] == WORK_AT + 1 + 5
 
 
-def test_2_6_after_a_boot_a_retry_waits_its_whole_delay_again() -> None:
+def test_2_6_retry_after_boot_waits_whole_delay_again() -> None:
     run = SetLine('#1=abort', 'retries: 1, retry_delay: 5').go(until=WORK_AT + 2)
     run.clock.boot = 'first machine, later'
     restarted = run.clock.steady()
@@ -122,7 +122,7 @@ def test_2_6_after_a_boot_a_retry_waits_its_whole_delay_again() -> None:
 
 
 @either_way
-def test_2_4_an_adopted_goal_keeps_the_rest_of_its_time(step_s: float) -> None:
+def test_2_4_adopted_goal_keeps_remaining_timeout(step_s: float) -> None:
     run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT + 4)
     run.clock.ahead_s = step_s
     run.restart()
@@ -131,7 +131,7 @@ def test_2_4_an_adopted_goal_keeps_the_rest_of_its_time(step_s: float) -> None:
 
 
 @pytest.mark.parametrize('ahead_s', [HOUR_S, 0.0, -HOUR_S])
-def test_2_4_a_goal_of_another_machine_has_its_whole_time_again(ahead_s: float) -> None:
+def test_2_4_goal_of_another_machine_gets_full_timeout(ahead_s: float) -> None:
     run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT + 4)
     run.clock.ahead_s, run.clock.boot = ahead_s, 'second machine'
     restarted = run.clock.steady()
@@ -149,7 +149,7 @@ def test_7_2_a_line_that_starves_is_suspended_in_time(step_s: float) -> None:
     assert [(x.stop_reason, x.time - step_s) for x in reasons] == [('starved', 1.0)]
 
 
-def test_7_2_the_time_spent_in_a_state_is_never_negative() -> None:
+def test_7_2_time_in_state_is_never_negative() -> None:
     run = SetLine('#1=abort', 'on_failure: continue').go(until=WORK_AT)
     run.clock.ahead_s = -HOUR_S
     run.go()
@@ -180,7 +180,7 @@ def test_2_4_a_clock_that_is_slewed_is_no_event(slew_s: float) -> None:
 
 
 @either_way
-def test_7_2_the_time_in_a_state_is_that_which_has_passed(step_s: float) -> None:
+def test_7_2_time_in_state_is_elapsed_time(step_s: float) -> None:
     run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT)
     since = run.clock.steady() - run.orchestrator.state.packml_since
     run.clock.ahead_s = step_s
@@ -195,7 +195,7 @@ def test_7_2_the_time_in_a_state_is_that_which_has_passed(step_s: float) -> None
     )
 
 
-def test_2_4_a_step_is_recorded_before_what_is_stamped_by_the_new_clock() -> None:
+def test_2_4_clock_step_is_recorded_before_later_events() -> None:
     run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT)
     run.clock.ahead_s = HOUR_S
     run.orchestrator.ask(Pause(ann('it is so')))
@@ -204,7 +204,7 @@ def test_2_4_a_step_is_recorded_before_what_is_stamped_by_the_new_clock() -> Non
 
 
 @either_way
-def test_2_4_a_step_while_no_node_ran_is_proven_by_the_uptime(step_s: float) -> None:
+def test_2_4_uptime_proves_clock_step_during_downtime(step_s: float) -> None:
     run = SetLine('#1=hang', 'timeout: none').go(until=WORK_AT + 1)
     last = run.orchestrator.state.time
     in_state = dict(run.orchestrator.state.times(last))
@@ -234,7 +234,7 @@ def test_2_4_no_step_is_told_without_the_same_boot(step_s: float, boot: str | No
     assert run.steps() == []
 
 
-def test_2_4_a_clock_that_nobody_set_while_no_node_ran_is_no_event() -> None:
+def test_2_4_unchanged_clock_during_downtime_is_no_event() -> None:
     run = SetLine('#1=hang', 'timeout: none').go(until=WORK_AT + 1)
     run.clock.sleep(86_400.0)
     run.restart()
@@ -255,7 +255,7 @@ def test_2_4_two_restarts_tell_one_step_once(step_s: float) -> None:
 
 
 @either_way
-def test_2_4_a_step_while_the_node_ran_is_told_once(step_s: float) -> None:
+def test_2_4_clock_step_during_run_is_reported_once(step_s: float) -> None:
     run = SetLine('#1=hang', 'timeout: none').go(until=WORK_AT + 1)
     run.clock.ahead_s = step_s
     run.orchestrator.settle()
@@ -289,7 +289,7 @@ class Ages:
         (hold,) = status.holds
         assert status.stands is not None
         assert status.wish is not None
-        out = {one.name: one.out_of_service_since for one in status.components}['b1']
+        out = {entry.name: entry.out_of_service_since for entry in status.components}['b1']
         assert out is not None
         begun = {
             'state': status.state_since,
@@ -302,7 +302,7 @@ class Ages:
 
 
 @either_way
-def test_2_4_all_ages_of_a_status_are_the_time_that_passed(step_s: float) -> None:
+def test_2_4_status_ages_ignore_clock_step(step_s: float) -> None:
     ages = Ages()
     before = ages.told()
     assert all(age >= 20.0 for age in before.values())
@@ -329,7 +329,7 @@ def test_2_4_ages_stay_right_over_a_restart(step_s: float) -> None:
 
 
 @either_way
-def test_7_4_a_standstill_stays_told_before_the_step_is_on_record(step_s: float) -> None:
+def test_7_4_standstill_stays_reported_before_step_is_recorded(step_s: float) -> None:
     ages = Ages()
     assert ages.look().stands is not None
     ages.run.clock.ahead_s = step_s

@@ -128,7 +128,7 @@ def slow(plant: Plant) -> Plant:
 
 def test_9_1_nothing_goes_before_its_commit_has_ended() -> None:
     plant = slow(Plant())
-    told, kept = len(plant.told), plant.orchestrator.kept_seq
+    event_count, kept = len(plant.told), plant.orchestrator.kept_seq
     board = f'{plant.orchestrator._projection.space}/'
     before = shown(board)
     answer = plant.order()
@@ -136,7 +136,7 @@ def test_9_1_nothing_goes_before_its_commit_has_ended() -> None:
         assert not plant.orchestrator.settle()
         assert not plant.gateway.goals
         assert not answer.is_there
-        assert len(plant.told) == told
+        assert len(plant.told) == event_count
         assert plant.orchestrator.kept_seq == kept == len(list(plant.disk.read()))
     assert shown(board) == before
     assert len(plant.gateway.prepared) == 1, 'once, while the disk works'
@@ -151,7 +151,7 @@ def test_9_1_nothing_goes_before_its_commit_has_ended() -> None:
     assert plant.orchestrator.kept_seq == plant.orchestrator.state.seq
 
 
-def test_commands_wait_for_their_turn_and_keep_their_order() -> None:
+def test_commands_wait_and_keep_their_order() -> None:
     plant = slow(Plant())
     first = plant.order('J')
     paused, again, resumed = plant.put(Pause(ann())), plant.order('J'), plant.put(Resume(ann()))
@@ -167,7 +167,7 @@ def test_commands_wait_for_their_turn_and_keep_their_order() -> None:
     assert list(plant.orchestrator.state.jobs) == ['J']
 
 
-def test_others_are_served_between_thousands_of_commands_that_have_waited(
+def test_others_are_served_between_waiting_commands(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """An answer to a client that has gone takes 0.1 s: nobody was heard while all were given."""
@@ -179,40 +179,40 @@ def test_others_are_served_between_thousands_of_commands_that_have_waited(
         passed[0] += 0.1
 
     waiting = [plant.order('J') for _ in range(5)]
-    for one in waiting:
-        one.then(answered)
+    for answer in waiting:
+        answer.then(answered)
     plant.writer.is_slow = False
     plant.writer.release()
     given = []
     for _ in range(4):
         plant.orchestrator.settle()
-        given.append(sum(one.is_there for one in waiting))
+        given.append(sum(answer.is_there for answer in waiting))
     assert given == [1, 2, 3, 4]
     last = plant.put(Pause(ann()))
-    both = [one.is_there for one in (waiting[-1], last)]
+    both = [answer.is_there for answer in (waiting[-1], last)]
     assert both == [False, False], 'it overtakes one that came before'
     plant.orchestrator.settle()
     plant.orchestrator.settle()
-    assert all(one.is_there for one in (*waiting, last))
+    assert all(answer.is_there for answer in (*waiting, last))
 
 
-def test_9_1_commands_that_have_waited_are_told_that_the_journal_broke_meanwhile(
+def test_9_1_waiting_commands_learn_of_broken_journal(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plant, passed = slow(Plant()), [0.0]
     monkeypatch.setattr(plant.clock, 'steady', lambda: passed[0])
     plant.order('J')
     waiting = [plant.order('J') for _ in range(3)]
-    for one in waiting:
-        one.then(lambda _: passed.__setitem__(0, passed[0] + 0.1))
+    for answer in waiting:
+        answer.then(lambda _: passed.__setitem__(0, passed[0] + 0.1))
     plant.disk.failure = JournalFailed('broken')
     plant.writer.release()
     for _ in waiting:
         plant.orchestrator.settle()
-    assert all('broken' in one.value.message for one in waiting)
+    assert all('broken' in answer.value.message for answer in waiting)
 
 
-def test_news_and_time_limits_of_meanwhile_are_handled_afterwards() -> None:
+def test_news_and_timeouts_are_handled_after_disk_wait() -> None:
     plant = Plant(options=', timeout: 3', fault='=hang')
     goal = plant.until_working()
     slow(plant).put(Pause(ann()))
@@ -227,7 +227,7 @@ def test_news_and_time_limits_of_meanwhile_are_handled_afterwards() -> None:
     assert [event.reason for event in failed] == ['timeout']
 
 
-def test_9_1_a_disk_that_never_answers_is_a_broken_journal() -> None:
+def test_9_1_disk_that_never_answers_breaks_journal() -> None:
     plant = Plant(fault='=hang')
     goal = plant.until_working()
     kept = list(plant.disk.read())
@@ -268,7 +268,7 @@ def test_9_1_a_commit_that_fails_late_breaks_the_journal(failure: Exception) -> 
 
 
 @pytest.mark.parametrize('command', [Abort(ann('smoke')), Shutdown()])
-def test_9_1_what_cancels_every_goal_does_not_wait_for_the_disk(command: Command) -> None:
+def test_9_1_abort_and_shutdown_do_not_await_disk(command: Command) -> None:
     plant = Plant(fault='#1=hang')
     goal = plant.until_working()
     slow(plant).put(Pause(ann()))
@@ -280,14 +280,14 @@ def test_9_1_what_cancels_every_goal_does_not_wait_for_the_disk(command: Command
     assert not any(isinstance(event, e.TaskCancelRequested) for event in plant.told)
     plant.disk_answers()
     assert answer.value.accepted
-    told = [
+    events = [
         event for event in plant.told if isinstance(event, (e.TaskCancelRequested, e.TaskFailed))
     ]
-    assert isinstance(told[0], e.TaskCancelRequested)  # nobody else cancelled it
-    assert 'cancelled by somebody else' not in str(told)
+    assert isinstance(events[0], e.TaskCancelRequested)  # nobody else cancelled it
+    assert 'cancelled by somebody else' not in str(events)
 
 
-def test_7_9_a_loss_cancels_every_goal_before_the_disk_answers() -> None:
+def test_7_9_safety_loss_cancels_goals_before_disk_answers() -> None:
     plant = Plant(fault='#1=hang')
     goal = plant.until_working()
     slow(plant).put(Pause(ann()))
@@ -302,7 +302,7 @@ def test_7_9_a_loss_cancels_every_goal_before_the_disk_answers() -> None:
     assert plant.orchestrator.state.packml.value in ('Aborting', 'Aborted')
 
 
-def test_7_1_an_abort_of_somebody_who_may_not_cancels_nothing() -> None:
+def test_7_1_unauthorized_abort_cancels_nothing() -> None:
     plant = Plant(fault='#1=hang')
     goal = plant.until_working()
     slow(plant).put(Pause(ann()))
@@ -352,7 +352,7 @@ def test_a_writer_that_hangs_is_left_behind() -> None:
     writer._thread.join(60.0)
 
 
-def test_an_engine_that_stops_waits_for_a_reading_that_hangs_only_for_a_while(
+def test_stopping_engine_waits_briefly_for_hung_reading(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr('bt_orchestrator.engine.runtime.orchestrator.READ_BACK_S', 0.1)

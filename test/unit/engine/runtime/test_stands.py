@@ -36,9 +36,9 @@ def settled(run: VirtualRun, after_s: float = 30.0) -> CellStatus:
 
 def stands(run: VirtualRun) -> Stands:
     """Return why the cell stands then."""
-    told = settled(run).stands
-    assert told is not None
-    return told
+    halt = settled(run).stands
+    assert halt is not None
+    return halt
 
 
 def of_a2() -> VirtualRun:
@@ -173,11 +173,11 @@ NO_PART = (
 
 
 @pytest.mark.parametrize('name', STANDING)
-def test_7_4_a_cell_in_which_nothing_moves_tells_the_root_cause(name: str) -> None:
+def test_7_4_standing_cell_reports_root_cause(name: str) -> None:
     begun, cause, about, reason = STANDING[name]
-    told = stands(begun())
-    assert (told.cause, told.name) == (cause, about)
-    assert told.reason.startswith(reason)
+    halt = stands(begun())
+    assert (halt.cause, halt.name) == (cause, about)
+    assert halt.reason.startswith(reason)
 
 
 def out_of_service_and_not_ready() -> VirtualRun:
@@ -193,7 +193,7 @@ ON_THE_LINE = {
 
 
 @pytest.mark.parametrize('name', ON_THE_LINE)
-def test_the_gravest_cause_of_the_page_is_the_root_cause(name: str) -> None:
+def test_gravest_cause_on_page_is_root_cause(name: str) -> None:
     status = settled(ON_THE_LINE[name]())
     first, *_ = causes(chains(status), status.state)
     assert status.stands is not None
@@ -201,29 +201,29 @@ def test_the_gravest_cause_of_the_page_is_the_root_cause(name: str) -> None:
 
 
 @pytest.mark.parametrize('name', [name for name in STANDING if name not in ('no order', 'start')])
-def test_7_4_the_end_of_a_job_is_unknown_while_the_cell_stands(name: str) -> None:
+def test_7_4_job_end_is_unknown_while_cell_stands(name: str) -> None:
     job = settled(STANDING[name][0]()).jobs[0]
     assert job.expected_end_s is None
     assert job.end_unknown
 
 
-def test_7_4_two_servers_of_an_action_are_the_root_cause() -> None:
+def test_7_4_two_servers_of_action_are_root_cause() -> None:
     run = Line().begin(THREE, 3).go(until=2.5)
     run.sim.gateway._clients['a2'].contest = Contest(('/one', '/two'))
-    told = stands(run)
-    assert (told.cause, told.name) == (StandCause.CONTESTED, 'a2')
-    assert 'there are 2 servers of /a2/do' in told.reason
+    halt = stands(run)
+    assert (halt.cause, halt.name) == (StandCause.CONTESTED, 'a2')
+    assert 'there are 2 servers of /a2/do' in halt.reason
 
 
 def test_7_4_nothing_is_told_before_a_second_of_rest() -> None:
     run = of_a2().go()
     overview = Overview(run.sim.orchestrator)
     rest = run.state.time
-    told = [overview.status(rest + after_s).stands for after_s in (0.0, 0.5, 0.99, 1.0, 9.0)]
-    assert [one is not None for one in told] == [False, False, False, True, True]
-    assert told[-1] == told[-2]
-    assert told[-1] is not None
-    assert told[-1].since == rest
+    halts = [overview.status(rest + after_s).stands for after_s in (0.0, 0.5, 0.99, 1.0, 9.0)]
+    assert [halt is not None for halt in halts] == [False, False, False, True, True]
+    assert halts[-1] == halts[-2]
+    assert halts[-1] is not None
+    assert halts[-1].since == rest
 
 
 def test_7_4_nothing_is_told_while_a_goal_runs() -> None:
@@ -245,39 +245,39 @@ def test_7_4_a_cell_that_works_again_stands_no_more() -> None:
     assert stands(run).cause is StandCause.ORDER
 
 
-def test_7_4_the_end_of_a_job_that_waits_for_its_start_is_not_unknown() -> None:
+def test_7_4_job_awaiting_start_has_known_end() -> None:
     assert settled(later()).jobs[0].end_unknown == ''
 
 
 @pytest.mark.parametrize('name', STANDING)
-def test_7_4_page_terminal_and_opc_ua_tell_the_same_cause(name: str) -> None:
+def test_7_4_page_terminal_and_opc_ua_report_same_cause(name: str) -> None:
     status = settled(STANDING[name][0]())
-    told = status.stands
-    assert told is not None
+    halt = status.stands
+    assert halt is not None
     part = cell_part(status, description_of(Line().cell, TYPES), '/node')
-    assert part['stands'] == {**to_plain(told, whole=True), 'cause': told.cause.value}
+    assert part['stands'] == {**to_plain(halt, whole=True), 'cause': halt.cause.value}
     shown = dict(opcua_values(status))
-    assert (shown['StandsCause'], shown['StandsReason']) == (told.cause.value, told.reason)
+    assert (shown['StandsCause'], shown['StandsReason']) == (halt.cause.value, halt.reason)
     assert shown['StandsSince'] is not None
     lines = '\n'.join(words.status_lines(status, None))
-    is_said_otherwise = told.cause in (StandCause.HOLD, StandCause.ORDER) or status.wish
-    assert told.reason in lines or is_said_otherwise
+    is_said_otherwise = halt.cause in (StandCause.HOLD, StandCause.ORDER) or status.wish
+    assert halt.reason in lines or is_said_otherwise
 
 
 def test_page_and_terminal_name_the_cause() -> None:
     status = settled(of_a2())
     assert (status.state, status.stop_reason) == (PackmlState.EXECUTE, None)
-    told = status.stands
-    assert told is not None
+    halt = status.stands
+    assert halt is not None
     part = cell_part(status, description_of(Line().cell, TYPES), '/node')
-    assert part['stands'] == {**to_plain(told, whole=True), 'cause': 'out_of_service'}
+    assert part['stands'] == {**to_plain(halt, whole=True), 'cause': 'out_of_service'}
     assert part['state_kind'] == 'stopped'
     lines = list(words.status_lines(status, None))
-    assert any('nothing moves since' in line and told.reason in line for line in lines)
+    assert any('nothing moves since' in line and halt.reason in line for line in lines)
     assert any(line.endswith('end unknown') for line in lines)
 
 
-def test_a_queued_job_that_waits_for_a_person_has_no_expected_end() -> None:
+def test_queued_job_awaiting_person_has_no_expected_end() -> None:
     line = Line()
     run = line.begin(THREE, 3)
     run.submit('K', line.script(THREE), 2)

@@ -65,14 +65,14 @@ class WaitingLine:
 
     def began(self) -> list[float]:
         """Return by the steady clock when it might start."""
-        found = [one for one in self.store.read() if isinstance(one, e.JobMayStart)]
-        return [one.time - self.clock.ahead_s for one in found]
+        events = [event for event in self.store.read() if isinstance(event, e.JobMayStart)]
+        return [event.time - self.clock.ahead_s for event in events]
 
     def _start(self) -> Orchestrator:
         return Orchestrator(LINE.cell, self._gateway, self.clock, self.store, auto_resume=True)
 
 
-def test_6_7_it_starts_at_its_time_without_any_other_event() -> None:
+def test_6_7_job_starts_on_time_without_other_events() -> None:
     line = WaitingLine().go(START - 1.0)
     assert line.began() == []
     assert line.go(START + 1.0).began() == [START]
@@ -86,16 +86,16 @@ def test_6_7_the_clock_that_was_set_decides(ahead_s: float) -> None:
     assert line.go(START - ahead_s + 1.0).began() == [pytest.approx(START - ahead_s)]
 
 
-def test_6_7_a_clock_that_is_set_behind_the_start_lets_it_start_at_once() -> None:
+def test_6_7_clock_set_past_start_starts_job_at_once() -> None:
     line = WaitingLine().go(100.0).set_clock(1000.0)
     assert line.began() == [pytest.approx(100.0 + HEARTBEAT_S)]
 
 
-def test_6_7_a_job_that_may_start_keeps_that_when_the_clock_is_set_back() -> None:
+def test_6_7_clock_set_back_keeps_permitted_start() -> None:
     line = WaitingLine().go(START + 0.5).set_clock(-300.0)
     line.restart().go(START + 100.0)
     assert len(line.began()) == 1
-    assert any(isinstance(one, e.JobCompleted) for one in line.store.read())
+    assert any(isinstance(event, e.JobCompleted) for event in line.store.read())
 
 
 @pytest.mark.parametrize('boot', ['first machine', 'another one', None])
@@ -106,13 +106,13 @@ def test_6_7_a_restart_changes_nothing(boot: str | None) -> None:
     assert line.go(START + 1.0).began() == [START]
 
 
-def test_6_7_a_start_that_passed_while_the_node_was_off_has_come() -> None:
+def test_6_7_start_passed_during_downtime_has_come() -> None:
     line = WaitingLine().go(100.0)
     line.clock.sleep(1000.0)
     assert line.restart().began() == [1100.0]
 
 
-def test_6_7_a_clock_that_creeps_sets_no_timer_at_each_settle() -> None:
+def test_6_7_creeping_clock_sets_no_extra_timers() -> None:
     line = WaitingLine().go(10.0)
     before = line.timers
     for _ in range(50):

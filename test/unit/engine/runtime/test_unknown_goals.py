@@ -29,7 +29,7 @@ def reasons(orchestrator: Orchestrator) -> list[str]:
     return [hold.reason for hold in orchestrator.state.holds.values()]
 
 
-def test_9_2_a_goal_that_the_journal_does_not_know_is_asked_about() -> None:
+def test_9_2_goal_unknown_to_journal_raises_hold() -> None:
     """As after a journal was lost: this one is empty."""
     line = Line()
     world = World(line.cell)
@@ -54,7 +54,7 @@ def test_9_2_a_goal_that_the_journal_does_not_know_is_asked_about() -> None:
     assert orchestrator.state.ended['J'].progress.packed == 1
 
 
-def test_9_2_released_while_the_goal_runs_its_component_is_waited_for() -> None:
+def test_9_2_released_cell_waits_for_running_goal() -> None:
     line = Line()
     world = World(line.cell)
     orchestrator = begun(world, line.script(THREE), 1)
@@ -68,7 +68,7 @@ def test_9_2_released_while_the_goal_runs_its_component_is_waited_for() -> None:
     assert orchestrator.state.ended['J'].progress.packed == 1
 
 
-def test_9_2_each_goal_is_asked_about_once_also_over_restarts() -> None:
+def test_9_2_each_goal_raises_one_hold_over_restarts() -> None:
     world = World(Line().cell)
     first = world.orchestrator()
     find(world, STRANGE)
@@ -96,7 +96,7 @@ def test_9_2_goals_of_tasks_that_go_on_are_known() -> None:
     assert second.state.ended['J'].progress.packed == 1
 
 
-def test_2_5_a_goal_of_another_client_begun_meanwhile_is_waited_for_without_a_hold() -> None:
+def test_2_5_new_foreign_goal_is_awaited_without_hold() -> None:
     world = World(Line().cell)
     orchestrator = world.orchestrator()
     find(world, STRANGE, before=False)
@@ -132,9 +132,7 @@ def restarted(text: str, unsent: str | None = None) -> tuple[World, Orchestrator
     ('text', 'unsent'),
     [(REPEATABLE, None), (with_section(2, '- {id: work, @a2.TASK_B}'), 'TASK_B')],
 )
-def test_9_2_nothing_is_sent_again_before_the_restart_was_looked_at(
-    text: str, unsent: str | None
-) -> None:
+def test_9_2_goals_are_resent_only_after_restart_check(text: str, unsent: str | None) -> None:
     world, second = restarted(text, unsent)
     world.go(second)
     assert not world.events(e.TaskResent)
@@ -156,7 +154,7 @@ def test_9_2_nor_before_a_pause_is_over() -> None:
     assert second.state.ended['J'].progress.packed == 1
 
 
-def test_9_2_what_was_to_be_sent_again_is_in_doubt_once_it_is_cancelled() -> None:
+def test_9_2_cancelled_goal_awaiting_resend_is_in_doubt() -> None:
     world, second = restarted(REPEATABLE)
     world.go(second, 20)
     assert second.ask(Abort(ann('no'))).accepted

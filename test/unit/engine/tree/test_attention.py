@@ -67,7 +67,7 @@ def _compare(cell: Cell, script: Script) -> int:
 
 
 @pytest.mark.parametrize('name', ['reference_process', 'inspect_and_assemble'])
-def test_shipped_scripts_look_the_same_as_with_full_ticks(name: str) -> None:
+def test_shipped_scripts_match_full_ticks(name: str) -> None:
     types = FakeActionTypes()
     cell = read_cell(ROOT / 'config/reference_cell.yaml', types)
     script = read_script(ROOT / f'trees/{name}.yaml', cell, types)
@@ -77,14 +77,14 @@ def test_shipped_scripts_look_the_same_as_with_full_ticks(name: str) -> None:
 @pytest.mark.parametrize(
     ('text', 'faults'), [(THREE, {}), (FLAGS, {}), (RETRIES, {'a2': 'TASK_A#2=abort #3=false'})]
 )
-def test_small_lines_look_the_same_as_with_full_ticks(text: str, faults: dict[str, str]) -> None:
+def test_small_lines_match_full_ticks(text: str, faults: dict[str, str]) -> None:
     line = Line(faults=faults)
     assert _compare(line.cell, line.script(text)) > 10
 
 
 @examples(8, 200)
 @given(lines())
-def test_drawn_lines_look_like_trees_that_were_built_anew(plan: Plan) -> None:
+def test_drawn_lines_match_newly_built_trees(plan: Plan) -> None:
     """What is left out of a tick, a part or a finished step, looks as if it had been ticked."""
     show(plan)
     operate(ProductBench(plan, viewed=True), plan.moments)
@@ -114,7 +114,7 @@ sections:
 
 
 @pytest.mark.parametrize('text', [IN_A_GROUP, GONE_EARLY])
-def test_what_one_task_does_to_another_that_waits_is_seen_at_once(text: str) -> None:
+def test_waiting_tasks_see_effects_of_others_at_once(text: str) -> None:
     line = Line(4, topics=('a2',), faults={'a2': '#0=not_ready:40', 'b2': '#1=abort'})
     run = VirtualRun(line.cell, line.types, viewed=True)
     assert run.submit('J', line.script(text), 2).accepted

@@ -34,7 +34,7 @@ def test_the_root_never_ends(moment: float) -> None:
         assert section.status is Status.RUNNING
 
 
-def test_ties_go_to_initialization_then_to_the_downstream_section() -> None:
+def test_initialization_and_downstream_sections_win_ties() -> None:
     tree = Line().begin().sim.orchestrator.tree
     assert [child.name for child in tree.root.children] == [
         'initialization',
@@ -45,7 +45,7 @@ def test_ties_go_to_initialization_then_to_the_downstream_section() -> None:
     ]
 
 
-def test_a_job_has_its_branches_from_its_acceptance_to_its_end() -> None:
+def test_job_has_branches_until_it_ends() -> None:
     line = Line()
     run = line.begin()
     tree = run.sim.orchestrator.tree
@@ -60,7 +60,7 @@ def test_a_job_has_its_branches_from_its_acceptance_to_its_end() -> None:
     assert [child.name for child in tree.sections[2].children] == ['next cycle']
 
 
-def test_a_tree_built_in_the_middle_is_the_same_tree() -> None:
+def test_tree_rebuilt_during_job_is_the_same() -> None:
     run = Line().begin(quantity=3).go(until=4.0)
     orchestrator = run.sim.orchestrator
     before = names(orchestrator.tree)
@@ -69,7 +69,7 @@ def test_a_tree_built_in_the_middle_is_the_same_tree() -> None:
     again.close()
 
 
-def test_an_engine_that_was_given_up_leaves_nothing_on_the_blackboard() -> None:
+def test_closed_engine_removes_its_blackboard_keys() -> None:
     keys, clients = set(Blackboard.storage), set(Blackboard.clients)
     run = Line().run()  # meanwhile what earlier tests left may be collected
     its_keys, its_clients = Blackboard.storage.keys() - keys, Blackboard.clients.keys() - clients
@@ -94,7 +94,7 @@ def test_no_behaviour_reads_the_blackboard() -> None:
     assert not done & {ActivityType.READ.value, ActivityType.ACCESSED.value}
 
 
-def test_guards_name_the_keys_that_show_what_they_ask() -> None:
+def test_guards_declare_blackboard_keys_they_depend_on() -> None:
     run = Line(topics=('a2',)).begin(GUARDED)
     space = run.sim.orchestrator._projection.space
     read = {
@@ -106,7 +106,7 @@ def test_guards_name_the_keys_that_show_what_they_ask() -> None:
     assert read == {'belt', 'beat', 'flags/clear', 'zones/table', 'ready/a2'}
 
 
-def test_two_cells_of_one_name_do_not_share_the_blackboard() -> None:
+def test_cells_of_one_name_have_separate_blackboards() -> None:
     first, second = Line().begin(), Line().begin()
     spaces = {run.sim.orchestrator._projection.space for run in (first, second)}
     assert len(spaces) == 2

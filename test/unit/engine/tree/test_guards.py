@@ -26,9 +26,9 @@ zones: {table: [work, pack]}
 
 def behaviours(run: VirtualRun, kind: type[_Kind]) -> Iterator[_Kind]:
     """Yield the behaviours of one class in the tree."""
-    for one in run.sim.orchestrator.tree.root.iterate():
-        if isinstance(one, kind):
-            yield one
+    for behaviour in run.sim.orchestrator.tree.root.iterate():
+        if isinstance(behaviour, kind):
+            yield behaviour
 
 
 def flag_of(run: VirtualRun, task: str) -> FlagGuard:
@@ -45,7 +45,7 @@ def test_a_guard_waits_while_its_task_is_new() -> None:
     assert guard.decorated.status is Status.INVALID
 
 
-def test_a_guard_passes_when_the_task_runs_or_is_done() -> None:
+def test_guard_passes_when_task_runs_or_is_done() -> None:
     run = Line(seconds={'b2': 5.0}).begin(GUARDED).go(until=3.0)
     guard = flag_of(run, 'work')
     assert guard.waits_for() is None  # it runs, and the flag is still there
@@ -55,14 +55,14 @@ def test_a_guard_passes_when_the_task_runs_or_is_done() -> None:
     assert guard.status is Status.SUCCESS
 
 
-def test_a_zone_does_not_block_the_task_that_is_in_it() -> None:
+def test_zone_does_not_block_task_inside_it() -> None:
     run = Line().begin(GUARDED).go(until=3.0)
     guards = {g.subject.task.id: g for g in behaviours(run, ZoneGuard)}
     assert run.state.zones['table'].task == 'work'
     assert guards['work'].waits_for() is None
 
 
-def test_a_component_that_becomes_busy_does_not_block_its_own_task() -> None:
+def test_busy_component_does_not_block_its_own_task() -> None:
     line = Line(topics=('a2',), faults={'a2': '#1=not_ready:2'})
     run = line.begin(GUARDED).go(until=4.0)
     (guard,) = behaviours(run, ReadyGuard)
@@ -70,7 +70,7 @@ def test_a_component_that_becomes_busy_does_not_block_its_own_task() -> None:
     assert guard.waits_for() is None  # the task is done
 
 
-def test_a_moving_belt_does_not_block_a_step_that_is_done() -> None:
+def test_moving_belt_does_not_block_completed_step() -> None:
     text = THREE.replace(
         '2: [{id: work, @a2}]',
         '2: {release_conveyor: after_last_conveyor_task, tasks: '

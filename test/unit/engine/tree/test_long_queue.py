@@ -59,17 +59,17 @@ def go_on(simulation: Simulation, settles: int) -> None:
 
 
 def behaviours(simulation: Simulation) -> list[str]:
-    return [one.name for one in simulation.orchestrator.tree.root.iterate()]
+    return [behaviour.name for behaviour in simulation.orchestrator.tree.root.iterate()]
 
 
-def test_the_tree_is_as_large_with_many_jobs_that_wait_as_with_few() -> None:
+def test_waiting_jobs_do_not_enlarge_tree() -> None:
     few, many = waiting_line(FEW), waiting_line(MANY)
     assert len(many.state.jobs) == MANY + 2
     assert behaviours(many) == behaviours(few)
 
 
 @pytest.mark.parametrize('held', [False, True])
-def test_the_line_works_with_many_jobs_that_wait_as_with_few(held: bool) -> None:
+def test_waiting_jobs_do_not_slow_line(held: bool) -> None:
     few, many = waiting_line(FEW, held=held), waiting_line(MANY, held=held)
     begun, done = len(many.state.queue), calls(lambda: go_on(few, 30))
     assert calls(lambda: go_on(many, 30)) <= 1.2 * done
@@ -88,7 +88,7 @@ def test_the_line_works_with_many_jobs_that_wait_as_with_few(held: bool) -> None
     ],
     ids=['add', 'insert', 'move', 'hold', 'cancel', 'abort', 'refused'],
 )
-def test_a_command_costs_the_same_with_many_jobs_that_wait(command: Command, held: bool) -> None:
+def test_waiting_jobs_do_not_slow_commands(command: Command, held: bool) -> None:
     few, many = waiting_line(FEW, held=held), waiting_line(MANY, held=held)
     done = calls(lambda: few.orchestrator.ask(command))
     assert calls(lambda: many.orchestrator.ask(command)) <= 2 * done
@@ -115,7 +115,7 @@ def test_the_index_follows_scripts_and_not_jobs(monkeypatch: pytest.MonkeyPatch)
     assert counted == [other]
 
 
-def test_a_job_gets_its_branches_when_it_is_the_next_one() -> None:
+def test_next_job_gets_its_branches() -> None:
     simulation = waiting_line(2)
     tree = simulation.orchestrator.tree
     assert [name for name in simulation.state.jobs if tree.has(name)] == ['J', 'Q-0']
@@ -137,14 +137,14 @@ def test_of_a_held_queue_no_job_has_branches() -> None:
     assert not any(simulation.orchestrator.tree.has(name) for name in 'JKL')
 
 
-def test_a_job_far_behind_that_is_aborted_skips_its_initialization_at_once() -> None:
+def test_aborted_queued_job_skips_initialization_at_once() -> None:
     simulation = waiting_line(FEW)
     assert simulation.orchestrator.ask(ControlJob('abort', 'LAST', BY)).accepted
     assert 'LAST' not in simulation.state.jobs
     assert simulation.state.ended['LAST'].exit_status == 'aborted'
 
 
-def test_what_happens_in_the_queue_alone_wakes_no_part(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_queue_changes_alone_wake_no_section(monkeypatch: pytest.MonkeyPatch) -> None:
     simulation = waiting_line(FEW)
     ticked: list[Section] = []
     run = Section.run

@@ -38,7 +38,7 @@ def long_script(tasks: int, *, grouped: bool = False) -> Script:
     """Return a script with so many tasks in section 2, in one list or in a track of a group."""
     ids = [f'{{id: t{n}, @{"ab"[n % 2]}2}}' for n in range(tasks)]
     group = f'- parallel:\n    - [{", ".join(ids)}]\n    - {{id: beside, @arm}}'
-    listed = group if grouped else '\n'.join(f'- {one}' for one in ids)
+    listed = group if grouped else '\n'.join(f'- {entry}' for entry in ids)
     text = '\n'.join(f'    {line}' for line in listed.splitlines())
     return LINE.script(
         f'sections:\n  1: [{{id: place, @a1, qty_change: 1}}]\n  2:\n{text}\n'
@@ -56,7 +56,7 @@ def as_read(script: Script) -> Script:
 
 
 @pytest.mark.parametrize('grouped', [False, True])
-def test_a_long_list_does_not_make_the_tree_larger(grouped: bool) -> None:
+def test_long_list_keeps_tree_small(grouped: bool) -> None:
     # A bare simulation: what else a virtual run checks would compare all of the script each time.
     store = MemoryStore()
     simulation = Simulation(LINE.cell, LINE.types, store)
@@ -76,7 +76,7 @@ def test_a_long_list_does_not_make_the_tree_larger(grouped: bool) -> None:
     assert most < 10 * PAGE + 2 * MANY / PAGE
 
 
-def test_an_order_of_a_long_script_costs_little_more_than_a_short_one() -> None:
+def test_order_of_long_script_stays_cheap() -> None:
     def taken(tasks: int) -> int:
         simulation = Simulation(LINE.cell, LINE.types, MemoryStore())
         job = Job('J', as_read(long_script(tasks)), 1)
@@ -86,18 +86,18 @@ def test_an_order_of_a_long_script_costs_little_more_than_a_short_one() -> None:
 
 
 @pytest.mark.parametrize('grouped', [False, True])
-def test_a_long_list_is_gone_through_in_its_order(grouped: bool) -> None:
+def test_long_list_runs_in_order(grouped: bool) -> None:
     tasks = MOST_WHOLE + 5
     run = VirtualRun(LINE.cell, LINE.types, viewed=True, rebuild=range(100, 200, 7))
     run.submit('J', long_script(tasks, grouped=grouped), 1)
     assert run.go().ended
-    done = [one for one in run.order('task.succeeded', 'task') if one.startswith('t')]
+    done = [task for task in run.order('task.succeeded', 'task') if task.startswith('t')]
     assert done == [f't{n}' for n in range(tasks)]
 
 
 @examples(8, 200)
 @given(lines())
-def test_drawn_lines_in_pages_look_like_trees_that_were_built_anew(plan: Plan) -> None:
+def test_generated_lines_in_pages_match_rebuilt_trees(plan: Plan) -> None:
     show(plan)
     with small_pages(2):
         operate(ProductBench(plan, viewed=True), plan.moments)

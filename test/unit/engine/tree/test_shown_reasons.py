@@ -36,7 +36,7 @@ params: {least: {type: float, default: 2.5}}
 def shown(run: VirtualRun) -> dict[str, str]:
     """Return the message of each behaviour of the tree by its name."""
     root = run.sim.orchestrator.tree.root
-    return {one.name: one.feedback_message for one in root.iterate()}
+    return {behaviour.name: behaviour.feedback_message for behaviour in root.iterate()}
 
 
 def until(script: str, time: float, **faults: str) -> dict[str, str]:
@@ -44,13 +44,13 @@ def until(script: str, time: float, **faults: str) -> dict[str, str]:
     return shown(line.begin(script).go(until=time))
 
 
-def test_a_skipped_task_names_its_condition_and_the_value() -> None:
+def test_skipped_task_names_condition_and_value() -> None:
     messages = until(CONDITIONAL, 4.2, a2='#1=reads:1.5')
     assert messages['seal (TASK_A)'].startswith('skipped: when ${results.weigh.measurement}')
     assert messages['when ${results.weigh.measurement} at least 2.5'] == 'found 1.5'
 
 
-def test_a_started_task_shows_the_value_that_started_it() -> None:
+def test_started_task_shows_its_condition_value() -> None:
     messages = until(CONDITIONAL, 4.2, a2='#1=reads:3.5')
     assert messages['seal (TASK_A)'].startswith('running at ')
     assert messages['when ${results.weigh.measurement} at least 2.5'] == 'found 3.5'
@@ -62,13 +62,13 @@ def test_a_round_tells_why_it_began() -> None:
     assert messages['up to 1 more round'] == f'round 2: weigh: {why}'
 
 
-def test_a_verdict_shows_the_bound_of_its_own_job() -> None:
+def test_verdict_shows_bound_of_own_job() -> None:
     line = Line()
     run = line.begin(JUDGED, least=7.0)
     assert 'fails unless ${results.weigh.measurement} at least 7.0' in shown(run)
 
 
-def test_a_job_whose_parameters_change_shows_the_new_bound() -> None:
+def test_changed_job_parameters_update_shown_bound() -> None:
     line = Line()
     run = line.begin(JUDGED)
     script = line.script(JUDGED)
@@ -85,10 +85,10 @@ def test_a_job_that_is_being_aborted_says_so() -> None:
     run = Line().begin(CONDITIONAL).go(until=3.5)
     run.control('abort', 'J')
     section = run.sim.orchestrator.tree.sections[2]
-    assert 'J/1, the job is being aborted' in [one.feedback_message for one in section.iterate()]
+    assert 'J/1, the job is being aborted' in [node.feedback_message for node in section.iterate()]
 
 
-def test_no_behaviour_is_merged_with_another_one_in_a_dot_graph() -> None:
+def test_dot_graph_merges_no_behaviours() -> None:
     """Pydot reads `a: b` as port b of node a."""
     run = Line().begin(CONDITIONAL).go(until=3.5)
     root = run.sim.orchestrator.tree.root

@@ -53,7 +53,7 @@ def moment(seconds: float) -> datetime:
     return datetime.fromtimestamp(round(seconds * 1e6) / 1e6, timezone.utc)
 
 
-def test_every_event_is_a_typed_row_that_lacks_nothing(tmp_path: Path) -> None:
+def test_every_event_is_a_complete_typed_row(tmp_path: Path) -> None:
     records = a_run().records
     events, _ = exported(tmp_path, [json.dumps(record) for record in records])
     assert events.column_names == list(COLUMNS)
@@ -63,13 +63,13 @@ def test_every_event_is_a_typed_row_that_lacks_nothing(tmp_path: Path) -> None:
     rows = events.to_pylist()
     assert len(rows) == len(records)
     for row, record in zip(rows, records, strict=True):
-        told = {name: value for name, value in row.items() if value is not None}
-        told |= json.loads(told.pop('more', '{}'))
-        told['time'] = record['time'] if told['time'] == moment(record['time']) else None
+        stored = {name: value for name, value in row.items() if value is not None}
+        stored |= json.loads(stored.pop('more', '{}'))
+        stored['time'] = record['time'] if stored['time'] == moment(record['time']) else None
         for name in ('results', 'count'):
-            if name in told and not isinstance(record[name], int):
-                told[name] = json.loads(told[name])
-        assert told == {k: v for k, v in record.items() if k not in LEFT_OUT}
+            if name in stored and not isinstance(record[name], int):
+                stored[name] = json.loads(stored[name])
+        assert stored == {k: v for k, v in record.items() if k not in LEFT_OUT}
 
 
 def test_every_attempt_is_a_row(tmp_path: Path) -> None:
@@ -111,8 +111,8 @@ def test_texts_of_devices(tmp_path: Path) -> None:
         job='J', section=2, item='J/1', task='work', attempt=1, reason='aborted', message=text
     )
     events, tasks = tables(tmp_path, STARTED, failed)
-    said = text.replace('\ud800', '\\ud800')
-    assert events[1]['message'] == tasks[0]['message'] == said
+    escaped = text.replace('\ud800', '\\ud800')
+    assert events[1]['message'] == tasks[0]['message'] == escaped
 
 
 def test_an_attempt_without_an_end_is_open(tmp_path: Path) -> None:
@@ -124,7 +124,7 @@ def test_an_attempt_without_an_end_is_open(tmp_path: Path) -> None:
     ]
 
 
-def test_an_attempt_over_a_step_of_the_clock_took_the_time_that_passed(tmp_path: Path) -> None:
+def test_clock_step_does_not_change_attempt_duration(tmp_path: Path) -> None:
     step = e.ClockStepped(seconds=-5.0)  # the clock shows the times 10, 20 and 30
     _, tasks = tables(tmp_path, STARTED, step, SUCCEEDED)
     assert [(row['started'], row['ended'], row['seconds']) for row in tasks] == [
@@ -161,7 +161,7 @@ def test_long_texts_make_shorter_row_groups(
     assert pq.ParquetFile(tmp_path / 'tasks.parquet').metadata.num_row_groups >= 3
 
 
-def test_what_is_given_up_leaves_the_tables_of_before(tmp_path: Path) -> None:
+def test_discarded_export_keeps_earlier_tables(tmp_path: Path) -> None:
     exported(tmp_path, [to_text(STARTED.stamped(1, 1.0))])
     export = ParquetExport(tmp_path, 'h-1')
     export.write(to_text(SUCCEEDED.stamped(2, 2.0)))

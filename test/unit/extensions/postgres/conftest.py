@@ -15,8 +15,8 @@ from bt_orchestrator.extensions.postgres.connecting import Connection, Place, co
 
 @pytest.fixture(scope='session')
 def server() -> Iterator[PostgresServer]:
-    with postgres_server() as found:
-        yield found
+    with postgres_server() as instance:
+        yield instance
 
 
 @pytest.fixture
@@ -27,5 +27,5 @@ def place(server: PostgresServer) -> Place:
 
 @pytest.fixture
 def connection(place: Place) -> Iterator[Connection]:
-    with connected(place, 'test') as found:
-        yield found
+    with connected(place, 'test') as session:
+        yield session

@@ -115,7 +115,7 @@ def begun(path: Path) -> None:
 
 
 def seqs_and_texts(records: Records) -> list[tuple[int, str]]:
-    return [(one.seq, one.text) for one in records.page(Wanted()).records]
+    return [(record.seq, record.text) for record in records.page(Wanted()).records]
 
 
 def of_file(path: Path) -> list[tuple[int, str]]:
@@ -123,7 +123,7 @@ def of_file(path: Path) -> list[tuple[int, str]]:
         return database.execute('SELECT seq, record FROM events ORDER BY seq').fetchall()
 
 
-def test_a_restored_cell_is_read_as_its_journal_is(server: PostgresServer, tmp_path: Path) -> None:
+def test_restored_cell_reads_like_its_journal(server: PostgresServer, tmp_path: Path) -> None:
     """Its first events are those of the history before; a reader that is open follows."""
     path, address = tmp_path / 'journal.sqlite3', server.place(server.database(), 'line_1')
     begun(path)
@@ -154,7 +154,7 @@ def test_gaps_are_told_as_such(server: PostgresServer, tmp_path: Path) -> None:
     feed(path, address)
     with closing(PostgresRecords(address)) as records:
         page = records.page(Wanted())
-        assert [one.seq for one in page.records] == [*range(1, 9), *range(20, 31)]
+        assert [record.seq for record in page.records] == [*range(1, 9), *range(20, 31)]
         (damage,) = page.damage
         assert damage.number == 11
         assert 'events 9 to 19 were removed from the journal before they could' in damage.what

@@ -58,19 +58,19 @@ def file(tmp_path: Path) -> Path:
 
 def told(records: Records) -> list[object]:
     """Return all that is in a journal, but its name."""
-    found: list[object] = []
+    contents: list[object] = []
     wanted, is_last = Wanted(), False
     while not is_last:
         page = records.page(wanted)
         assert not page.damage
-        found += page.records
+        contents += page.records
         wanted, is_last = page.rest, page.is_last
-    found += [records.extent()[1:], records.state_before(LAST), records.state_before(LAST - 1)]
-    found += [records.summaries(), records.booked(0, 100), records.book_state(1 << 60)]
-    return [*found, records.book_script('digest')]
+    contents += [records.extent()[1:], records.state_before(LAST), records.state_before(LAST - 1)]
+    contents += [records.summaries(), records.booked(0, 100), records.book_state(1 << 60)]
+    return [*contents, records.book_script('digest')]
 
 
-def test_9_2_a_copy_into_a_database_and_back_is_the_same(
+def test_9_2_copy_to_database_and_back_is_equal(
     file: Path, address: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     back = tmp_path / 'back.db'
@@ -86,7 +86,7 @@ def test_9_2_a_copy_into_a_database_and_back_is_the_same(
         assert told(after) == before
 
 
-def test_9_2_a_copy_goes_on_as_a_history_that_was_restored(file: Path, address: str) -> None:
+def test_9_2_copy_continues_as_restored_history(file: Path, address: str) -> None:
     assert main(['journal', 'copy', str(file), address]) == 0
     with closing(PostgresStore(address)) as store:
         assert store.is_restored
@@ -105,7 +105,7 @@ def test_9_2_a_journal_with_events_takes_no_copy(
     assert 'name an empty one' in capsys.readouterr().err
 
 
-def test_9_2_a_damaged_journal_is_not_copied_and_leaves_nothing(
+def test_9_2_damaged_journal_is_not_copied(
     file: Path, address: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with closing(sqlite3.connect(file, isolation_level=None)) as database:

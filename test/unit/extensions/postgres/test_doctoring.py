@@ -21,21 +21,21 @@ from bt_orchestrator.extensions.postgres.schema import FEED, enter
 
 
 def verdicts(address: str) -> dict[str, tuple[Verdict, str]]:
-    return {one.name: (one.verdict, one.found) for one in checks(address)}
+    return {check.name: (check.verdict, check.found) for check in checks(address)}
 
 
 @pytest.fixture
 def waiting() -> Iterator[PostgresServer]:
     """Give a server whose commits wait for a replica that is not there."""
-    with postgres_server(synchronous_standby_names='far') as found:
-        yield found
+    with postgres_server(synchronous_standby_names='far') as instance:
+        yield instance
 
 
 def test_a_server_without_a_replica_is_warned_of(server: PostgresServer) -> None:
-    found = verdicts(server.place(server.database(), 'line_1'))
-    assert found.pop(COPIES)[0] is Verdict.WARN
-    assert {verdict for verdict, _ in found.values()} == {Verdict.OK}
-    assert 'has no journal there yet' in found[CELL][1]
+    results = verdicts(server.place(server.database(), 'line_1'))
+    assert results.pop(COPIES)[0] is Verdict.WARN
+    assert {verdict for verdict, _ in results.values()} == {Verdict.OK}
+    assert 'has no journal there yet' in results[CELL][1]
 
 
 def test_the_journal_of_the_cell_is_named(server: PostgresServer, tmp_path: Path) -> None:
@@ -63,7 +63,7 @@ def test_a_replica_that_no_commit_waits_for_fails(server: PostgresServer, tmp_pa
             replica.terminate()
 
 
-def test_a_backup_that_is_being_taken_is_no_replica(server: PostgresServer) -> None:
+def test_running_backup_does_not_count_as_replica(server: PostgresServer) -> None:
     address = server.place(server.database(), 'line_1')
     words = [program('pg_basebackup'), '--host', str(server.folder), '--username', USER]
     slowly = ['--max-rate', '32k', '--checkpoint', 'fast', '--wal-method', 'none']
@@ -90,7 +90,7 @@ def test_a_replica_that_is_away_fails(waiting: PostgresServer) -> None:
     assert 'wait for far' in words
 
 
-def test_replicas_that_no_commit_waits_for_fail_and_others_beside_are_warned_of() -> None:
+def test_asynchronous_replicas_fail_alone_and_warn_beside_synchronous() -> None:
     with postgres_server() as main, closing(main.replica()), closing(main.replica()):
         address = main.place(main.database(), 'line_1')
         main.until("SELECT count(*) = 2 FROM pg_stat_replication WHERE state = 'streaming'")
@@ -119,9 +119,9 @@ def test_a_role_without_rights_fails(server: PostgresServer) -> None:
 
 
 def test_a_server_that_is_not_there_fails(tmp_path: Path) -> None:
-    found = verdicts(f'postgresql://plant@/plant/line_1?host={tmp_path}')
-    assert list(found) == [DATABASE]
-    assert found[DATABASE][0] is Verdict.FAIL
+    results = verdicts(f'postgresql://plant@/plant/line_1?host={tmp_path}')
+    assert list(results) == [DATABASE]
+    assert results[DATABASE][0] is Verdict.FAIL
 
 
 def test_an_address_without_a_cell_fails(server: PostgresServer) -> None:

@@ -51,13 +51,13 @@ def turn(feed: Feed, path: Path) -> Copied:
 
 def in_file(path: Path) -> dict[int, str]:
     with closing(SqliteRecords(path)) as records:
-        found: dict[int, str] = {}
+        texts: dict[int, str] = {}
         wanted, is_last = Wanted(), False
         while not is_last:
             page = records.page(wanted)
-            found |= {one.seq: one.text for one in page.records}
+            texts |= {record.seq: record.text for record in page.records}
             wanted, is_last = page.rest, page.is_last
-        return found
+        return texts
 
 
 def in_plant(connection: Connection) -> list[tuple[str, int, str]]:
@@ -151,17 +151,17 @@ def test_the_views_tell_jobs_as_the_journal_does(
     ]
 
 
-def test_every_table_of_a_journal_is_copied_or_has_a_reason(path: Path) -> None:
+def test_every_journal_table_is_copied_or_excluded(path: Path) -> None:
     SqliteStore(path).close()
     with closing(sqlite3.connect(path)) as database:
         names = database.execute("SELECT name FROM sqlite_schema WHERE type = 'table'").fetchall()
-        assert {name for (name,) in names} == {one.name for one in TABLES} | NOT_COPIED.keys()
+        assert {name for (name,) in names} == {entry.name for entry in TABLES} | NOT_COPIED.keys()
         for table in TABLES:
             columns = database.execute(f'PRAGMA table_info({table.name})').fetchall()
             assert {column[1] for column in columns} == set(table.columns), table.name
 
 
-def test_a_feed_that_is_killed_goes_on_where_it_was(
+def test_killed_feed_resumes_where_it_stopped(
     path: Path, place: Place, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At every write, before and after it was committed."""
@@ -194,8 +194,8 @@ def test_a_feed_that_is_killed_goes_on_where_it_was(
         killed(number, is_after=True)
     with connected(place, 'test') as connection:
         turn(Feed(connection, enter(connection, 'line_1', FEED, 'a test')), path)
-        found = in_plant(connection)
-    assert [(seq, text) for _, seq, text in found] == sorted(in_file(path).items())
+        rows = in_plant(connection)
+    assert [(seq, text) for _, seq, text in rows] == sorted(in_file(path).items())
 
 
 # --- histories --------------------------------------------------------------------------------
@@ -235,13 +235,13 @@ def test_histories_between_two_looks_are_told_apart(
     third = restored(Path(shutil.copy(path, tmp_path / 'two')), path)
     write(path, 15, 16, third)
     turn(feed, path)
-    found = in_plant(connection)
-    assert [(seq, text) for _, seq, text in found] == sorted(in_file(path).items())
+    rows = in_plant(connection)
+    assert [(seq, text) for _, seq, text in rows] == sorted(in_file(path).items())
     owners = [(first, 9), (second, 5), (third, 2)]
-    assert [(one, [row[0] for row in found].count(one)) for one, _ in owners] == owners
+    assert [(owner, [row[0] for row in rows].count(owner)) for owner, _ in owners] == owners
 
 
-def test_a_history_whose_beginning_is_gone_goes_on_where_it_was_copied(
+def test_history_without_beginning_continues_from_copy(
     path: Path, feed: Feed, connection: Connection, tmp_path: Path
 ) -> None:
     """Retention removed the start that named the first history."""
@@ -257,7 +257,7 @@ def test_a_history_whose_beginning_is_gone_goes_on_where_it_was_copied(
     ]
 
 
-def test_a_node_that_lost_events_goes_on_as_another_history(
+def test_node_that_lost_events_continues_as_new_history(
     path: Path, feed: Feed, connection: Connection
 ) -> None:
     begin(path, 12)
@@ -281,7 +281,7 @@ def remove(path: Path, before: int) -> None:
             pass
 
 
-def test_retention_does_not_wait_and_the_gap_is_told(
+def test_retention_does_not_wait_and_reports_gap(
     path: Path, feed: Feed, connection: Connection
 ) -> None:
     begin(path, 10)
@@ -299,7 +299,7 @@ def test_retention_does_not_wait_and_the_gap_is_told(
     assert connection.execute(query).fetchall() == [(11, 30, 'removed')]
 
 
-def test_a_damaged_record_is_a_gap_and_the_rest_is_copied(
+def test_damaged_record_is_gap_and_rest_is_copied(
     path: Path, feed: Feed, connection: Connection
 ) -> None:
     begin(path, 20)
@@ -318,7 +318,7 @@ def write_on(path: Path, seq: int) -> None:
         store.append([JobStarted(seq=seq, job='J')])
 
 
-def test_a_journal_that_lost_its_end_is_not_copied_over(path: Path, feed: Feed) -> None:
+def test_feed_refuses_journal_that_lost_its_end(path: Path, feed: Feed) -> None:
     begin(path, 20)
     turn(feed, path)
     with closing(sqlite3.connect(path, isolation_level=None)) as database:
@@ -327,7 +327,7 @@ def test_a_journal_that_lost_its_end_is_not_copied_over(path: Path, feed: Feed) 
         turn(feed, path)
 
 
-def test_other_files_under_the_same_history_are_not_mixed_in(
+def test_other_files_of_same_history_are_refused(
     path: Path, feed: Feed, connection: Connection, tmp_path: Path
 ) -> None:
     begin(path, 8)
@@ -368,9 +368,9 @@ class _Door:
         from bt_orchestrator.ports import EventPage
 
         with closing(SqliteStore(self._path)) as store:
-            found = list(store.read(max(seq, store.first_seq() - 1), most or self._most))
+            batch = list(store.read(max(seq, store.first_seq() - 1), most or self._most))
             last = max((event.seq for event in store.read()), default=0)
-            return EventPage(store.history, found, store.first_seq(), last)
+            return EventPage(store.history, batch, store.first_seq(), last)
 
 
 def test_over_the_door_come_the_same_events(
@@ -384,9 +384,9 @@ def test_over_the_door_come_the_same_events(
     second = restored(Path(shutil.copy(path, tmp_path / 'one')), path)
     write(path, 9, 12, second)
     feed.copy_events(source)
-    found = in_plant(connection)
-    assert [(seq, text) for _, seq, text in found] == sorted(in_file(path).items())
-    assert [owner for owner, _, _ in found] == [first] * 8 + [second] * 4
+    rows = in_plant(connection)
+    assert [(seq, text) for _, seq, text in rows] == sorted(in_file(path).items())
+    assert [owner for owner, _, _ in rows] == [first] * 8 + [second] * 4
     write(path, 13, 40)
     remove(path, 31)
     assert feed.copy_events(source).gaps == [Gap(13, 30, 'removed')]

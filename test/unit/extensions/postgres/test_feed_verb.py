@@ -37,7 +37,7 @@ def feed(server: PostgresServer, database: str, *words: str, cell: str = '') -> 
     return main(['feed', '--to', to, *words])
 
 
-def test_a_journal_is_copied_under_the_name_of_its_cell(
+def test_journal_is_copied_under_its_cell_name(
     server: PostgresServer, database: str, journal: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ('--journal', str(journal), '--page', 'http://line-1:8080/')
@@ -48,11 +48,11 @@ def test_a_journal_is_copied_under_the_name_of_its_cell(
     assert feed(server, database, *words) == 0
     assert '0 events copied, up to event 38' in capsys.readouterr().out
     assert feed(server, database, '--list') == 0
-    found = capsys.readouterr().out
-    assert re.fullmatch(r'test_line  Complete  up to event 38, complete \d s ago\n', found), found
+    text = capsys.readouterr().out
+    assert re.fullmatch(r'test_line  Complete  up to event 38, complete \d s ago\n', text), text
 
 
-def test_a_gap_is_told_and_is_the_exit_status(
+def test_gap_is_reported_and_sets_exit_status(
     server: PostgresServer, database: str, journal: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     import sqlite3
@@ -81,20 +81,20 @@ def test_what_is_refused(
     status: int,
 ) -> None:
     try:
-        found = main(['feed', '--journal', str(journal), *words])
+        exit_code = main(['feed', '--journal', str(journal), *words])
     except SystemExit as end:
-        found = int(str(end.code))
-    assert (found, said in capsys.readouterr().err) == (status, True)
+        exit_code = int(str(end.code))
+    assert (exit_code, said in capsys.readouterr().err) == (status, True)
 
 
-def test_without_the_package_it_says_how_to_get_it(
+def test_missing_package_error_says_how_to_install(
     journal: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, 'psycopg', None)
     assert main(['feed', '--journal', str(journal), '--to', 'postgresql:///plant']) == 2
-    said = capsys.readouterr().err
-    assert "pip install 'psycopg[binary]>=3.1'" in said
-    assert 'psycopg cannot be imported' in said
+    errors = capsys.readouterr().err
+    assert "pip install 'psycopg[binary]>=3.1'" in errors
+    assert 'psycopg cannot be imported' in errors
 
 
 def test_a_journal_that_is_not_there(
@@ -112,7 +112,7 @@ def until(process: ProgramProcess, is_so: Callable[[], object]) -> None:
         time.sleep(0.02)
 
 
-def test_events_are_followed_over_an_outage_of_the_database(journal: Path, tmp_path: Path) -> None:
+def test_follower_survives_database_outage(journal: Path, tmp_path: Path) -> None:
     with postgres_server() as server:
         database = server.database()
         assert feed(server, database, '--journal', str(journal), cell='line_1') == 0

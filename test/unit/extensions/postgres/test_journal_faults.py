@@ -28,8 +28,8 @@ from bt_orchestrator.ports import Snapshot
 @pytest.fixture(scope='module')
 def own() -> Iterator[PostgresServer]:
     """Give a server that a test may stop."""
-    with postgres_server() as found:
-        yield found
+    with postgres_server() as instance:
+        yield instance
 
 
 @pytest.fixture
@@ -40,11 +40,11 @@ def address(own: PostgresServer) -> str:
 @pytest.fixture
 def person(own: PostgresServer, address: str) -> Iterator[Connection]:
     """Give the connection of somebody who looks on."""
-    with connected(place_of(address), 'test', ['SET search_path = cell_1']) as found:
-        yield found
+    with connected(place_of(address), 'test', ['SET search_path = cell_1']) as session:
+        yield session
 
 
-def test_9_1_an_event_whose_answer_is_lost_is_written_once(
+def test_9_1_event_with_lost_answer_is_written_once(
     address: str, own: PostgresServer, tmp_path: Path
 ) -> None:
     with (
@@ -72,7 +72,7 @@ def test_9_1_an_answer_before_the_commit_is_no_commit(
         assert list(store.read()) == events(1, 40)
 
 
-def test_9_1_the_end_of_a_history_is_written_once_when_the_answer_is_lost(
+def test_9_1_history_end_with_lost_answer_is_written_once(
     address: str, own: PostgresServer, tmp_path: Path
 ) -> None:
     with through(address, own.folder) as (place, proxy):
@@ -112,7 +112,7 @@ def test_9_1_a_cancelled_wait_for_replicas_is_no_commit(
                 failed()
 
 
-def test_9_1_rows_that_are_seen_after_a_lost_answer_may_be_on_this_server_alone(
+def test_9_1_visible_rows_without_replica_do_not_confirm_write(
     address: str, own: PostgresServer, person: Connection, tmp_path: Path
 ) -> None:
     """A crash of the server shows them, and no replica has them."""
@@ -130,7 +130,7 @@ def test_9_1_rows_that_are_seen_after_a_lost_answer_may_be_on_this_server_alone(
                 failed()
 
 
-def test_9_1_a_start_waits_until_what_it_reads_is_on_the_replicas(
+def test_9_1_start_waits_until_replicas_have_the_journal(
     address: str, own: PostgresServer, person: Connection, tmp_path: Path
 ) -> None:
     PostgresStore(address, tmp_path).close()
@@ -140,7 +140,7 @@ def test_9_1_a_start_waits_until_what_it_reads_is_on_the_replicas(
     opened()
 
 
-def test_9_1_events_that_a_promoted_replica_lacks_leave_no_gap(
+def test_9_1_events_missing_on_promoted_replica_leave_no_gap(
     address: str, person: Connection, tmp_path: Path
 ) -> None:
     with closing(PostgresStore(address, tmp_path)) as store:
@@ -171,7 +171,7 @@ def test_9_1_who_has_lost_the_cell_writes_nothing(
 
 
 @pytest.mark.parametrize('how', [signal.SIGINT, signal.SIGQUIT], ids=['stop', 'crash'])
-def test_9_1_a_server_that_comes_back_in_time_is_no_failure(
+def test_9_1_server_back_in_time_is_no_failure(
     address: str, own: PostgresServer, tmp_path: Path, how: int
 ) -> None:
     with closing(PostgresStore(address, tmp_path)) as store:
@@ -184,7 +184,7 @@ def test_9_1_a_server_that_comes_back_in_time_is_no_failure(
         assert list(store.read()) == events(1, 6)
 
 
-def test_9_1_a_server_that_stays_away_is_a_failure_and_nothing_is_lost(
+def test_9_1_absent_server_fails_append_and_loses_nothing(
     address: str, own: PostgresServer, tmp_path: Path
 ) -> None:
     with closing(PostgresStore(address, tmp_path)) as store:
@@ -205,15 +205,15 @@ def test_9_1_a_server_that_stays_away_is_a_failure_and_nothing_is_lost(
         assert list(store.read()) == events(1, 2)
 
 
-def test_9_1_a_server_that_hangs_holds_up_who_reads_for_a_moment(
+def test_9_1_hanging_server_delays_readers_only_briefly(
     address: str, own: PostgresServer, person: Connection, tmp_path: Path
 ) -> None:
     with closing(PostgresStore(address, tmp_path)) as store:
         store.append(events(1, 2))
-        found = person.execute(
+        backends = person.execute(
             "SELECT pid FROM pg_stat_activity WHERE application_name = 'bt_orchestrator node'"
         ).fetchall()
-        for (pid,) in found:
+        for (pid,) in backends:
             os.kill(pid, signal.SIGSTOP)
         try:
             began = time.monotonic()
@@ -222,7 +222,7 @@ def test_9_1_a_server_that_hangs_holds_up_who_reads_for_a_moment(
                     store.first_seq()
             assert time.monotonic() - began < RUNNING_S + 1
         finally:
-            for (pid,) in found:
+            for (pid,) in backends:
                 os.kill(pid, signal.SIGCONT)
         store.append(events(3, 4))
         assert list(store.read()) == events(1, 4)

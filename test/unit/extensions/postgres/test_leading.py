@@ -30,8 +30,8 @@ def address(server: PostgresServer) -> str:
 @pytest.fixture
 def person(address: str) -> Iterator[Connection]:
     """Give the connection of somebody who looks on."""
-    with connected(place_of(address), 'test', ['SET search_path = cell_1']) as found:
-        yield found
+    with connected(place_of(address), 'test', ['SET search_path = cell_1']) as session:
+        yield session
 
 
 def clocks() -> ClockReading:
@@ -49,9 +49,7 @@ def cut(person: Connection, name: str = 'node') -> None:
 # --- the guard ----------------------------------------------------------------------------------
 
 
-def test_9_4_the_right_to_send_ends_soon_after_the_last_write(
-    address: str, tmp_path: Path
-) -> None:
+def test_9_4_command_right_ends_soon_after_last_write(address: str, tmp_path: Path) -> None:
     with closing(PostgresStore(address, tmp_path)) as store:
         began = time.monotonic()
         store.append(events(1, 2))
@@ -65,7 +63,7 @@ def test_9_4_the_right_to_send_ends_soon_after_the_last_write(
         assert list(store.read()) == events(1, 2), 'it writes no event'
 
 
-def test_9_4_the_time_counts_from_the_beginning_of_a_slow_commit(
+def test_9_4_command_right_counts_from_begin_of_commit(
     address: str, person: Connection, tmp_path: Path
 ) -> None:
     with closing(PostgresStore(address, tmp_path)) as store:
@@ -96,7 +94,7 @@ def test_9_4_a_database_that_cannot_commit_confirms_nobody(
             assert not store.may_command()
 
 
-def test_9_4_who_was_replaced_finds_out_and_may_not_send(
+def test_9_4_replaced_leader_notices_and_may_not_send(
     address: str, person: Connection, tmp_path: Path
 ) -> None:
     with closing(PostgresStore(address, tmp_path)) as store:
@@ -108,9 +106,7 @@ def test_9_4_who_was_replaced_finds_out_and_may_not_send(
         assert not store.may_command()
 
 
-def test_9_4_a_silent_leader_loses_its_lock_and_ends_at_once_when_it_speaks(
-    address: str, tmp_path: Path
-) -> None:
+def test_9_4_silent_leader_loses_lock_and_fails_next_write(address: str, tmp_path: Path) -> None:
     with closing(PostgresStore(address, tmp_path)) as old:
         old.append(events(1, 2))
         began = time.monotonic()
@@ -135,7 +131,7 @@ def test_9_4_a_silent_leader_loses_its_lock_and_ends_at_once_when_it_speaks(
 # --- the standby --------------------------------------------------------------------------------
 
 
-def test_9_4_a_standby_waits_for_the_leader_and_then_goes_on(
+def test_9_4_standby_waits_for_leader_and_takes_over(
     address: str, person: Connection, tmp_path: Path
 ) -> None:
     with closing(PostgresStandby(address, clocks, tmp_path / 'b')) as standby:
@@ -156,7 +152,7 @@ def test_9_4_a_standby_waits_for_the_leader_and_then_goes_on(
         new.append(events(8, 9))
 
 
-def test_9_4_a_standby_begins_a_cell_that_has_no_journal_yet(address: str, tmp_path: Path) -> None:
+def test_9_4_standby_begins_cell_without_journal(address: str, tmp_path: Path) -> None:
     a, b = (PostgresStandby(address, clocks, tmp_path / name) for name in 'ab')
     with closing(a), closing(b):
         assert a.look().history == ''
@@ -168,7 +164,7 @@ def test_9_4_a_standby_begins_a_cell_that_has_no_journal_yet(address: str, tmp_p
             assert b.look().seq == 2
 
 
-def test_9_4_a_standby_knows_what_it_has_seen_and_when(address: str, tmp_path: Path) -> None:
+def test_9_4_standby_records_what_it_saw_and_when(address: str, tmp_path: Path) -> None:
     with closing(PostgresStandby(address, clocks, tmp_path / 'b')) as standby:
         with closing(PostgresStore(address, tmp_path / 'a')) as leader:
             leader.append(events(1, 5))
@@ -207,7 +203,7 @@ def test_9_4_a_look_that_no_replica_confirms_is_none(
             wait_for(lambda: standby.look().seq == 5)
 
 
-def test_9_4_a_standby_notices_events_that_the_database_has_lost(
+def test_9_4_standby_notices_events_lost_by_database(
     address: str, person: Connection, tmp_path: Path
 ) -> None:
     with closing(PostgresStore(address, tmp_path / 'a')) as leader:
@@ -285,7 +281,7 @@ def test_9_4_the_last_look_without_an_event_is_remembered() -> None:
     assert looks.absent_at(13) == at(6)
 
 
-def test_9_4_after_a_loss_earlier_looks_are_of_other_events() -> None:
+def test_9_4_loss_invalidates_earlier_looks() -> None:
     looks = Looks()
     looks.note(9, at(1))
     looks.note(4, at(2))

@@ -82,8 +82,8 @@ sections:
 
 def asked(address: str, query: str) -> list[dict[str, object]]:
     with psycopg.connect(address, row_factory=psycopg.rows.dict_row) as connection:
-        found: list[dict[str, object]] = connection.execute(query.encode()).fetchall()
-        return found
+        rows: list[dict[str, object]] = connection.execute(query.encode()).fetchall()
+        return rows
 
 
 def test_the_queries_say_what_happened(feeder: str) -> None:

@@ -57,10 +57,10 @@ def test_a_wrong_address_is_refused(text: str) -> None:
         place_of(text)
 
 
-def test_a_server_that_is_away_is_named_without_the_password() -> None:
-    with pytest.raises(DatabaseAway, match=r'postgresql://me@/plant/x cannot be reached') as found:
+def test_unreachable_server_is_named_without_password() -> None:
+    with pytest.raises(DatabaseAway, match=r'postgresql://me@/plant/x cannot be reached') as error:
         connected(place_of('postgresql://me:secret@/plant/x?host=/nowhere'), 'test')
-    assert 'secret' not in str(found.value)
+    assert 'secret' not in str(error.value)
 
 
 def test_the_first_writer_makes_plant_and_cell(connection: Connection, place: Place) -> None:
@@ -76,12 +76,12 @@ def test_the_first_writer_makes_plant_and_cell(connection: Connection, place: Pl
         assert connection.execute(f'SELECT * FROM plant.{view.name}'.encode()) is not None
 
 
-def test_one_writer_has_a_cell_until_its_connection_ends(
+def test_cell_has_one_writer_until_connection_ends(
     place: Place, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(schema, 'LOCK_TIMEOUT_S', 0.2)
-    with connected(place, 'a') as one:
-        enter(one, 'line_1', FEED, 'the first')
+    with connected(place, 'a') as first:
+        enter(first, 'line_1', FEED, 'the first')
         with connected(place, 'b') as two:
             with pytest.raises(JournalUnusable, match='writes the cell line_1: the first since'):
                 enter(two, 'line_1', FEED, 'the second')
@@ -103,18 +103,18 @@ def test_a_copy_is_never_a_journal(
 
 
 def test_views_show_all_stretches_of_all_cells(connection: Connection) -> None:
-    one = enter(connection, "o'ne", FEED, 'me')
-    first = begin_stretch(connection, one, 'h1')
-    second = begin_stretch(connection, one, 'h2', first, 3)
+    cell = enter(connection, "o'ne", FEED, 'me')
+    first = begin_stretch(connection, cell, 'h1')
+    second = begin_stretch(connection, cell, 'h2', first, 3)
     other = begin_stretch(connection, enter(connection, 'two', FEED, 'me'), 'h3')
     for stretch, seq in ((first, 1), (first, 2), (second, 3), (other, 1)):
         write(connection, stretch, seq, '{"message": "\\u0000\\ud800 and \\\\u0000"}')
     query = b"SELECT cell, history, seq, fact ->> 'message' FROM plant.events ORDER BY 1, 3"
-    found = connection.execute(query).fetchall()
-    assert [row[:3] for row in found] == [
+    rows = connection.execute(query).fetchall()
+    assert [row[:3] for row in rows] == [
         *(("o'ne", 'h1', 1), ("o'ne", 'h1', 2), ("o'ne", 'h2', 3), ('two', 'h3', 1)),
     ]
-    assert {str(row[3]) for row in found} == {'�� and \\ufffd'}
+    assert {str(row[3]) for row in rows} == {'�� and \\ufffd'}
     lineage = b'SELECT history, parent, first_seq, is_current FROM plant.histories ORDER BY 1'
     assert connection.execute(lineage).fetchall() == [
         *(('h1', None, 1, False), ('h2', 'h1', 3, True), ('h3', None, 1, True)),
@@ -129,7 +129,7 @@ def test_newer_tables_are_refused(connection: Connection) -> None:
         stretches(connection, cell)
 
 
-def test_an_upgrade_that_waits_for_a_report_gives_up(
+def test_upgrade_gives_up_waiting_for_long_report(
     connection: Connection, place: Place, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A table that waits to be changed lets nobody else read or write it."""
@@ -162,7 +162,7 @@ def test_cells_of_two_versions_stand_in_one_plant(
                 connection, enter(connection, f'line_{number}', FEED, 'me'), f'h{number}'
             )
     cell = enter(connection, 'line_1', FEED, 'me')
-    assert [one.version for one in stretches(connection, cell)] == [schema.VERSION]
+    assert [stretch.version for stretch in stretches(connection, cell)] == [schema.VERSION]
     begin_stretch(connection, enter(connection, 'line_3', FEED, 'me'), 'h3')
     with closing(PostgresRecords(place.of('line_2').whole)) as records:
         assert records.book_reasons() == ReasonPage((), (), None)

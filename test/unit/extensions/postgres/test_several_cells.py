@@ -44,37 +44,37 @@ def verb(plant: str, capsys: pytest.CaptureFixture[str]) -> Verb:
 
 
 def test_history_has_each_cell_under_its_name(verb: Verb) -> None:
-    status, said, _ = verb('history')
+    status, output, _ = verb('history')
     assert status == 0
-    one, two = said.split('== line_2\n')
-    assert one.startswith('== line 1\n')
-    assert ('J1' in one, 'J2' in one, 'J1' in two, 'J2' in two) == (True, False, False, True)
+    first, two = output.split('== line_2\n')
+    assert first.startswith('== line 1\n')
+    assert ('J1' in first, 'J2' in first, 'J1' in two, 'J2' in two) == (True, False, False, True)
 
 
-def test_a_job_is_found_in_whichever_cell_has_it(verb: Verb) -> None:
-    status, said, missing = verb('history', '--job', 'J2', '--json')
+def test_job_is_found_in_its_cell(verb: Verb) -> None:
+    status, text, missing = verb('history', '--job', 'J2', '--json')
     assert status == 0
-    assert [(one['plant_cell'], one['job']) for one in map(json.loads, said.splitlines())] == [
+    assert [(job['plant_cell'], job['job']) for job in map(json.loads, text.splitlines())] == [
         ('line_2', 'J2')
     ]
     assert 'knows no job J2' in missing
     assert verb('history', '--job', 'J3')[0] == 1
 
 
-def test_events_name_their_cell_and_those_of_one_are_as_written(verb: Verb) -> None:
-    status, said, _ = verb('events', '--event', 'job.completed')
+def test_events_of_several_cells_name_their_cell(verb: Verb) -> None:
+    status, output, _ = verb('events', '--event', 'job.completed')
     assert status == 0
-    found = [json.loads(line) for line in said.splitlines()]
-    told = [(one['plant_cell'], one['job']) for one in found]
-    assert told == [('line 1', 'J1'), ('line_2', 'J2')]
+    events = [json.loads(line) for line in output.splitlines()]
+    jobs = [(event['plant_cell'], event['job']) for event in events]
+    assert jobs == [('line 1', 'J1'), ('line_2', 'J2')]
     (alone,) = verb('events', '--event', 'job.completed', cell='line_2')[1].splitlines()
-    assert json.loads(alone) == {key: found[1][key] for key in found[1] if key != 'plant_cell'}
+    assert json.loads(alone) == {key: events[1][key] for key in events[1] if key != 'plant_cell'}
 
 
 def test_report_is_of_each_cell(verb: Verb) -> None:
-    status, said, _ = verb('report', '--json')
+    status, output, _ = verb('report', '--json')
     assert status == 0
-    assert [json.loads(line)['plant_cell'] for line in said.splitlines()] == ['line 1', 'line_2']
+    assert [json.loads(line)['plant_cell'] for line in output.splitlines()] == ['line 1', 'line_2']
     assert verb('report')[1].count('== line') == 2
 
 
@@ -88,13 +88,11 @@ def test_report_is_of_each_cell(verb: Verb) -> None:
     ],
 )
 def test_documents_are_of_one_cell(verb: Verb, words: tuple[str, ...], option: str) -> None:
-    status, _, said = verb(*words)
-    assert (status, f'--{option} is of one cell: name it behind the database' in said) == (2, True)
+    status, _, text = verb(*words)
+    assert (status, f'--{option} is of one cell: name it behind the database' in text) == (2, True)
 
 
-def test_a_cell_that_cannot_be_read_leaves_the_others_alone(
-    verb: Verb, plant: str, tmp_path: Path
-) -> None:
+def test_unreadable_cell_does_not_affect_others(verb: Verb, plant: str, tmp_path: Path) -> None:
     from bt_orchestrator.extensions.postgres.connecting import connected, place_of
     from bt_orchestrator.extensions.postgres.schema import FEED, begin_stretch, enter
 
@@ -104,10 +102,10 @@ def test_a_cell_that_cannot_be_read_leaves_the_others_alone(
             begin_stretch(connection, cell, 'h').sql('DROP TABLE {stretch}.jobs CASCADE')
         )
     try:
-        status, said, missing = verb('history')
+        status, output, missing = verb('history')
         assert status == 1
         assert missing.startswith('a_third: ')
-        assert ('J1' in said, 'J2' in said) == (True, True)
+        assert ('J1' in output, 'J2' in output) == (True, True)
     finally:
         with connected(place_of(plant), 'test') as connection:
             connection.execute(b"DELETE FROM plant.stretches WHERE history = 'h'")

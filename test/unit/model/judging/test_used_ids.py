@@ -47,7 +47,7 @@ def test_it_holds_what_was_added_and_nothing_else(
 
 
 @given(st.lists(IDS))
-def test_what_an_older_program_kept_in_the_open_is_sealed(full: int, added: list[str]) -> None:
+def test_plain_ids_of_older_version_are_sealed(full: int, added: list[str]) -> None:
     older = UsedIds()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(used_ids, 'FULL', used_ids.FULL + 10_000)
@@ -59,13 +59,13 @@ def test_what_an_older_program_kept_in_the_open_is_sealed(full: int, added: list
     assert len(older.others) + sum(map(len, older.runs.values())) < full
 
 
-def test_a_part_that_is_lost_is_no_set_of_ids() -> None:
+def test_lost_part_raises_key_error() -> None:
     with pytest.raises(KeyError):
         UsedIds(sealed=['0123']).open_parts(lost)
 
 
 @given(st.permutations([f'WO-{n}' for n in range(1, 30)]))
-def test_ids_that_are_counted_up_become_one_run_in_any_order(orders: list[str]) -> None:
+def test_counted_ids_become_one_run_in_any_order(orders: list[str]) -> None:
     ids = UsedIds()
     for order in orders:
         ids.add(order)

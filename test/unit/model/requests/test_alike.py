@@ -25,10 +25,10 @@ def hold(
 
 
 def groups(*holds: Hold) -> list[list[str]]:
-    return [[one.id for one in group] for group in alike(holds)]
+    return [[member.id for member in group] for group in alike(holds)]
 
 
-def test_tasks_in_doubt_are_alike_whatever_is_offered_first() -> None:
+def test_tasks_in_doubt_are_alike_despite_offered_answers() -> None:
     topic = ('mark_done', 'retry', 'skip', 'reject', 'abort_job')
     assert groups(hold('1'), hold('2', topic), hold('3')) == [['1', '2', '3']]
     assert groups(hold('1')) == []
@@ -44,12 +44,12 @@ def test_tasks_in_doubt_are_alike_whatever_is_offered_first() -> None:
         Hold('2', None, None, None, None, 'paused', '', ('resume',), 0.0),
     ],
 )
-def test_placing_the_belt_and_everything_certain_is_answered_singly(other: Hold) -> None:
+def test_moves_and_certain_failures_are_answered_singly(other: Hold) -> None:
     assert groups(hold('1'), other) == []
     assert 'answer it singly' in why_singly(other, 'mark_done')
 
 
-def test_a_list_answers_a_task_that_moves_no_item() -> None:
+def test_list_answers_task_that_moves_no_item() -> None:
     rejected = hold('2', ('mark_done', 'skip'))  # in a job that is being aborted
     assert groups(hold('1', ('mark_done', 'skip')), rejected) == [['1', '2']]
 

@@ -42,11 +42,11 @@ class Plain:
 
     def read(self, jobs: LiveJobs) -> None:
         """Take the jobs as they are now, in the order that they are to have."""
-        self.line = [jobs[one.job.id] for one in self.line]
-        self.queue = [jobs[one.job.id] for one in self.queue]
+        self.line = [jobs[state.job.id] for state in self.line]
+        self.queue = [jobs[state.job.id] for state in self.queue]
 
     def check(self, jobs: LiveJobs) -> None:
-        names = [one.job.id for one in self.every]
+        names = [state.job.id for state in self.every]
         assert list(jobs) == names
         assert list(jobs.values()) == self.every
         assert len(jobs) == len(names)
@@ -54,25 +54,25 @@ class Plain:
         assert jobs.queue(2, 3) == self.queue[1:4]
         assert jobs.first(2) == [*self.line, *self.queue[:2]]
         assert jobs.waiting == len(self.queue)
-        assert [jobs.place(one.job.id) for one in self.line] == [0] * len(self.line)
-        places = [jobs.place(one.job.id) for one in self.queue]
+        assert [jobs.place(state.job.id) for state in self.line] == [0] * len(self.line)
+        places = [jobs.place(state.job.id) for state in self.queue]
         assert places == list(range(1, len(self.queue) + 1))
         assert jobs.place('nobody') == 0
-        may = [one for one in self.queue if not one.held and not one.aborting]
+        may = [state for state in self.queue if not state.held and not state.aborting]
         assert jobs.next is (may[0] if may else None)
-        assert jobs.any_allowed is any(not one.held for one in self.every)
-        at_work = [one for one in self.queue if one.aborting or one is jobs.next]
+        assert jobs.any_allowed is any(not state.held for state in self.every)
+        at_work = [state for state in self.queue if state.aborting or state is jobs.next]
         assert jobs.at_work() == [*self.line, *at_work]
-        for number, one in enumerate(self.every):
+        for number, state in enumerate(self.every):
             before = [other for other in self.every[:number] if not other.held]
-            assert list(jobs.before(one.job.id)) == before
+            assert list(jobs.before(state.job.id)) == before
         for digest in SCRIPTS:
-            assert jobs.users(digest) == sum(one.digest == digest for one in self.every)
-        flags = {d.flag for one in self.every for d in one.job.script.dependencies}
+            assert jobs.users(digest) == sum(state.digest == digest for state in self.every)
+        flags = {d.flag for state in self.every for d in state.job.script.dependencies}
         assert jobs.names_flag('seen') is ('seen' in flags)
         again = LiveJobs(self.every)
         assert again == jobs
-        buts = ['', *(one.job.id for one in self.queue)]
+        buts = ['', *(state.job.id for state in self.queue)]
         for priority in range(4):
             urgency = Terms(priority).urgency
             places = [
@@ -83,8 +83,8 @@ class Plain:
 
     def place_for(self, urgency: tuple[int, float], but: str = '') -> int:
         """Return the place before the first ranked one that is less urgent."""
-        queue = [one for one in self.queue if one.job.id != but]
-        late = (n for n, one in enumerate(queue) if one.ranked and one.job.terms.urgency > urgency)
+        queue = [row for row in self.queue if row.job.id != but]
+        late = (n for n, row in enumerate(queue) if row.ranked and row.job.terms.urgency > urgency)
         return next(late, len(queue)) + 1
 
 
@@ -94,14 +94,14 @@ def test_it_is_as_in_a_list(data: st.DataObject) -> None:
     jobs, plain = LiveJobs(), Plain()
     for number in range(data.draw(st.integers(1, 25))):
         acts = ['add', 'add', 'insert', 'rank', 'rank', 'arrange']
-        lasting = [one for one in plain.queue if not one.aborting]
-        may_start = [one for one in lasting if not one.held]
+        lasting = [state for state in plain.queue if not state.aborting]
+        may_start = [state for state in lasting if not state.held]
         acts += ['hold', 'release', 'move', 'change'] if lasting else []
         acts += ['start'] if may_start else []
         acts += ['remove', 'abort'] if plain.every else []
         act = data.draw(st.sampled_from(acts))
         if act == 'arrange':
-            names = [one.job.id for one in plain.queue]
+            names = [state.job.id for state in plain.queue]
             first = data.draw(st.integers(0, len(names)))
             wanted = data.draw(st.permutations(names[:first]))
             jobs.arrange(wanted)
@@ -120,10 +120,10 @@ def test_it_is_as_in_a_list(data: st.DataObject) -> None:
         else:
             among = may_start if act == 'start' else lasting
             among = plain.every if act in ('remove', 'abort') else among
-            one = data.draw(st.sampled_from(among))
-            is_queued, before = one in plain.queue, copy.deepcopy(one)
-            _act(act, one, jobs, plain, data)
-            assert not is_queued or one == before, 'a job in the queue was changed in place'
+            state = data.draw(st.sampled_from(among))
+            is_queued, before = state in plain.queue, copy.deepcopy(state)
+            _act(act, state, jobs, plain, data)
+            assert not is_queued or state == before, 'a job in the queue was changed in place'
             plain.read(jobs)
         plain.check(jobs)
 

@@ -78,7 +78,7 @@ def with_asking(work: Callable[[Door, AskingDoor], Awaitable[None]]) -> Door:
     return door
 
 
-def test_it_is_opened_with_the_first_question_and_closed_at_the_end() -> None:
+def test_door_opens_on_first_question_closes_at_end() -> None:
     async def work(door: Door, asking: AskingDoor) -> None:
         assert door.opened == 0
         assert await asking.call(door.quick('one')) == 'one'
@@ -88,7 +88,7 @@ def test_it_is_opened_with_the_first_question_and_closed_at_the_end() -> None:
     assert (door.opened, door.closed) == (1, 1)
 
 
-def test_the_loop_goes_on_while_the_node_does_not_answer() -> None:
+def test_loop_continues_while_node_does_not_answer() -> None:
     async def work(door: Door, asking: AskingDoor) -> None:
         answer = asyncio.ensure_future(asking.call(door.slow))
         for _ in range(20):
@@ -141,7 +141,7 @@ def test_who_has_left_is_not_asked_for() -> None:
     assert with_asking(work).asked == ['slow', 'last']
 
 
-def test_what_is_asked_while_the_page_ends_is_refused() -> None:
+def test_questions_are_refused_while_page_ends() -> None:
     refused: list[BaseException | str] = []
 
     async def work(door: Door, asking: AskingDoor) -> None:
@@ -155,10 +155,10 @@ def test_what_is_asked_while_the_page_ends_is_refused() -> None:
             await asking.call(door.quick('too late'))
 
     with_asking(work)
-    assert [str(one) for one in refused] == ['the page ends', 'the page ends']
+    assert [str(error) for error in refused] == ['the page ends', 'the page ends']
 
 
-def test_a_silent_node_refuses_reads_at_once_and_still_gets_commands() -> None:
+def test_silent_node_refuses_reads_but_gets_commands() -> None:
     async def work(door: Door, asking: AskingDoor) -> None:
         following: Any = Heard()
         following.silent_s = 4.0
@@ -193,7 +193,7 @@ class DeafLink:
         threading.Event().wait(0.001)  # as a door that waits for messages
 
 
-def test_a_door_that_has_gone_deaf_is_opened_anew_and_misses_nothing() -> None:
+def test_deaf_door_is_reopened_without_losing_events() -> None:
     links = [DeafLink(), DeafLink()]
     opened = iter(links)
     left: list[object] = []
@@ -214,10 +214,10 @@ def test_a_door_that_has_gone_deaf_is_opened_anew_and_misses_nothing() -> None:
     assert door.error is None
     assert left == [links[0]]
     assert [link.followed for link in links] == [[(5, 'a')], [(7, 'a')]]
-    assert [one for one in facts if isinstance(one, Began)] == [Began('a', 5)]
+    assert [fact for fact in facts if isinstance(fact, Began)] == [Began('a', 5)]
 
 
-def test_the_next_question_goes_through_another_door_if_this_one_is_deaf() -> None:
+def test_deaf_door_is_replaced_for_next_question() -> None:
     async def work(door: Door, asking: AskingDoor) -> None:
         assert await asking.call(door.quick('one')) == 'one'
         asking.renew()
@@ -275,7 +275,7 @@ class Follow:
 
     @property
     def told(self) -> list[int]:
-        return [one.event.seq for one in self.facts if isinstance(one, Happened)]
+        return [fact.event.seq for fact in self.facts if isinstance(fact, Happened)]
 
     def until(self, condition: Callable[[], object]) -> None:
         deadline = time.monotonic() + PATIENCE_S
@@ -306,7 +306,7 @@ class TestFollowing:
         with follow:
             follow.until(lambda: follow.following.silent_s == 0.25)
 
-    def test_another_door_goes_on_where_one_fails_and_repeats_nothing(
+    def test_next_door_continues_after_failure_without_repeats(
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(following_door, 'AGAIN_S', 0.01)
@@ -314,9 +314,9 @@ class TestFollowing:
         with Follow(first, second) as follow:
             follow.until(lambda: follow.told == [8, 9])
         assert second.followed_from == (8, 'one')
-        assert [one for one in follow.facts if isinstance(one, Began)] == [Began('one', 7)]
+        assert [fact for fact in follow.facts if isinstance(fact, Began)] == [Began('one', 7)]
 
-    def test_a_node_that_cannot_tell_its_events_counts_as_silent(
+    def test_node_that_cannot_send_events_counts_as_silent(
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(following_door, 'AGAIN_S', 0.01)

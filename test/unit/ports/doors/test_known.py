@@ -50,20 +50,20 @@ def test_events_tell_scripts_and_parameters(run: VirtualRun) -> None:
     assert not show.wants_moment
 
 
-def test_an_order_by_recipe_is_told_as_it_was_given(run: VirtualRun) -> None:
+def test_order_by_recipe_is_kept_as_given(run: VirtualRun) -> None:
     choice = RecipeChoice(('P-1', 'P-2'), None, {'glue': 'press'})
     run.ask(AddJobs((Job('K', run.state.script('J'), 1, {'lot': 'B'}, recipe=choice),), BY))
-    heard, told = Known(), Known()
+    heard, restored = Known(), Known()
     for event in run.store.read():
         heard.hear(event)
     state = nearest(run.state)
-    told.take(told_by(Moment(run.state.cell, state_to_plain(state), run.now)))
-    assert heard.orders['K'] == told.orders['K'] == ({'lot': 'B'}, choice)
+    restored.take(told_by(Moment(run.state.cell, state_to_plain(state), run.now)))
+    assert heard.orders['K'] == restored.orders['K'] == ({'lot': 'B'}, choice)
     plain = {'recipes': ['P-1', 'P-2'], 'version': None, 'bind': {'glue': 'press'}}
     assert shown(run, CellShow(heard))['job/K']['choice'] == plain
 
 
-def test_a_moment_tells_what_was_before_and_is_asked_for_once(run: VirtualRun) -> None:
+def test_moment_adds_earlier_state_and_is_requested_once(run: VirtualRun) -> None:
     known = Known()
     show = CellShow(known)
     assert shown(run, show)['section/1']['tasks'] == []
@@ -79,7 +79,7 @@ def test_a_moment_tells_what_was_before_and_is_asked_for_once(run: VirtualRun) -
     assert [task['id'] for task in parts['section/1']['tasks']] == ['place']
 
 
-def test_another_journal_has_other_jobs_and_the_same_scripts(run: VirtualRun) -> None:
+def test_new_journal_resets_jobs_and_keeps_scripts(run: VirtualRun) -> None:
     known = Known()
     show = CellShow(known)
     for event in run.store.read():
@@ -90,7 +90,7 @@ def test_another_journal_has_other_jobs_and_the_same_scripts(run: VirtualRun) ->
     assert digest(run.job().job.script) in known.scripts
 
 
-def test_a_node_that_did_not_answer_is_asked_again() -> None:
+def test_node_without_answer_is_asked_again() -> None:
     known = Known()
     assert known.lacks(['d'])
     assert not known.lacks(['d'])

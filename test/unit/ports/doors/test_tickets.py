@@ -31,17 +31,17 @@ class SerialDoors:
         async with self._door:
             await asyncio.sleep(0)
             by = asked.sender
-            said = {'who': by.who, 'origin': by.origin, 'role': by.role.value, 'reason': by.reason}
+            info = {'who': by.who, 'origin': by.origin, 'role': by.role.value, 'reason': by.reason}
             seq, word = len(self.events) + 1, asked.request.word
-            self.events.append(OperatorDecided(seq=seq, time=0.0, answer=word, **said))
+            self.events.append(OperatorDecided(seq=seq, time=0.0, answer=word, **info))
             return Answer(accepted=True, message=word)
 
     async def events_after(self, seq: int, most: int = 0) -> EventPage:
         """As `Doors`."""
         await asyncio.sleep(0)
-        found = self.events[seq : seq + most] if most else self.events[seq:]
-        self.told += len(found)
-        return EventPage('h', found, 1, len(self.events))
+        events = self.events[seq : seq + most] if most else self.events[seq:]
+        self.told += len(events)
+        return EventPage('h', events, 1, len(self.events))
 
 
 def asked(name: str, ticket: str, **arguments: object) -> Asked:
@@ -57,16 +57,16 @@ async def begun(doors: SerialDoors) -> tuple[Tickets, list[asyncio.Task[Outcome]
     tickets = Tickets(doors, lambda: len(doors.events))
     waiting = [
         asyncio.ensure_future(
-            tickets.carry_out(ticket(one), asked('job.hold', ticket(one), job=f'J{one}'))
+            tickets.carry_out(ticket(call), asked('job.hold', ticket(call), job=f'J{call}'))
         )
-        for one in range(MANY)
+        for call in range(MANY)
     ]
-    while not (doors.events or any(one.done() for one in waiting)):
+    while not (doors.events or any(call.done() for call in waiting)):
         await asyncio.sleep(0)
     return tickets, waiting
 
 
-def test_a_burst_is_read_once_and_an_emergency_overtakes_it() -> None:
+def test_burst_is_read_once_and_emergency_overtakes_it() -> None:
     doors = SerialDoors()
 
     async def burst() -> list[Outcome]:
@@ -75,24 +75,24 @@ def test_a_burst_is_read_once_and_an_emergency_overtakes_it() -> None:
         return await asyncio.gather(*waiting)
 
     outcomes = asyncio.run(burst())
-    assert all(len(one.recorded) == 1 for one in outcomes), 'each finds its own record'
+    assert all(len(outcome.recorded) == 1 for outcome in outcomes), 'each finds its own record'
     words = [event.answer for event in doors.events if isinstance(event, OperatorDecided)]
     assert words.index('abort') <= AT_ONCE + 1
     assert doors.told <= MANY * (2 * AT_ONCE + 2)
 
 
-def test_what_waited_for_room_is_not_sent_to_a_node_that_went_away() -> None:
+def test_queued_command_is_not_sent_to_lost_node() -> None:
     doors = SerialDoors()
 
     async def burst() -> list[object]:
         tickets, waiting = await begun(doors)
         doors.is_silent = True
-        found = await asyncio.gather(*waiting, return_exceptions=True)
+        results = await asyncio.gather(*waiting, return_exceptions=True)
         doors.is_silent = False
         again = asked('job.hold', ticket(MANY - 1), job=f'J{MANY - 1}')
         assert (await tickets.carry_out(ticket(MANY - 1), again)).accepted, 'it may come again'
-        return list(found)
+        return list(results)
 
-    found = asyncio.run(burst())
-    assert sum(isinstance(one, NotSent) for one in found) >= MANY - 2 * AT_ONCE
-    assert len(doors.events) == 1 + sum(isinstance(one, Outcome) for one in found)
+    results = asyncio.run(burst())
+    assert sum(isinstance(result, NotSent) for result in results) >= MANY - 2 * AT_ONCE
+    assert len(doors.events) == 1 + sum(isinstance(result, Outcome) for result in results)

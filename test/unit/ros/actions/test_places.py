@@ -25,14 +25,14 @@ def processes(folder: Path, *pids: int) -> Path:
 
 
 def test_a_process_of_this_computer_is_named(tmp_path: Path) -> None:
-    found = processes(tmp_path, 10, 0x10000 + 300, 301)
-    assert place(gid(0x10000 + 300), OWN, found) == 'process 65836 on this computer'
+    folder = processes(tmp_path, 10, 0x10000 + 300, 301)
+    assert place(gid(0x10000 + 300), OWN, folder) == 'process 65836 on this computer'
 
 
-def test_one_that_has_ended_or_is_not_alone_is_on_this_computer(tmp_path: Path) -> None:
-    found = processes(tmp_path, 300, 0x10000 + 300)
-    assert place(gid(300), OWN, found) == 'on this computer'
-    assert place(gid(17), OWN, found) == 'on this computer'
+def test_ended_or_ambiguous_process_is_on_this_computer(tmp_path: Path) -> None:
+    folder = processes(tmp_path, 300, 0x10000 + 300)
+    assert place(gid(300), OWN, folder) == 'on this computer'
+    assert place(gid(17), OWN, folder) == 'on this computer'
 
 
 def test_of_another_computer_no_process_is_told(tmp_path: Path) -> None:
@@ -40,9 +40,9 @@ def test_of_another_computer_no_process_is_told(tmp_path: Path) -> None:
 
 
 def test_ids_that_do_not_tell_are_not_read(tmp_path: Path) -> None:
-    found = processes(tmp_path, 300)
-    assert place(gid(300, vendor=16), OWN, found) == ''
-    assert place(gid(300), gid(os.getpid(), vendor=16), found) == ''
+    folder = processes(tmp_path, 300)
+    assert place(gid(300, vendor=16), OWN, folder) == ''
+    assert place(gid(300), gid(os.getpid(), vendor=16), folder) == ''
     # Its own id does not have its own process: the layout is another one.
-    assert place(gid(300), gid(os.getpid() + 1), found) == ''
-    assert place([], [], found) == ''
+    assert place(gid(300), gid(os.getpid() + 1), folder) == ''
+    assert place([], [], folder) == ''

@@ -12,7 +12,7 @@ from bt_orchestrator.ros.actions.rivals import UNNAMED, Rivals
 
 
 @pytest.mark.parametrize('looks', [1, 2])
-def test_2_5_a_server_that_was_seen_without_a_name_gets_it(
+def test_2_5_unnamed_server_gets_its_name_later(
     monkeypatch: pytest.MonkeyPatch, looks: int
 ) -> None:
     monkeypatch.setattr(rivals, 'LOOK_S', 0.0)
@@ -31,7 +31,7 @@ def test_2_5_a_server_that_was_seen_without_a_name_gets_it(
     assert several.look() == ('/copy_of_press', '/press'), 'a name that was known stays'
 
 
-def test_2_5_the_status_of_a_second_server_is_seen_between_looks(
+def test_2_5_status_of_second_server_shows_between_looks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(rivals, 'LOOK_S', 60.0)

@@ -39,12 +39,12 @@ def graph(monkeypatch: pytest.MonkeyPatch) -> Graph:
     return Graph(monkeypatch)
 
 
-def test_a_server_that_stays_is_looked_up_until_the_graph_is_sure_to_know_it(graph: Graph) -> None:
+def test_known_server_is_looked_up_until_graph_settles(graph: Graph) -> None:
     assert [graph.id_after(GRAPH_S / 2) for _ in range(8)] == ['01'] * 8
     assert graph.looks == 4
 
 
-def test_a_server_that_took_the_place_of_another_is_seen_whatever_the_graph_says_at_first(
+def test_replacing_server_is_seen_despite_stale_graph(
     graph: Graph,
 ) -> None:
     graph.id_after(2 * GRAPH_S), graph.id_after(2 * GRAPH_S)
@@ -56,14 +56,14 @@ def test_a_server_that_took_the_place_of_another_is_seen_whatever_the_graph_says
     assert graph.id_after(GRAPH_S) == '02'
 
 
-def test_a_graph_that_tells_more_than_are_connected_is_asked_again(graph: Graph) -> None:
+def test_graph_with_too_many_servers_is_asked_again(graph: Graph) -> None:
     graph.publishers = [1, 2]
     assert [graph.id_after(2 * GRAPH_S) for _ in range(3)] == [None] * 3
     graph.publishers = [1]
     assert graph.id_after(GRAPH_S) == '01'
 
 
-def test_it_is_looked_up_each_time_where_connections_are_not_known(graph: Graph) -> None:
+def test_unknown_connection_count_forces_lookup_each_time(graph: Graph) -> None:
     graph.connections = None
     assert [graph.id_after(2 * GRAPH_S) for _ in range(3)] == ['01'] * 3
     assert graph.looks == 3

@@ -51,7 +51,7 @@ def test_what_is_said_again_is_told_once() -> None:
     assert topic.told == [READY, 1, True]
 
 
-def test_long_values_a_thousand_times_a_second_are_told_now_and_then() -> None:
+def test_frequent_long_values_are_reported_at_intervals() -> None:
     topic = Topic()
     for number in range(60_000):
         topic.say(f'{number} {LONG}')
@@ -59,7 +59,7 @@ def test_long_values_a_thousand_times_a_second_are_told_now_and_then() -> None:
     assert len(topic.told) > 60
 
 
-def test_a_long_value_is_written_out_only_if_it_may_be_told(
+def test_long_value_is_serialised_only_if_reported(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     written = 0
@@ -75,13 +75,13 @@ def test_a_long_value_is_written_out_only_if_it_may_be_told(
     assert written <= 2 * len(topic.told)
 
 
-def test_short_values_a_thousand_times_a_second_are_told_now_and_then() -> None:
+def test_frequent_short_values_are_reported_at_intervals() -> None:
     topic = Topic()
     topic.say(*range(60_000))
     assert topic.bytes < 128_000 + 60 * 2_000 + 1_000
 
 
-def test_the_newest_value_is_told_when_it_may_be() -> None:
+def test_newest_value_is_reported_as_soon_as_allowed() -> None:
     topic = Topic()
     topic.say(*range(5_000), READY)
     assert topic.told[-1] != READY
@@ -90,7 +90,7 @@ def test_the_newest_value_is_told_when_it_may_be() -> None:
     assert not topic.flow.is_waiting
 
 
-def test_that_a_component_is_not_ready_any_more_is_told_at_once() -> None:
+def test_loss_of_readiness_is_reported_at_once() -> None:
     topic = Topic()
     for _ in range(30):
         topic.say(*itertools.chain.from_iterable((f'{n} {LONG}', READY) for n in range(100)))
@@ -119,9 +119,9 @@ def test_a_setup_that_ends_is_told_at_once() -> None:
     topic = Topic(SetupFlow(('small', 'large')))
     for _ in range(2_000):
         topic.say('small', 'large')
-    told = topic.told
+    values = topic.told
     assert topic.told[-1] == '', 'neither is known for certain'
-    assert len(told) < 1_000
+    assert len(values) < 1_000
     topic.say('small')
     topic.wait(1.0)
     assert topic.told[-1] == 'small'

@@ -14,7 +14,7 @@ from bt_orchestrator.ros.inspection.streams import (
 )
 
 
-def test_a_first_subscriber_is_waited_for_a_long_time() -> None:
+def test_first_subscriber_has_long_time_to_attach() -> None:
     stream = Attachment(now=100.0)
     assert not stream.look(0, 100.0 + FIRST_WAIT_S - 1)
     assert not stream.is_over(100.0 + FIRST_WAIT_S - 1)
@@ -30,7 +30,7 @@ def test_it_lasts_as_long_as_somebody_is_there() -> None:
     assert not stream.is_over(1e9)
 
 
-def test_the_last_one_may_come_back_within_a_grace() -> None:
+def test_last_subscriber_may_return_within_grace() -> None:
     stream = Attachment(now=0.0)
     stream.look(1, 100.0)
     stream.look(0, 200.0)
@@ -41,7 +41,7 @@ def test_the_last_one_may_come_back_within_a_grace() -> None:
     assert stream.is_over(300.0 + GRACE_S)
 
 
-def test_a_further_watcher_that_was_announced_is_waited_for() -> None:
+def test_announced_watcher_is_waited_for() -> None:
     stream = Attachment(now=0.0)
     stream.look(1, 1.0)
     stream.look(0, 50.0)
@@ -78,7 +78,7 @@ def test_the_oldest_without_a_watcher_gives_way() -> None:
     assert to_end_for_another(streams, 'snapshot', LATER) == '/3'
 
 
-def test_one_that_was_just_opened_does_not_give_way() -> None:
+def test_freshly_opened_stream_does_not_give_way() -> None:
     streams = {f'/{number}': Stream(10.0) for number in range(8)}
     with pytest.raises(StreamRefused, match='8 snapshot streams are open'):
         to_end_for_another(streams, 'snapshot', LATER - 0.1)

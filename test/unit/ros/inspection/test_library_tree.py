@@ -69,14 +69,14 @@ class Bench:
         self.tree.snapshot_streams.clear()  # type: ignore[attr-defined]
 
 
-def test_it_is_shown_what_a_tick_of_its_own_would_have_gone_through() -> None:
+def test_settle_visits_same_behaviours_as_a_tick() -> None:
     bench, twin = Bench(), Bench()
     assert bench.settle(), 'what a settle says is handed on'
     twin.tree.tick()
 
     assert bench.told == ['before', 'settle', 'after']
     assert bench.tree.count == twin.tree.count == 1
-    names = [{b.name for b in one.root.iterate() if b.id in one.seen()} for one in (bench, twin)]
+    names = [{b.name for b in rig.root.iterate() if b.id in rig.seen()} for rig in (bench, twin)]
     assert names[0] == names[1] == {'root', 'first', 'busy'}
     assert bench.visitor.changed
     assert not bench.settle()
@@ -108,7 +108,7 @@ def test_nobody_watches_nothing_is_done_but_once_more() -> None:
     assert bench.told == ['before', 'settle', 'after'] * 2 + ['settle']
 
 
-def test_a_fault_of_the_library_is_reported_and_stops_nothing() -> None:
+def test_library_fault_is_reported_and_stops_nothing() -> None:
     bench = Bench()
 
     def broken(tree: object) -> None:

@@ -26,17 +26,17 @@ def after_turn(worked_s: float) -> Pace:
     return pace
 
 
-def test_a_long_turn_is_followed_by_a_pause_that_keeps_its_share() -> None:
+def test_long_turn_is_followed_by_proportional_pause() -> None:
     pace = after_turn(worked_s=0.2)
     assert not pace.may_begin(100.0 + 0.2 / SHARE - 0.01)
     assert pace.may_begin(100.0 + 0.2 / SHARE)
 
 
-def test_a_turn_that_only_waited_for_the_processor_makes_no_longer_pause() -> None:
+def test_waiting_for_processor_does_not_lengthen_pause() -> None:
     assert after_turn(worked_s=0.001).may_begin(100.5), 'it has taken half a second by the clock'
 
 
-def test_a_turn_that_failed_is_tried_again_a_moment_later() -> None:
+def test_failed_turn_is_retried_a_moment_later() -> None:
     pace = Pace(lambda: 5.0)
     with pytest.raises(ZeroDivisionError), pace.turn(100.0):
         raise ZeroDivisionError

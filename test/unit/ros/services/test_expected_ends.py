@@ -75,7 +75,7 @@ def test_a_forecast_that_takes_long_is_made_seldom(
         (-1.1, 12),
     ],
 )
-def test_a_forecast_that_says_the_same_is_made_less_and_less_often(
+def test_unchanged_forecast_is_made_less_often(
     later_s: float, asked: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert asked_in_a_minute(0.0, monkeypatch, later_s) == asked

@@ -89,7 +89,7 @@ def bench(tmp_path: Path) -> Iterator[Bench]:
     made.reader.close()
 
 
-def test_orders_keep_their_order_and_nobody_waits_for_them(bench: Bench) -> None:
+def test_orders_keep_their_sequence_without_blocking(bench: Bench) -> None:
     bench.process.may_answer.clear()
     for name in ('A', 'B', 'C'):
         bench.ask(name)
@@ -113,7 +113,7 @@ def test_a_process_that_dies_is_asked_once_more(bench: Bench) -> None:
     assert (bench.said, bench.process.asked) == (['A'], 2)
 
 
-def test_one_that_dies_twice_is_told_and_the_next_order_is_read(bench: Bench) -> None:
+def test_reader_that_dies_twice_fails_only_its_order(bench: Bench) -> None:
     bench.process.failures = [ChildFailed('the process ended by signal SIGKILL')] * 2
     bench.ask('A')
     bench.ask('B')
@@ -140,7 +140,7 @@ def test_too_many_that_wait_are_told(bench: Bench, monkeypatch: pytest.MonkeyPat
     assert bench.said == [BUSY, 'A', 'B', 'C']
 
 
-def test_an_exception_is_raised_where_it_belongs_and_stops_nothing(bench: Bench) -> None:
+def test_exception_is_raised_at_caller_and_stops_nothing(bench: Bench) -> None:
     async def broken() -> None:
         with pytest.raises(RuntimeError, match='a defect'):
             async with bench.reader.read(Orders(())):
@@ -153,7 +153,7 @@ def test_an_exception_is_raised_where_it_belongs_and_stops_nothing(bench: Bench)
     assert bench.said == ['broken', 'A']
 
 
-def test_the_next_ids_are_assigned_when_these_are_on_record(bench: Bench) -> None:
+def test_next_ids_are_assigned_once_these_are_recorded(bench: Bench) -> None:
     on_record: Reply[None] = Reply()
 
     async def slow() -> None:
@@ -172,7 +172,7 @@ def test_the_next_ids_are_assigned_when_these_are_on_record(bench: Bench) -> Non
     assert bench.said == ['WO-2']
 
 
-def test_many_that_end_at_once_are_no_deep_recursion(bench: Bench) -> None:
+def test_many_simultaneous_ends_cause_no_deep_recursion(bench: Bench) -> None:
     def nothing() -> Orders:
         raise NotRead('not there')
 
@@ -189,10 +189,10 @@ def test_many_that_end_at_once_are_no_deep_recursion(bench: Bench) -> None:
     assert bench.said == ['A', *['refused'] * MOST_WAITING]
 
 
-def test_what_is_left_out_of_an_answer_is_said_once() -> None:
-    told = Told()
+def test_omitted_findings_are_mentioned_once() -> None:
+    reporter = Told()
     refused = Refused([Finding('x', 1, 1, 'wrong')] * 60)
-    answers = [told.of(refused) for _ in range(200)]
+    answers = [reporter.of(refused) for _ in range(200)]
     assert [len(answer) for answer in answers[:3]] == [60, FINDINGS - 60 + 1, 0]
     assert answers[1][-1].startswith('and 20 more; ')
     assert sum(map(len, answers)) == FINDINGS + 1

@@ -26,29 +26,29 @@ class Unread(SimpleNamespace):
         raise AssertionError(f'{name} was read')
 
 
-def test_too_many_orders_are_refused_by_their_number_alone() -> None:
+def test_too_many_orders_are_refused_by_count() -> None:
     with pytest.raises(NotRead, match='20000 orders are too many'):
         wanted_orders(AskedOrders([Unread()] * 20_000))
 
 
-def test_orders_are_read_one_by_one_and_in_part() -> None:
+def test_orders_are_read_singly_and_in_part() -> None:
     orders = AskedOrders([WorkOrder(order=f'WO-{n}', script='small') for n in range(3)])
-    assert [one.order for one in orders] == ['WO-0', 'WO-1', 'WO-2']
-    assert [one.order for one in orders[1:]] == ['WO-1', 'WO-2']
-    assert [one.order for one in wanted_orders(orders).orders] == ['WO-0', 'WO-1', 'WO-2']
+    assert [order.order for order in orders] == ['WO-0', 'WO-1', 'WO-2']
+    assert [order.order for order in orders[1:]] == ['WO-1', 'WO-2']
+    assert [order.order for order in wanted_orders(orders).orders] == ['WO-0', 'WO-1', 'WO-2']
 
 
 CHOICE = RecipeChoice(('WM-100', 'WM-101'), 2, {'insert': 'component_3a'})
 
 
 @pytest.mark.parametrize('choice', [None, CHOICE, RecipeChoice(('WM-100',))])
-def test_an_order_by_recipe_is_the_same_in_a_message(choice: RecipeChoice | None) -> None:
+def test_order_by_recipe_survives_message(choice: RecipeChoice | None) -> None:
     order = Order('' if choice else 'small', 'WO-1', 3, recipe=choice)
     assert asked_order(order_message(asked_of(order))) == asked_of(order)
     assert asked_order(order_message(asked_of(order))).recipe == choice
 
 
-def test_a_change_of_the_recipe_is_the_same_in_a_message() -> None:
+def test_recipe_change_survives_message() -> None:
     given = {'job': 'J', 'recipe': ['WM-100', 'WM-101'], 'version': 2, 'bind': CHOICE.bind}
     message = QueueUpdate.Request(job='J', **AS_FIELDS.write(CHOICE))
     assert asked_change(message) == change_of(given)

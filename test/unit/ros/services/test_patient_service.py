@@ -117,7 +117,7 @@ def test_a_client_that_is_gone_is_given_up() -> None:
     assert bench.log == [UNHEARD]
 
 
-def test_other_warnings_are_handed_on_and_nothing_is_sent_again() -> None:
+def test_other_warnings_pass_and_nothing_is_resent() -> None:
     bench = Bench(deaf_times=1, words='something else')
     with pytest.warns(RuntimeWarning, match='something else'):
         bench.answers.send('yes', 'client 1')
@@ -125,7 +125,7 @@ def test_other_warnings_are_handed_on_and_nothing_is_sent_again() -> None:
     assert len(bench.sent) == 1
 
 
-def test_an_answer_that_is_not_there_yet_is_sent_when_it_is() -> None:
+def test_pending_answer_is_sent_once_available() -> None:
     bench = Bench(deaf_times=1)
     later, at_once = Reply[str](), Reply[str]()
     at_once.give('no')
@@ -138,7 +138,7 @@ def test_an_answer_that_is_not_there_yet_is_sent_when_it_is() -> None:
 
 
 @pytest.mark.parametrize('every_s', [1.0, 0.1])
-def test_a_deaf_client_takes_little_time_of_the_thread(
+def test_deaf_client_takes_little_thread_time(
     every_s: float,
 ) -> None:
     bench, seconds = Bench(deaf_times=0), 100
@@ -150,7 +150,7 @@ def test_a_deaf_client_takes_little_time_of_the_thread(
     assert UNHEARD in bench.log
 
 
-def test_many_that_never_hear_keep_the_thread_for_one_answer_at_a_time() -> None:
+def test_deaf_clients_block_thread_for_one_answer() -> None:
     bench, clients = Bench(deaf_times=0), 10
     services = [bench.service(f'/{number}') for number in range(3)]
     for number in range(clients):
@@ -162,7 +162,7 @@ def test_many_that_never_hear_keep_the_thread_for_one_answer_at_a_time() -> None
     assert bench.longest_s == pytest.approx(TIMEOUT_S)
 
 
-def test_many_services_keep_the_thread_for_a_small_part_of_the_time_too() -> None:
+def test_many_services_share_limit_of_blocked_time() -> None:
     bench, seconds = Bench(deaf_times=0), 200
     services = [bench.service(f'/{number}') for number in range(20)]
     bench.deafen('client 1')
@@ -175,7 +175,7 @@ def test_many_services_keep_the_thread_for_a_small_part_of_the_time_too() -> Non
     assert bench.kept_s <= together_s + first_of_each_s
 
 
-def test_a_service_whose_clients_hear_answers_beside_others_whose_clients_never_do() -> None:
+def test_deaf_clients_do_not_delay_another_service() -> None:
     bench = Bench(deaf_times=0)
     deaf, well = bench.service('/deaf'), bench.service('/well')
     bench.deafen('client 1')
@@ -188,7 +188,7 @@ def test_a_service_whose_clients_hear_answers_beside_others_whose_clients_never_
         assert (f'{turn}', 'client 2') in bench.sent
 
 
-def test_where_the_middleware_waits_for_nobody_each_turn_has_one_try() -> None:
+def test_prompt_middleware_gets_one_try_per_turn() -> None:
     bench, many = Bench(deaf_times=0, timeout_s=PROMPT_S), MOST_HELD
     other = bench.service('/other')
     bench.deafen('client 1')
@@ -201,7 +201,7 @@ def test_where_the_middleware_waits_for_nobody_each_turn_has_one_try() -> None:
     assert len([1 for _, client in bench.sent if client == 'client 1']) > many
 
 
-def test_others_are_answered_soon_beside_a_client_that_never_hears() -> None:
+def test_others_are_answered_soon_beside_deaf_client() -> None:
     bench = Bench(deaf_times=0)
     bench.deafen('client 1')
     for turn in range(100):
@@ -214,7 +214,7 @@ def test_others_are_answered_soon_beside_a_client_that_never_hears() -> None:
     assert len([1 for _, client in bench.sent if client == 'client 2']) == 100
 
 
-def test_waiting_answers_are_sent_in_order_and_limited_in_number() -> None:
+def test_waiting_answers_keep_order_and_are_limited() -> None:
     bench = Bench(deaf_times=0)
     bench.deafen('client 1')
     for turn in range(round(2 * UNHEARD_S.at_once / TIMEOUT_S)):

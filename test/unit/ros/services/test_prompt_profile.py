@@ -62,7 +62,7 @@ def test_it_stands_alone_where_nothing_is_said() -> None:
 
 
 @pytest.mark.parametrize('text', [MINE.replace('mine', 'service'), '<dds/>', '', b'\xff\xfe\x00'])
-def test_a_file_that_says_it_or_cannot_be_read_stays(text: str | bytes, tmp_path: Path) -> None:
+def test_suitable_or_unreadable_profile_file_stays(text: str | bytes, tmp_path: Path) -> None:
     file = tmp_path / 'mine.xml'
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
     environ = {'ROS_DISTRO': 'kilted', PROFILES: str(file)}

@@ -47,14 +47,14 @@ def test_what_a_door_asserts_is_a_claim() -> None:
     assert (by.role, by.known, by.claims) == (Role.ENGINEER, Known.ROS, 'operate (page login)')
 
 
-def test_a_door_on_this_computer_is_believed_where_the_node_is_told_so() -> None:
+def test_local_door_is_trusted_where_node_allows_it() -> None:
     by = asked(HERE, 'operate', 'page login', trust_local_doors=True)
     assert (by.role, by.known, by.claims) == (Role.OPERATE, Known.PAGE_LOGIN, '')
     by = asked(HERE, 'mes', 'opc ua user', trust_local_doors=True)
     assert (by.role, by.known) == (Role.MES, Known.OPC_UA_USER)
 
 
-def test_a_door_says_who_is_at_a_panel_and_nobody_else_does() -> None:
+def test_only_trusted_local_door_can_name_panel() -> None:
     by = asked(HERE, 'operate', 'page panel', trust_local_doors=True)
     assert (by.role, by.known, by.known.is_panel) == (Role.OPERATE, Known.PAGE_PANEL, True)
     assert asked(HERE, 'operate', 'opc ua panel', trust_local_doors=True).known.is_panel
@@ -63,7 +63,7 @@ def test_a_door_says_who_is_at_a_panel_and_nobody_else_does() -> None:
     assert not asked(HERE, 'operate', 'local user', trust_local_doors=True).known.is_panel
 
 
-def test_7_8_4_a_node_says_why_no_request_could_come_from_a_panel(tmp_path: Path) -> None:
+def test_7_8_4_node_explains_why_no_panel_is_possible(tmp_path: Path) -> None:
     path = tmp_path / 'users.yaml'
 
     def why(**parameters: Any) -> str:
@@ -86,7 +86,7 @@ def test_7_12_8_where_signatures_are_required_unsigned_requests_only_look() -> N
     assert (by.role, by.known, by.claims) == (Role.VIEW, Known.ROS, 'operate (page panel)')
 
 
-def test_7_12_8_where_they_are_required_and_cannot_be_checked_the_node_says_so(
+def test_7_12_8_missing_crypto_package_is_reported_when_required(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(sys.modules, 'cryptography.hazmat.primitives.asymmetric.ed25519', None)
@@ -95,7 +95,7 @@ def test_7_12_8_where_they_are_required_and_cannot_be_checked_the_node_says_so(
     assert asked(HERE).role is Role.ENGINEER
 
 
-def test_7_8_4_a_panel_may_be_a_key_or_of_a_door_that_signs(tmp_path: Path) -> None:
+def test_7_8_4_panel_may_be_key_or_signing_door(tmp_path: Path) -> None:
     path = tmp_path / 'users.yaml'
     users = UsersFile(path)
 
@@ -114,7 +114,7 @@ def test_7_8_4_a_panel_may_be_a_key_or_of_a_door_that_signs(tmp_path: Path) -> N
     assert why() == ''
 
 
-def test_a_role_that_there_is_not_may_do_nothing() -> None:
+def test_unknown_role_may_only_view() -> None:
     assert asked(HERE, 'root', 'page login', trust_local_doors=True).role is Role.VIEW
 
 
@@ -128,7 +128,7 @@ def test_a_claim_is_cut() -> None:
     assert len(asked(HERE, 'x' * 10_000).claims) <= NAME
 
 
-def test_who_cancels_a_goal_need_not_be_who_gave_it() -> None:
+def test_another_user_may_cancel_goal() -> None:
     senders = Senders(NodeParameters(unauthenticated_role='mes'), HERE, '')
     given = By('Ann', 'page', 'why', Role.ENGINEER, Known.PAGE_LOGIN)
     by = senders.of_cancel(given)

@@ -31,7 +31,7 @@ def test_mistakes(options: str, expected: list[str]) -> None:
     assert mistakes(lambda: parsed(COMPONENT.format(NAMED + options))) == expected
 
 
-def test_a_capability_is_a_task_with_names_for_some_of_its_fields() -> None:
+def test_capability_names_some_fields_of_its_task() -> None:
     camera = able_cell().components['camera'].capabilities
     assert camera['mark'] == Capability(
         'mark',
@@ -43,7 +43,7 @@ def test_a_capability_is_a_task_with_names_for_some_of_its_fields() -> None:
     assert camera['bore'] == Capability('bore', 'STOP', gives={'text': 'code'}, holds={'depth': 1})
 
 
-def test_what_the_device_is_asked_for_itself_has_no_field() -> None:
+def test_need_for_device_property_has_no_field() -> None:
     insert = able_cell().components['press'].capabilities['insert']
     assert insert.needs == {'size': 'special_argument_2', 'depth': ''}
 

@@ -33,13 +33,13 @@ def test_mistakes(options: str, expected: list[str]) -> None:
     assert mistakes(lambda: parsed(COMPONENT.format(NAMED + options))) == expected
 
 
-def test_values_are_names_and_arguments_have_the_type_of_the_field() -> None:
+def test_setup_values_are_names_with_typed_arguments() -> None:
     text = 'setups: {program: [1, 2]}, changes: {program: {task: RUN, argument: count}}'
     arm = parsed(COMPONENT.format(NAMED + text)).components['arm']
     assert arm.setups == {'program': Setup({'1': 1, '2': 2}, 'RUN', 'count')}
 
 
-def test_a_cell_with_setups_reads_back_from_its_record() -> None:
+def test_cell_with_setups_round_trips_through_its_record() -> None:
     cell = Line(keys={'a2': GRIPPER}).cell
     assert from_plain(Cell, to_plain(cell)) == cell
 
@@ -90,7 +90,7 @@ def test_initialization_asks_for_no_setup() -> None:
         Line(keys={'a2': GRIPPER}).script(text)
 
 
-def test_implied_changes_stand_in_no_text_and_come_back_with_it() -> None:
+def test_implied_changes_are_omitted_from_text_and_restored() -> None:
     line = Line(keys={'a2': GRIPPER})
     script = line.script('initialization: [{id: ready, @a2.PREPARE}]' + SMALL)
     assert [task.id for task in script.initialization] == ['ready', 'a2.gripper.small']

@@ -28,9 +28,9 @@ def test_arguments_are_plain_values() -> None:
     assert isinstance(args['ratio'], float)
 
 
-def test_a_type_without_a_task_field_may_not_be_given_one() -> None:
-    found = mistakes(lambda: line('  2: [{action: /cart/drive, args: {task: 1, speed: 2}}]\n'))
-    assert found == [
+def test_goal_without_task_field_refuses_task_argument() -> None:
+    findings = mistakes(lambda: line('  2: [{action: /cart/drive, args: {task: 1, speed: 2}}]\n'))
+    assert findings == [
         (
             '5:36: the goal of nav_interfaces/action/DriveTo has no field `task`; '
             'its fields are `place`, `speed`'

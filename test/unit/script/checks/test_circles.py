@@ -21,8 +21,8 @@ from bt_orchestrator.script.checks.structure import circles
     ],
 )
 def test_circles(edges: str, expected: list[str]) -> None:
-    found = circles((edge[0], edge[1]) for edge in edges.split())
-    assert [''.join(circle) for circle in found] == expected
+    cycles = circles((edge[0], edge[1]) for edge in edges.split())
+    assert [''.join(circle) for circle in cycles] == expected
 
 
 def test_a_long_way_is_walked_without_recursion() -> None:

@@ -31,15 +31,15 @@ def test_relations_are_read() -> None:
     assert read.initialization_dependencies == (InitializationDependency('home', 'ready'),)
 
 
-def test_an_id_that_cannot_be_read_has_no_consequences() -> None:
-    found = mistakes(
+def test_unreadable_id_has_no_consequences() -> None:
+    findings = mistakes(
         lambda: line(
             '  2: [{id: [x], task: RUN, action: /camera/task}]\n'
             'lateral_dependencies: [{flag: f, upstream: x, downstream: place}]\n'
             'zones: {t: [x, place]}\n'
         )
     )
-    assert found == ['5:12: `id` must be text, not a list; write for instance `id: inspect`']
+    assert findings == ['5:12: `id` must be text, not a list; write for instance `id: inspect`']
 
 
 def test_without_initialization_there_is_nothing_to_order() -> None:

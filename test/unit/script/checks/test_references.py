@@ -16,7 +16,7 @@ def test_references(argument: str, expected: list[str]) -> None:
 
 
 @pytest.mark.parametrize(('text', 'expected'), table('reference_order'))
-def test_a_value_must_exist_before_it_is_used_and_fit(text: str, expected: list[str]) -> None:
+def test_value_must_precede_its_use_and_fit(text: str, expected: list[str]) -> None:
     assert mistakes(lambda: line(text)) == expected
 
 

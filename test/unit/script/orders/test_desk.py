@@ -46,16 +46,16 @@ def jobs(desk: OrderDesk, wanted: Wanted, **known: object) -> list[Job | Refused
 
 
 def job(desk: OrderDesk, wanted: Wanted, **known: object) -> Job:
-    (one,) = jobs(desk, wanted, **known)
-    assert isinstance(one, Job), one
-    return one
+    (result,) = jobs(desk, wanted, **known)
+    assert isinstance(result, Job), result
+    return result
 
 
 def order(**fields: object) -> Orders:
     return Orders((AskedOrder('test', **fields),))  # type: ignore[arg-type]
 
 
-def test_orders_become_jobs_and_those_without_an_id_get_the_free_ones(desk: OrderDesk) -> None:
+def test_orders_without_ids_become_jobs_with_free_ids(desk: OrderDesk) -> None:
     wanted = Orders(
         (
             AskedOrder('test', quantity=2),
@@ -63,18 +63,16 @@ def test_orders_become_jobs_and_those_without_an_id_get_the_free_ones(desk: Orde
             AskedOrder('test', quantity=3),
         )
     )
-    read = [one for one in jobs(desk, wanted) if isinstance(one, Job)]
-    assert [(one.id, one.quantity, one.params) for one in read] == [
+    read = [new_job for new_job in jobs(desk, wanted) if isinstance(new_job, Job)]
+    assert [(new_job.id, new_job.quantity, new_job.params) for new_job in read] == [
         ('WO-1', 2, {'lot': 'none'}),
         ('mine', 1, {'lot': 'A7'}),
         ('WO-2', 3, {'lot': 'none'}),
     ]
-    assert len({id(one.script) for one in read}) == 1
+    assert len({id(new_job.script) for new_job in read}) == 1
 
 
-def test_a_script_is_read_once_as_long_as_its_text_is_the_same(
-    desk: OrderDesk, tmp_path: Path
-) -> None:
+def test_unchanged_script_text_is_read_only_once(desk: OrderDesk, tmp_path: Path) -> None:
     first, second = (job(desk, order(quantity=1)).script for _ in range(2))
     assert first is second
 
@@ -87,7 +85,7 @@ def test_a_script_is_read_once_as_long_as_its_text_is_the_same(
     assert job(desk, order(quantity=1)).script is first
 
 
-def test_a_written_order_has_its_mistakes_and_those_of_its_script(desk: OrderDesk) -> None:
+def test_written_order_reports_mistakes_of_order_and_script(desk: OrderDesk) -> None:
     assert job(desk, WrittenOrder('script: test\nquantity: 2\n')).id == 'WO-1'
     (refused,) = jobs(desk, WrittenOrder('script: missing\nquantity: none\n'))
     assert isinstance(refused, Refused)
@@ -104,9 +102,9 @@ def test_a_job_is_changed_as_it_was_read(desk: OrderDesk, tmp_path: Path) -> Non
     assert (changed.id, changed.quantity, changed.params) == ('WO-1', 6, {'lot': 'A'})
 
 
-def test_a_slip_in_the_quantity_is_refused_and_older_jobs_can_be_changed(desk: OrderDesk) -> None:
-    for one in (order(quantity=10**9), WrittenOrder('script: test\nquantity: 10001\n')):
-        (refused,) = jobs(desk, one)
+def test_excessive_quantity_is_refused_except_in_old_jobs(desk: OrderDesk) -> None:
+    for request in (order(quantity=10**9), WrittenOrder('script: test\nquantity: 10001\n')):
+        (refused,) = jobs(desk, request)
         assert isinstance(refused, Refused)
         assert 'at most 10000 items' in str(refused)
     queued = job(desk, order(quantity=5, params={'lot': 'A'}))
@@ -177,7 +175,7 @@ def test_a_change_keeps_what_it_does_not_say(
         (AskedTerms(details=json.dumps({'a': 'ü' * 4000})), 'at most 8000 bytes as JSON, and not'),
     ],
 )
-def test_what_cannot_be_kept_is_a_finding_beside_the_others(
+def test_unstorable_terms_are_reported_beside_other_findings(
     desk: OrderDesk, terms: AskedTerms, told: str
 ) -> None:
     (refused,) = jobs(desk, order(order='A', terms=terms))
@@ -194,7 +192,7 @@ def test_details_of_the_largest_size_are_kept(desk: OrderDesk) -> None:
     assert job(desk, order(quantity=1, terms=terms)).terms.details == details
 
 
-def test_a_script_that_is_there_already_is_not_sent_and_stays_one_object(desk: OrderDesk) -> None:
+def test_known_script_is_not_resent_and_stays_identical(desk: OrderDesk) -> None:
     reading = desk.answer(Question(order(quantity=1), IDS))
     whole = pickled(reading, frozenset())
     (first,) = unpickled(whole, {}).read
@@ -211,11 +209,11 @@ def test_a_script_that_is_there_already_is_not_sent_and_stays_one_object(desk: O
     assert third.script.made_from == MadeFrom('BOX-7', 2)
 
 
-def test_what_is_asked_of_a_script_is_worked_out_where_it_is_read(
+def test_script_properties_are_computed_where_it_is_read(
     desk: OrderDesk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its name and its text take a second for 10,000 tasks: not in the thread that ticks."""
-    (one,) = unpickled(
+    (new_job,) = unpickled(
         pickled(desk.answer(Question(order(quantity=1), IDS)), frozenset()), {}
     ).read
 
@@ -223,19 +221,17 @@ def test_what_is_asked_of_a_script_is_worked_out_where_it_is_read(
         raise AssertionError('a script is written anew')
 
     monkeypatch.setattr('bt_orchestrator.model.codec.to_plain', never)
-    assert json.loads(to_text(loaded(one.script)))['definition']['name'] == 'test'
+    assert json.loads(to_text(loaded(new_job.script)))['definition']['name'] == 'test'
     known = {name for name, member in vars(Script).items() if isinstance(member, cached_property)}
     assert known
-    assert known <= vars(one.script).keys()
+    assert known <= vars(new_job.script).keys()
 
 
 def loaded(script: Script) -> ScriptLoaded:
     return ScriptLoaded(script=script.name, digest=digest(script), definition=script)
 
 
-def test_scripts_that_disagree_about_a_flag_are_told_apart(
-    desk: OrderDesk, tmp_path: Path
-) -> None:
+def test_scripts_with_conflicting_flags_are_distinguished(desk: OrderDesk, tmp_path: Path) -> None:
     def flagged(capacity: int) -> str:
         flag = f'{{flag: f, upstream: place, downstream: pack, capacity: {capacity}}}'
         return f'{TEXT}lateral_dependencies: [{flag}]\n'

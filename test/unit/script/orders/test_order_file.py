@@ -53,23 +53,23 @@ def test_a_missing_file_is_refused(tmp_path: Path) -> None:
         read_order(tmp_path / 'a.yaml')
 
 
-def test_defaults_are_filled_in_and_numbers_become_what_is_declared() -> None:
+def test_parameters_get_defaults_and_declared_types() -> None:
     job = bind_order(WorkOrder('test', None, 2, {'lot': 'A', 'x': 2}), SCRIPT, 'J1')
     assert job == Job('J1', SCRIPT, 2, {'lot': 'A', 'n': 3, 'x': 2.0, 'b': False})
     assert isinstance(job.params['x'], float)
 
 
-def test_the_quantity_of_the_order_goes_before_that_of_the_script() -> None:
+def test_order_quantity_overrides_script_quantity() -> None:
     with_default = line('quantity: 7\n')
     assert bind_order(WorkOrder('test'), with_default, 'J1').quantity == 7
     assert bind_order(WorkOrder('test', quantity=2), with_default, 'J1').quantity == 2
 
 
-def test_findings_of_an_order_without_a_file_name_the_order() -> None:
+def test_findings_without_a_file_cite_the_order() -> None:
     order = WorkOrder('test', 'WO/1', 0, {'lot': 3, 'zz': 1})
     with pytest.raises(Refused) as caught:
         bind_order(order, SCRIPT, 'J1')
-    assert [str(one) for one in caught.value.findings] == [
+    assert [str(finding) for finding in caught.value.findings] == [
         (
             'order WO/1, order:1:1: `WO/1` cannot be an order id: a slash separates the order '
             'from the number of the item; write for instance `WO-1`'
@@ -89,12 +89,12 @@ def test_findings_of_an_order_without_a_file_name_the_order() -> None:
     ]
 
 
-def test_findings_of_an_order_without_an_id_name_the_job() -> None:
+def test_findings_without_an_order_id_cite_the_job() -> None:
     with pytest.raises(Refused, match=r'^order J7, quantity:1:1: the order names no quantity'):
         bind_order(WorkOrder('test', params={'lot': 'A'}), SCRIPT, 'J7')
 
 
-def test_an_order_of_more_items_than_the_cell_takes_is_refused() -> None:
+def test_order_above_item_limit_of_cell_is_refused() -> None:
     order = WorkOrder('test', quantity=13, params={'lot': 'A'})
     expected = (
         r'`quantity` is 13, and an order of this cell has at most 12 items; order less at a time, '
@@ -148,10 +148,10 @@ def test_unknown_parameters_stay_text_and_are_refused() -> None:
     assert params == {'lot': '7', 'n': 'x', 'q': '1'}
     with pytest.raises(Refused) as caught:
         bind_order(WorkOrder('test', None, 1, params), SCRIPT, 'J1')
-    assert ['`n`' in one.what or '`q`' in one.what for one in caught.value.findings] == [True] * 2
+    assert ['`n`' in err.what or '`q`' in err.what for err in caught.value.findings] == [True] * 2
 
 
-def test_values_are_checked_against_the_goals_they_go_into() -> None:
+def test_order_values_must_fit_goal_fields() -> None:
     used = line(
         '  2: [{id: look, task: RUN, action: /camera/task, args: {code: "${params.code}",\n'
         '    small: "${order.quantity}", names: [x, "${order.id}"],\n'

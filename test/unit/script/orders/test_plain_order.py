@@ -20,9 +20,9 @@ ORDER = {'script': 'test', 'order': 'WO-7', 'quantity': 2, 'params': {'lot': '5'
 
 
 def fields(plain: dict[str, object]) -> dict[str, str]:
-    found = bound(plain, SCRIPT, TYPES)
-    assert not isinstance(found, Job), found
-    return {one.field: one.what for one in found}
+    findings = bound(plain, SCRIPT, TYPES)
+    assert not isinstance(findings, Job), findings
+    return {finding.field: finding.what for finding in findings}
 
 
 def test_texts_become_what_the_script_declares() -> None:
@@ -32,7 +32,7 @@ def test_texts_become_what_the_script_declares() -> None:
     assert job.params == {'lot': '5', 'n': 5, 'x': 1.0, 'b': False}
 
 
-def test_an_order_is_read_as_its_file_would_be() -> None:
+def test_plain_order_is_read_like_its_file() -> None:
     plain = {**ORDER, 'due': '1970-01-01T00:01:00Z', 'details': {'lines': ['a\nb', '“€😀']}}
     order = order_from(plain)
     assert order.terms.due == 60.0
@@ -60,9 +60,9 @@ def test_an_order_is_read_as_its_file_would_be() -> None:
     ],
 )
 def test_a_mistake_stands_at_its_field(change: dict[str, object], field: str, words: str) -> None:
-    found = fields({**ORDER, **change})
-    assert list(found) == [field]
-    assert words in found[field]
+    findings = fields({**ORDER, **change})
+    assert list(findings) == [field]
+    assert words in findings[field]
 
 
 def test_a_missing_quantity_stands_at_its_field() -> None:

@@ -43,7 +43,7 @@ def test_a_mistake_has_its_place(text: str, finding: str) -> None:
     assert finding in '\n'.join(map(str, refused.value.findings))
 
 
-def test_check_needs_no_cell_for_files_of_the_plant(
+def test_check_of_plant_files_needs_no_cell(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

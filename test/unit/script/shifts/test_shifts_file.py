@@ -12,7 +12,7 @@ from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 def mistakes(text: str) -> list[str]:
     with pytest.raises(Refused) as caught:
         parse_shifts(text, 's.yaml')
-    return [str(one) for one in caught.value.findings]
+    return [str(finding) for finding in caught.value.findings]
 
 
 def test_shifts_with_breaks_days_and_zone() -> None:
@@ -26,9 +26,9 @@ zone: Europe/Berlin
     early = Shift('early', Hours(360, 840), (Hours(540, 555),), (0, 4))
     night = Shift('night', Hours(1320, 360), (Hours(120, 150),))
     whole = Shift('all', Hours(0, 0))
-    both = Shifts({one.name: one for one in (early, night, whole)}, 'Europe/Berlin')
+    both = Shifts({shift.name: shift for shift in (early, night, whole)}, 'Europe/Berlin')
     assert parse_shifts(text, 's.yaml') == both
-    assert [one.hours.minutes for one in both.shifts.values()] == [480, 480, 1440]
+    assert [shift.hours.minutes for shift in both.shifts.values()] == [480, 480, 1440]
 
 
 EARLY = 'shifts: {a: {from: 06:00, to: 14:00'
@@ -71,5 +71,5 @@ def test_a_mistake_is_told_with_its_place(text: str, what: str) -> None:
 
 
 def test_another_kind_of_file_is_named() -> None:
-    (found,) = mistakes('cell: x\nconveyor: {}\ncomponents: {}\n')
-    assert 'this is a cell file, and a file of shifts is expected' in found
+    (finding,) = mistakes('cell: x\nconveyor: {}\ncomponents: {}\n')
+    assert 'this is a cell file, and a file of shifts is expected' in finding

@@ -24,7 +24,7 @@ def test_the_first_failures_cost_nothing() -> None:
     assert attempts.wait_s('ann', 'here', 0.0) == 0.0
 
 
-def test_each_further_one_doubles_the_wait_up_to_a_limit() -> None:
+def test_each_further_attempt_doubles_wait_up_to_limit() -> None:
     attempts = Attempts()
     waits = []
     fail(attempts, FREE_ATTEMPTS)
@@ -49,7 +49,7 @@ def test_failures_are_forgotten() -> None:
     assert attempts.wait_s('ann', 'here', FORGOTTEN_S) == 0.0
 
 
-def test_guesses_at_one_user_do_not_keep_out_the_others_of_the_address() -> None:
+def test_guesses_at_one_user_do_not_block_others() -> None:
     attempts = Attempts()
     fail(attempts, 10 * FREE_ATTEMPTS_OF_MANY)
     assert attempts.wait_s('ann', 'here', 0.0) == LONGEST_WAIT_S
@@ -92,7 +92,7 @@ def test_success_does_not_wash_the_name_clean_elsewhere() -> None:
     assert attempts.wait_s('ann', 'address 0', 0.0) > 0
 
 
-def test_names_that_are_made_up_do_not_fill_the_memory() -> None:
+def test_made_up_names_do_not_fill_memory() -> None:
     attempts = Attempts()
     for number in range(3 * MOST_KNOWN):
         attempts.begin(f'name {number}', f'address {number}', 0.0)

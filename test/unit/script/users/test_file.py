@@ -43,7 +43,7 @@ def test_nobody_is_there_before_somebody_is_added(users: UsersFile, path: Path) 
     assert not path.exists()
 
 
-def test_who_is_added_is_let_in_with_the_role(users: UsersFile, path: Path) -> None:
+def test_added_user_logs_in_with_role(users: UsersFile, path: Path) -> None:
     users.add('ann', Role.OPERATE, PASSWORD)
     users.add('mes', Role.MES, 'another one')
     assert users.verify('ann', PASSWORD) is Role.OPERATE
@@ -65,7 +65,7 @@ def test_a_deeply_nested_file_is_refused(users: UsersFile, path: Path) -> None:
         users.read()
 
 
-def test_it_is_for_its_owner_alone_whatever_the_umask(users: UsersFile, path: Path) -> None:
+def test_users_file_is_private_under_any_umask(users: UsersFile, path: Path) -> None:
     before = os.umask(0)
     try:
         users.add('ann', Role.OPERATE, PASSWORD)
@@ -116,7 +116,7 @@ def test_a_damaged_one_is_told_and_left_alone(users: UsersFile, path: Path, text
     assert path.read_text() == text
 
 
-def test_a_pipe_a_device_and_an_endless_file_are_no_files_of_users(tmp_path: Path) -> None:
+def test_pipe_device_and_endless_file_are_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / 'pipe', 0o600)
     os.truncate(os.open(tmp_path / 'huge', os.O_CREAT | os.O_WRONLY, 0o600), 10_000_000)
     for name in (tmp_path / 'pipe', Path('/dev/zero')):
@@ -174,7 +174,7 @@ for number in range(2):
 """
 
 
-def test_nobody_is_lost_where_several_programs_add_at_once(users: UsersFile, path: Path) -> None:
+def test_concurrent_programs_lose_no_added_user(users: UsersFile, path: Path) -> None:
     programs = [subprocess.Popen([sys.executable, '-c', ADD, str(path), name]) for name in 'abc']
     assert [program.wait() for program in programs] == [0, 0, 0]
     assert sorted(users.read()) == [f'{name}{number}' for name in 'abc' for number in range(2)]
@@ -193,7 +193,7 @@ def test_a_folder_is_no_file(tmp_path: Path) -> None:
             UsersFile(folder).remove('ann')
 
 
-def test_a_user_without_a_home_is_told_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_user_without_home_gets_instructions(monkeypatch: pytest.MonkeyPatch) -> None:
     """Containers run programs under user ids that nobody has."""
     monkeypatch.delenv('HOME', raising=False)
     monkeypatch.setattr(Path, 'home', nobodys_home)

@@ -24,7 +24,7 @@ def made(folder: Path, name: str = 'ann') -> SigningKey:
     return SigningKey.made(folder / 'keys' / f'{name}.pem')
 
 
-def test_a_key_is_for_its_owner_alone_and_is_read_back(tmp_path: Path) -> None:
+def test_key_is_private_and_reads_back(tmp_path: Path) -> None:
     key = made(tmp_path)
     path = tmp_path / 'keys' / 'ann.pem'
     assert path.stat().st_mode & 0o777 == 0o600
@@ -51,7 +51,7 @@ def test_what_is_no_key_is_refused_in_words(tmp_path: Path) -> None:
         SigningKey(tmp_path)
 
 
-def test_a_key_that_others_may_read_is_not_used(tmp_path: Path) -> None:
+def test_key_readable_by_others_is_refused(tmp_path: Path) -> None:
     made(tmp_path)
     path = tmp_path / 'keys' / 'ann.pem'
     path.chmod(0o640)
@@ -72,7 +72,7 @@ def test_a_key_of_another_kind_is_refused(tmp_path: Path) -> None:
         SigningKey(path)
 
 
-def test_numbers_rise_also_if_the_clock_was_set_back(
+def test_numbers_rise_after_clock_is_set_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     key = made(tmp_path)
@@ -99,7 +99,7 @@ def test_numbers_of_two_programs_with_one_key_differ(tmp_path: Path) -> None:
     assert len(set(numbers)) == 600
 
 
-def test_where_no_number_can_be_kept_the_clock_counts(tmp_path: Path) -> None:
+def test_clock_supplies_numbers_that_cannot_be_stored(tmp_path: Path) -> None:
     key = made(tmp_path)
     beside = tmp_path / 'keys' / 'ann.pem.number'
     beside.mkdir()
@@ -109,7 +109,7 @@ def test_where_no_number_can_be_kept_the_clock_counts(tmp_path: Path) -> None:
     assert key.next_number() > 1e15
 
 
-def test_without_the_library_it_is_said_how_to_get_it(
+def test_missing_library_error_names_install_commands(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / 'keys' / 'ann.pem'
@@ -121,9 +121,7 @@ def test_without_the_library_it_is_said_how_to_get_it(
         SigningKey.made(tmp_path / 'other.pem')
 
 
-def test_keys_stand_in_the_file_of_users_and_count_at_once(
-    tmp_path: Path, users: UsersFile
-) -> None:
+def test_keys_in_users_file_take_effect_at_once(tmp_path: Path, users: UsersFile) -> None:
     key = Key(Role.OPERATE, made(tmp_path).public)
     known = KnownUsers(tmp_path / 'users.yaml')
     assert known.keys() == {}
@@ -139,7 +137,7 @@ def test_keys_stand_in_the_file_of_users_and_count_at_once(
         users.remove_key('ann')
 
 
-def test_a_removed_user_has_no_key_and_no_panel(tmp_path: Path, users: UsersFile) -> None:
+def test_removed_user_loses_key_and_panel(tmp_path: Path, users: UsersFile) -> None:
     users.add('ann', Role.OPERATE, 'long enough')
     users.add_key('ann', Key(Role.OPERATE, made(tmp_path).public))
     users.change_panel('key', 'ann', named=True)
@@ -149,7 +147,7 @@ def test_a_removed_user_has_no_key_and_no_panel(tmp_path: Path, users: UsersFile
     assert (dict(content.users), dict(content.keys), bool(content.panels)) == ({}, {}, False)
 
 
-def test_a_name_has_one_key_and_a_key_one_name(tmp_path: Path, users: UsersFile) -> None:
+def test_second_name_or_second_key_is_refused(tmp_path: Path, users: UsersFile) -> None:
     key = Key(Role.OPERATE, made(tmp_path).public)
     users.add_key('ann', key)
     with pytest.raises(NoSuchChange, match='a key of ann is there already'):

@@ -18,11 +18,11 @@ def test_a_password_matches_and_others_do_not() -> None:
 
 
 def test_two_of_one_password_look_different() -> None:
-    one, other = hashed('correct horse', CHEAP), hashed('correct horse', CHEAP)
-    assert (one.salt, one.digest) != (other.salt, other.digest)
+    first, other = hashed('correct horse', CHEAP), hashed('correct horse', CHEAP)
+    assert (first.salt, first.digest) != (other.salt, other.digest)
 
 
-def test_a_letter_is_the_same_however_a_keyboard_writes_it() -> None:
+def test_password_matches_in_any_unicode_form() -> None:
     assert hashed('Gr\u00fc\u00dfe aus K\u00f6ln', CHEAP).matches(
         'Gru\u0308\u00dfe aus Ko\u0308ln'
     )
@@ -34,7 +34,7 @@ def test_what_is_no_password(password: str) -> None:
         hashed(password)
 
 
-def test_the_usual_cost_is_borne_and_one_that_kills_the_computer_is_not() -> None:
+def test_hash_cost_is_limited_to_sane_values() -> None:
     assert Cost().is_sane
     assert hashed('correct horse').matches('correct horse')
     for cost in (Cost(n=2**40), Cost(n=1000), Cost(n=1), Cost(p=0), Cost(p=17), Cost(r=0)):

@@ -41,8 +41,8 @@ def comments_for(script: Script) -> Comments:
         head=['Written by a test, # with a mark.', 'two\nlines ' + 'long ' * 40],
         sections=dict.fromkeys(script.sections, 'of a section'),
         tasks={name: f'of {name}: {{a: "b"}}' for name in script.tasks},
-        flags={one.flag: '- a flag' for one in script.dependencies},
-        zones={one.name: 'a zone\x07' for one in script.zones},
+        flags={entry.flag: '- a flag' for entry in script.dependencies},
+        zones={entry.name: 'a zone\x07' for entry in script.zones},
     )
 
 
@@ -57,28 +57,28 @@ def assert_same(script: Script, where: Cell) -> None:
     )
     assert again(plain, where) == script
     assert again(explained, where) == script
-    kept = [one for one in explained.splitlines() if not one.lstrip().startswith('#')]
+    kept = [row for row in explained.splitlines() if not row.lstrip().startswith('#')]
     assert kept == plain.splitlines()
     assert write_script(again(plain, where), where) == plain
 
 
 @examples(30, 1000)
 @given(lines())
-def test_a_drawn_script_is_read_again_as_the_same(plan: Plan) -> None:
+def test_drawn_script_reads_back_unchanged(plan: Plan) -> None:
     where = product_cell(plan)
     for script in product_scripts(plan, where).values():
         assert_same(script, where)
 
 
 @pytest.mark.parametrize('path', SHIPPED, ids=lambda path: path.stem)
-def test_a_shipped_script_is_written_as_it_stands_in_its_file(path: Path) -> None:
+def test_shipped_script_is_written_like_its_file(path: Path) -> None:
     where = read_cell(REFERENCE_CELL, TYPES)
     text = path.read_text()
     script = again(text, where)
     assert_same(script, where)
-    own = [one for one in text.splitlines() if not one.lstrip().startswith('#')]
+    own = [row for row in text.splitlines() if not row.lstrip().startswith('#')]
     written = write_script(script, where).splitlines()
-    assert [one for one in written if one not in own] == OWN_WORDS.get(script.name, [])
+    assert [row for row in written if row not in own] == OWN_WORDS.get(script.name, [])
 
 
 EVERYTHING = """\
@@ -133,6 +133,6 @@ def test_everything_that_a_script_can_say() -> None:
     assert write_script(script, cell()) == EVERYTHING
 
 
-def test_a_timeout_that_the_component_has_is_left_out() -> None:
+def test_timeout_equal_to_component_default_is_omitted() -> None:
     script = line('  3: [{id: press, task: TASK_A, action: /press/task, timeout: 300}]\n')
     assert '- {id: press, task: TASK_A, action: /press/task}' in write_script(script, cell())

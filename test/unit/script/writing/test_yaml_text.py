@@ -39,8 +39,8 @@ def read(text: str) -> Any:
 @examples(100, 5000)
 @given(DATA)
 def test_what_is_written_is_read_again(data: Any) -> None:
-    found = read('\n'.join(entry('key', data, '')))
-    assert repr(found) == repr({'key': data})
+    actual = read('\n'.join(entry('key', data, '')))
+    assert repr(actual) == repr({'key': data})
 
 
 @pytest.mark.parametrize(
@@ -59,21 +59,21 @@ def test_what_is_written_is_read_again(data: Any) -> None:
         ([1, {'a': 'b c'}], '[1, {a: "b c"}]'),
     ],
 )
-def test_a_value_looks_as_a_person_would_write_it(value: Any, text: str) -> None:
+def test_value_is_written_as_people_write_it(value: Any, text: str) -> None:
     assert flow(value) == text
 
 
-def test_what_does_not_fit_on_a_line_has_a_line_for_each_part() -> None:
+def test_long_collection_gets_one_line_per_part() -> None:
     long = ['x' * 60] * 3
     row = {'short': [1, 2], 'long': long}
     assert list(entry('row', row, '  ')) == [
         '  row:',
         '    short: [1, 2]',
         '    long:',
-        *(f'      - {one}' for one in long),
+        *(f'      - {word}' for word in long),
     ]
 
 
-def test_a_single_value_is_on_one_line_however_long_it_is() -> None:
+def test_single_value_stays_on_one_line() -> None:
     text = 'a ' * WIDTH
     assert list(entry('key', text, '')) == [f'key: {scalar(text)}']

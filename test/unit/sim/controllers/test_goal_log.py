@@ -12,7 +12,7 @@ from bt_orchestrator.sim.controllers.component_server import GoalLog
 COMPONENT = Component('arm', (1,), '/arm/task', 'p/action/T')
 
 
-def test_a_line_can_be_read_before_the_file_is_closed(tmp_path: Path) -> None:
+def test_line_is_readable_before_file_is_closed(tmp_path: Path) -> None:
     path = tmp_path / 'goals.jsonl'
     log = GoalLog(path)
 

@@ -51,11 +51,11 @@ def complaint(*only: str, fail: tuple[str, ...] = ()) -> str:
     return str(refused.value)
 
 
-def test_without_a_choice_all_are_simulated_in_the_order_of_the_file() -> None:
+def test_all_components_are_simulated_in_file_order() -> None:
     assert list(chosen()) == ['conveyor', 'arm', 'counter']
 
 
-def test_only_the_named_ones_are_simulated_the_conveyor_being_one_of_them() -> None:
+def test_only_named_components_are_simulated_including_conveyor() -> None:
     assert list(chosen('counter', 'conveyor')) == ['conveyor', 'counter']
 
 
@@ -74,7 +74,7 @@ def test_names_are_separated_by_commas_or_given_apart() -> None:
         (' arm.=silent ', Fault(FaultKind.SILENT, nth=0)),
     ],
 )
-def test_a_fault_is_read_after_the_name_of_its_component(text: str, fault: Fault) -> None:
+def test_fault_is_read_after_component_name(text: str, fault: Fault) -> None:
     assert chosen(fail=(text,))['arm'] == (fault,)
 
 
@@ -99,11 +99,11 @@ def test_faults_add_to_each_other() -> None:
         ('counter.COUNT=abort', 'p/action/Count has no task field, '),
     ],
 )
-def test_a_fault_that_could_never_be_seen_is_refused(text: str, what: str) -> None:
+def test_impossible_fault_is_refused(text: str, what: str) -> None:
     assert complaint(fail=(text,)).startswith(f'--fail {text}: {what}')
 
 
-def test_a_fault_of_a_component_that_is_left_out_is_refused() -> None:
+def test_fault_of_unselected_component_is_refused() -> None:
     assert 'add it to --only' in complaint('counter', fail=('arm=abort',))
 
 

@@ -27,7 +27,7 @@ def test_a_value_without_constant_has_no_name() -> None:
     assert names({'A': 0}, {}).name(7) is None
 
 
-def test_the_cell_file_chooses_between_two_constants_of_one_value() -> None:
+def test_cell_file_chooses_between_equal_constants() -> None:
     constants = {'MODE_FAST': 1, 'A': 1, 'MODE_SLOW': 2}
 
     assert names(constants, {'A': 2.0}).name(1) == 'A'
@@ -38,6 +38,6 @@ def test_a_task_field_without_constants_takes_any_value() -> None:
     assert names({}, {}).name('grind') == 'grind'
 
 
-def test_a_type_without_task_field_has_the_one_label_of_the_cell_file() -> None:
+def test_type_without_task_field_uses_cell_file_label() -> None:
     assert names({}, {'COUNT': 2.0}, has_task=False).name(None) == 'COUNT'
     assert names({}, {'COUNT': 2.0, 'STOP': 1.0}, has_task=False).name(None) == ''

@@ -51,10 +51,10 @@ def said_of(path: Path) -> str:
 
 def told_of(path: Path) -> tuple[list[str], int]:
     """Return what a reader of a journal says, and how many records it counts as lost."""
-    told: list[str] = []
-    with journal_reading(path, told.append) as reading:
+    messages: list[str] = []
+    with journal_reading(path, messages.append) as reading:
         list(reading.each(Wanted(job='WO-1')))
-    return told, reading.lost
+    return messages, reading.lost
 
 
 def copy_all(path: Path, copy: Path) -> None:
@@ -69,18 +69,18 @@ WORDS = (
 
 
 @pytest.mark.usefixtures('running')
-def test_the_file_alone_of_a_node_that_runs_is_told(path: Path, copy: Path) -> None:
+def test_lone_file_of_running_node_is_reported(path: Path, copy: Path) -> None:
     shutil.copy(path, copy)
     assert said_of(copy) == WORDS.format(10)
-    told, lost = told_of(copy)
-    assert [words.replace(str(copy), 'FILE') for words in told] == [
+    messages, lost = told_of(copy)
+    assert [words.replace(str(copy), 'FILE') for words in messages] == [
         f'the journal FILE may be a part of one: {WORDS.format(10)}'
     ]
     assert lost == 0
 
 
 @pytest.mark.usefixtures('running')
-def test_so_is_that_of_a_node_that_was_killed(path: Path, copy: Path) -> None:
+def test_lone_file_of_killed_node_is_reported(path: Path, copy: Path) -> None:
     left = copy.with_name('left.sqlite3')
     copy_all(path, left)
     shutil.copy(left, copy)
@@ -88,7 +88,7 @@ def test_so_is_that_of_a_node_that_was_killed(path: Path, copy: Path) -> None:
     assert said_of(left) == ''
 
 
-def test_so_is_that_of_a_node_that_has_just_made_it(tmp_path: Path, copy: Path) -> None:
+def test_lone_file_of_new_node_is_reported(tmp_path: Path, copy: Path) -> None:
     """All that it has written is in the log."""
     with closing(SqliteStore(tmp_path / 'new.sqlite3')) as store:
         store.append(events(1, 5))
@@ -151,7 +151,7 @@ def test_what_goes_on_after_it_is_whole_again(
     assert said_of(copy) == ''
 
 
-def test_a_node_that_has_lost_its_files_does_not_close_it(path: Path, copy: Path) -> None:
+def test_node_with_lost_files_does_not_close_journal(path: Path, copy: Path) -> None:
     store = SqliteStore(path)
     store.append(events(11, 15))
     shutil.copy(path, copy)
@@ -161,7 +161,7 @@ def test_a_node_that_has_lost_its_files_does_not_close_it(path: Path, copy: Path
     assert said_of(path).startswith('events after event 15 may be missing')
 
 
-def test_a_file_that_somebody_keeps_locked_is_not_said_to_be_closed(
+def test_locked_journal_is_not_marked_as_closed(
     path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     store = SqliteStore(path)
@@ -175,7 +175,7 @@ def test_a_file_that_somebody_keeps_locked_is_not_said_to_be_closed(
     assert 'may be missing' in said_of(path)
 
 
-def test_a_reader_that_has_it_open_hides_no_loss(path: Path, copy: Path) -> None:
+def test_open_reader_hides_no_loss(path: Path, copy: Path) -> None:
     """The log stays after the node has closed the journal, and holds what the file lacks."""
     store = SqliteStore(path)
     store.append(events(11, 15))
@@ -189,7 +189,7 @@ def test_a_reader_that_has_it_open_hides_no_loss(path: Path, copy: Path) -> None
     assert said_of(path) == ''
 
 
-def test_who_reads_when_a_node_begins_hides_it_for_a_while(path: Path, copy: Path) -> None:
+def test_reader_at_node_start_hides_loss_temporarily(path: Path, copy: Path) -> None:
     """SQLite leaves the file as that reader sees it."""
     store = SqliteStore(path)
     with closing(sqlite3.connect(path)) as reader:
@@ -204,7 +204,7 @@ def test_who_reads_when_a_node_begins_hides_it_for_a_while(path: Path, copy: Pat
 
 
 @pytest.mark.usefixtures('running')
-def test_the_verbs_say_it_and_show_what_is_there(
+def test_verbs_report_loss_and_show_the_rest(
     path: Path, copy: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shutil.copy(path, copy)

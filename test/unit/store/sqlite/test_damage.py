@@ -24,15 +24,15 @@ def scenes(tmp_path_factory: pytest.TempPathFactory) -> list[Scene]:
 
 
 def test_nothing_is_forgotten_without_a_word(scenes: list[Scene], tmp_path: Path) -> None:
-    found: Counter[Verdict] = Counter()
+    counts: Counter[Verdict] = Counter()
     for case in draw(scenes, CASES):
         judgement = judge(case, tmp_path / str(case.number), SEED)
         assert judgement.verdict not in (Verdict.SILENT, Verdict.FAULT), (case.words, judgement)
-        found[judgement.verdict] += 1
-    assert all(found[good] for good in (Verdict.SAME, Verdict.HELD, Verdict.REFUSED))
+        counts[judgement.verdict] += 1
+    assert all(counts[good] for good in (Verdict.SAME, Verdict.HELD, Verdict.REFUSED))
 
 
-def test_the_line_goes_on_from_before_any_record_that_is_damaged(
+def test_line_resumes_before_any_damaged_record(
     scenes: list[Scene], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     merged = scenes[1]
@@ -59,7 +59,7 @@ def test_the_line_goes_on_from_before_any_record_that_is_damaged(
     assert len(held) > 20
 
 
-def test_cases_are_the_same_again_and_of_every_kind(scenes: list[Scene]) -> None:
+def test_cases_are_reproducible_and_cover_every_kind(scenes: list[Scene]) -> None:
     cases = list(draw(scenes, 400))
     assert cases == list(draw(scenes, 400))
     assert set(Counter(case.kind for case in cases).values()) == {80}

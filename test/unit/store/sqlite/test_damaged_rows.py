@@ -73,7 +73,7 @@ def test_a_store_reads_up_to_it(path: Path, statement: str) -> None:
     store.close()
 
 
-def test_of_a_commit_that_is_damaged_nothing_is_read(path: Path) -> None:
+def test_damaged_commit_is_not_read_at_all(path: Path) -> None:
     store = SqliteStore(path)
     store.append(events(21, 24))
     store.append(events(25, 25))
@@ -135,14 +135,14 @@ def test_a_reader_tells_it_and_shows_the_rest(path: Path, statement: str, wanted
     with journal_reading(path) as reader:
         whole = dict(reader.each(wanted))
     change(path, statement)
-    told: list[str] = []
-    with journal_reading(path, told.append) as reader:
-        found = dict(reader.each(wanted))
-        assert found.items() <= whole.items()
-        assert len(whole.keys() - found.keys()) <= 1
-        assert bool(told) == bool(reader.lost)
-        assert len(told) <= 2
-    assert any('in the journal' in words for words in told)
+    messages: list[str] = []
+    with journal_reading(path, messages.append) as reader:
+        records = dict(reader.each(wanted))
+        assert records.items() <= whole.items()
+        assert len(whole.keys() - records.keys()) <= 1
+        assert bool(messages) == bool(reader.lost)
+        assert len(messages) <= 2
+    assert any('in the journal' in words for words in messages)
 
 
 def test_every_filter_reads_what_it_read_before(tmp_path: Path) -> None:
@@ -198,7 +198,7 @@ def test_retention_removes_a_damaged_record_like_any(path: Path) -> None:
     store.close()
 
 
-def test_the_first_events_are_missed_unless_retention_removed_them(
+def test_first_events_are_missed_unless_retention_removed_them(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     change(path, 'DELETE FROM events WHERE seq < 5')

@@ -45,19 +45,17 @@ def folder() -> Iterator[Path]:
 
 
 @pytest.mark.parametrize('room', [60_000, 100_000])
-def test_a_full_disk_stops_the_cell_and_what_was_durable_goes_on(
-    tmp_path: Path, room: int
-) -> None:
+def test_full_disk_stops_cell_but_keeps_durable_work(tmp_path: Path, room: int) -> None:
     path = tmp_path / 'journal.sqlite3'
-    said: dict[str, Any] = json.loads(run_python(until_broken.__file__, str(path), str(room)))
-    assert 'cannot be written' in said['broken']
-    assert 'nothing is sent any more' in said['broken']
-    assert said['pause'] is False
+    report: dict[str, Any] = json.loads(run_python(until_broken.__file__, str(path), str(room)))
+    assert 'cannot be written' in report['broken']
+    assert 'nothing is sent any more' in report['broken']
+    assert report['pause'] is False
 
     run = LongRun(path)  # there is room again
     seqs = [event.seq for event in run.store.read()]
-    assert seqs == list(range(1, said['seq'] + 1))  # what was shown is what was kept
-    assert list(run.orchestrator.state.jobs) == said['live']
+    assert seqs == list(range(1, report['seq'] + 1))  # what was shown is what was kept
+    assert list(run.orchestrator.state.jobs) == report['live']
     while run.orchestrator.state.jobs:
         run.orchestrator.settle()
         for hold in list(run.orchestrator.state.holds):  # controllers of another process
@@ -67,7 +65,7 @@ def test_a_full_disk_stops_the_cell_and_what_was_durable_goes_on(
     run.close()
 
 
-def test_a_file_that_may_not_be_written_is_refused_at_once(folder: Path) -> None:
+def test_unwritable_journal_is_refused_at_once(folder: Path) -> None:
     path = folder / 'journal.sqlite3'
     SqliteStore(path).close()
     user = str(NOBODY if os.geteuid() == 0 else os.geteuid())

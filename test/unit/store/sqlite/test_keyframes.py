@@ -27,7 +27,7 @@ def test_one_in_a_thousand_events_stays(tmp_path: Path) -> None:
         store.append(events(seq - 99, seq))
         store.save(Snapshot(seq, 'program', '{}'))
     assert kept(store) == [100, 1100, 2100, 3100, 4100, 4900, 5000]
-    assert [one.seq for one in store.snapshots()] == [5000, 4900]  # for a start, as ever
+    assert [snapshot.seq for snapshot in store.snapshots()] == [5000, 4900]  # for a start, as ever
     store.close()
 
 
@@ -48,12 +48,12 @@ def test_the_nearest_sound_one_is_given(tmp_path: Path) -> None:
         store.save(Snapshot(seq, 'program', f'{{"at": {seq}}}'))
     database = store._database
     for seq, expected in ((999, None), (1000, 1000), (3999, 3000), (9999, 5000)):
-        found = snapshots.state_before(database, seq)
-        assert (found and found.seq) == expected
+        frame = snapshots.state_before(database, seq)
+        assert (frame and frame.seq) == expected
     database.execute("UPDATE snapshots SET state = '{}' WHERE seq = 3000")
-    found = snapshots.state_before(database, 3999)
-    assert found is not None
-    assert found.state == '{"at": 2000}'
+    frame = snapshots.state_before(database, 3999)
+    assert frame is not None
+    assert frame.state == '{"at": 2000}'
     store.close()
 
 

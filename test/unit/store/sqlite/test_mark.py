@@ -64,7 +64,7 @@ def test_it_says_how_far_the_journal_is_written(path: Path) -> None:
     assert missing(path, 4) == ''
 
 
-def test_events_that_could_not_be_written_are_not_in_it(path: Path) -> None:
+def test_unwritten_events_are_not_in_the_mark(path: Path) -> None:
     store = SqliteStore(path)
     store.append(events(1, 3))
     with pytest.raises(JournalFailed):
@@ -82,15 +82,15 @@ def test_a_log_that_is_gone_is_noticed(path: Path) -> None:
     )
 
 
-def test_a_journal_that_is_gone_is_no_new_one(path: Path) -> None:
+def test_missing_journal_is_not_treated_as_new(path: Path) -> None:
     killed(path, 40)
     path.unlink()
     beside(path, '-wal').unlink()
     with pytest.raises(
         JournalUnusable, match=r'is missing: .*-mark says .* up to event 40'
-    ) as told:
+    ) as caught:
         SqliteStore(path)
-    assert 'move journal.sqlite3-mark away to begin with a new one' in str(told.value)
+    assert 'move journal.sqlite3-mark away to begin with a new one' in str(caught.value)
     assert not path.exists()
     beside(path, '-mark').unlink()
     assert missing(path, 0) == ''
@@ -149,18 +149,16 @@ def test_a_damaged_mark_is_told_and_made_again(
     else:
         mark.write_bytes(texts[damage])
     store = SqliteStore(path)
-    said = [record.message for record in caplog.records if record.levelno == logging.WARNING]
+    warnings = [record.message for record in caplog.records if record.levelno == logging.WARNING]
     assert store.missing(40) == ''
-    assert any('-mark' in words and 'would not be noticed' in words for words in said)
+    assert any('-mark' in words and 'would not be noticed' in words for words in warnings)
     store.append(events(41, 41))  # it stops nothing
     store.close()
     if damage != 'folder':
         assert read_mark(mark) == Reached(store.history, 41, 20.5)
 
 
-def test_a_mark_that_is_taken_away_is_made_again(
-    path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_removed_mark_is_created_again(path: Path, caplog: pytest.LogCaptureFixture) -> None:
     store = SqliteStore(path)
     store.append(events(1, 5))
     mark_of(path).unlink()
@@ -171,7 +169,7 @@ def test_a_mark_that_is_taken_away_is_made_again(
     store.close()
 
 
-def test_a_copy_has_none_and_a_restored_journal_its_own(path: Path) -> None:
+def test_copy_has_no_mark_but_restored_journal_does(path: Path) -> None:
     killed(path, 40)
     copy = path.with_name('copy')
     database = sqlite3.connect(path)

@@ -113,7 +113,7 @@ def test_what_the_killed_node_had_done_is_there(killed: Path) -> None:
     assert (pause.reason, pause.owner) == ('paused', 'Ann')
 
 
-def test_a_killed_node_is_followed_by_one_of_today(killed: Path) -> None:
+def test_current_node_continues_older_killed_node(killed: Path) -> None:
     node = NextNode(killed)
     assert node.orchestrator.ask(ControlJob('release', 'WO-5', ann('now'))).accepted
     node.finish()
@@ -126,7 +126,7 @@ def test_a_killed_node_is_followed_by_one_of_today(killed: Path) -> None:
     assert done == packed(node.state)
 
 
-def test_what_came_before_retention_is_known_by_its_result(retention: Path) -> None:
+def test_work_before_retention_is_known_by_its_result(retention: Path) -> None:
     state = restored(retention)
     assert (state.seq, state.packml) == (216, PackmlState.STOPPED)
     assert packed(state) == {'A-1': 2, 'A-2': 2, 'A-3': 2}

@@ -100,7 +100,7 @@ def locks_on(path: Path) -> list[str]:
     return [words[3] for words in mine if words[5] == file]
 
 
-def test_a_writer_keeps_its_lock_after_a_take_over(store: SqliteStore, killed: Path) -> None:
+def test_writer_keeps_its_lock_after_takeover(store: SqliteStore, killed: Path) -> None:
     store.append(events(102, 102))
     assert locks_on(killed) == ['READ']
 
@@ -116,14 +116,14 @@ def test_what_was_read_in_part_keeps_no_descriptor(killed: Path, half_read: str)
     reading = getattr(store, half_read)()
     next(reading)
     store.append(events(1501, 1501))
-    rest = [one.seq for one in reading]
+    rest = [event.seq for event in reading]
     assert rest == (list(range(2, 1502)) if half_read == 'read' else [1500])
     del reading
     assert locks_on(killed) == ['READ']
     store.close()
 
 
-def test_a_backup_after_a_take_over_takes_nothing_away(store: SqliteStore, killed: Path) -> None:
+def test_backup_after_takeover_removes_nothing(store: SqliteStore, killed: Path) -> None:
     copy = back_up(killed)
     assert last_for_others(copy) == 101
     store.append(events(102, 300))
@@ -163,7 +163,7 @@ def test_a_backup_between_the_two_connections(
     store.close()
 
 
-def test_a_journal_that_another_program_wrote_meanwhile_is_refused(killed: Path) -> None:
+def test_journal_changed_by_another_program_is_refused(killed: Path) -> None:
     store = SqliteStore(killed)
     assert len(list(store.read())) == 100
     run_python('-c', ADD, str(killed))
@@ -175,7 +175,7 @@ def test_a_journal_that_another_program_wrote_meanwhile_is_refused(killed: Path)
 
 @pytest.mark.parametrize('ending', ['', '-wal', '-shm'])
 @pytest.mark.parametrize('how', ['removed', 'replaced'])
-def test_a_file_that_is_taken_away_is_noticed_at_once(
+def test_removed_or_replaced_file_is_noticed_at_once(
     store: SqliteStore, killed: Path, ending: str, how: str
 ) -> None:
     file = killed.with_name(killed.name + ending)
@@ -186,9 +186,7 @@ def test_a_file_that_is_taken_away_is_noticed_at_once(
         store.append(events(102, 102))
 
 
-def test_a_file_of_an_older_copy_of_the_folder_is_noticed(
-    store: SqliteStore, killed: Path
-) -> None:
+def test_file_from_older_folder_copy_is_noticed(store: SqliteStore, killed: Path) -> None:
     times = killed.parent.stat()
     other = killed.with_name('copy')
     shutil.copy(log_of(killed), other)
@@ -208,7 +206,7 @@ def test_a_folder_that_is_moved_is_noticed(store: SqliteStore, killed: Path, how
 
 
 @pytest.mark.parametrize('ending', ['', '-wal'])
-def test_a_file_that_is_cut_is_noticed_before_anything_is_written(
+def test_truncated_file_is_noticed_before_any_write(
     store: SqliteStore, killed: Path, ending: str
 ) -> None:
     file = killed.with_name(killed.name + ending)
@@ -219,23 +217,19 @@ def test_a_file_that_is_cut_is_noticed_before_anything_is_written(
     assert file.stat().st_size == size
 
 
-def test_a_log_that_sqlite_emptied_for_another_program_is_all_right(
-    store: SqliteStore, killed: Path
-) -> None:
+def test_log_emptied_by_sqlite_is_accepted(store: SqliteStore, killed: Path) -> None:
     run_python('-c', EMPTY, str(killed))
     assert log_of(killed).stat().st_size == 0
     store.append(events(102, 102))
     assert last_for_others(killed) == 102
 
 
-def test_the_writing_process_does_not_open_the_file_a_second_time(
-    store: SqliteStore, killed: Path
-) -> None:
+def test_writing_process_never_opens_the_file_twice(store: SqliteStore, killed: Path) -> None:
     with pytest.raises(AssertionError, match='would lose its locks'):
         unchanging(killed)
 
 
-def test_a_journal_without_a_log_gets_one_when_it_is_written(killed: Path) -> None:
+def test_journal_without_log_gets_one_when_written(killed: Path) -> None:
     database = sqlite3.connect(killed)
     database.execute('PRAGMA journal_mode = DELETE')
     database.close()

@@ -25,10 +25,10 @@ SCHEMA_1 = Path(__file__).parents[3] / 'data' / 'journal_schema_1.sqlite3'
 @pytest.fixture
 def run(tmp_path: Path) -> Iterator[LongRun]:
     """Give a run with one job, whose journal is open."""
-    found = LongRun(tmp_path / 'journal.sqlite3', Line(faults={'a2': '#2=abort'}), keep_jobs=1)
-    found.job('J1', 1)
-    yield found
-    found.kill()
+    long_run = LongRun(tmp_path / 'journal.sqlite3', Line(faults={'a2': '#2=abort'}), keep_jobs=1)
+    long_run.job('J1', 1)
+    yield long_run
+    long_run.kill()
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def reader(run: LongRun) -> Iterator[Reading]:
         yield opened
 
 
-def test_a_page_ends_after_many_rows_and_many_bytes(
+def test_page_ends_after_many_rows_or_bytes(
     reader: Reading, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Whatever is wanted, nobody reads for long at one go, and all is found all the same."""
@@ -77,7 +77,7 @@ def test_an_older_journal_is_read_as_it_is(tmp_path: Path) -> None:
     assert path.read_bytes() == before
 
 
-def test_what_is_left_of_jobs_whose_events_are_gone(run: LongRun, reader: Reading) -> None:
+def test_jobs_without_events_keep_their_summary(run: LongRun, reader: Reading) -> None:
     for name in ('J2', 'J3'):
         run.job(name, 2, _STATION_B)
         run.rest(AT_REST + 3)

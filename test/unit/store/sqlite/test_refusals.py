@@ -116,7 +116,7 @@ def overwrite(file: Path, first: int, last: int | None = None) -> None:
 
 
 @pytest.mark.parametrize('table', ['events', 'queued', 'history', 'unclosed'])
-def test_a_table_that_every_run_writes_is_looked_at_first(tmp_path: Path, table: str) -> None:
+def test_tables_written_by_every_run_are_checked_first(tmp_path: Path, table: str) -> None:
     """With a block of the disk that is lost the line would stop at its first event, or order."""
     path = ended(tmp_path)
     database = sqlite3.connect(path)
@@ -189,7 +189,7 @@ def test_overwritten_pages_of_an_older_schema(tmp_path: Path) -> None:
 
 
 @EVERY_END
-def test_a_good_one_is_only_read_until_the_first_write(made: Made, tmp_path: Path) -> None:
+def test_good_journal_stays_unchanged_until_first_write(made: Made, tmp_path: Path) -> None:
     path = made(tmp_path)
     before = files(path)
     start(path)

@@ -101,7 +101,7 @@ def test_a_copy_becomes_a_history_of_its_own(copy: Path, path: Path) -> None:
     again.close()
 
 
-def test_what_is_in_the_log_of_a_copy_comes_along(tmp_path: Path, path: Path) -> None:
+def test_log_of_a_copy_is_restored_too(tmp_path: Path, path: Path) -> None:
     copy = killed(tmp_path / 'copy.sqlite3', 30)
     copy.with_name('copy.sqlite3-shm').unlink()
     assert bring_back(copy, path).last_seq == found(path) == 30
@@ -119,7 +119,7 @@ def test_a_copy_of_an_older_program(tmp_path: Path, path: Path, name: str, last:
         assert [seq for seq, _ in reader.each(Wanted())] == list(range(1, last + 1))
 
 
-def test_a_journal_that_is_there_is_kept_under_another_name(copy: Path, there: Path) -> None:
+def test_existing_journal_is_kept_under_another_name(copy: Path, there: Path) -> None:
     before = files(there.parent)
     with pytest.raises(JournalUnusable, match='with --move-aside it is kept'):
         bring_back(copy, there)
@@ -135,7 +135,7 @@ def test_a_journal_that_is_there_is_kept_under_another_name(copy: Path, there: P
 
 
 @pytest.mark.parametrize('parts', [('',), ('-wal',), ('', '-wal', '-shm')])
-def test_whatever_is_there_of_a_journal_is_not_replaced_without_a_word(
+def test_remains_of_a_journal_are_not_replaced_silently(
     copy: Path, path: Path, parts: Sequence[str]
 ) -> None:
     killed(path, 30)
@@ -211,7 +211,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
         yield left
 
 
-def test_a_restore_that_is_cut_short_leaves_a_whole_journal_or_none(
+def test_interrupted_restore_leaves_whole_journal_or_none(
     copy: Path, there: Path, steps: list[int]
 ) -> None:
     seen = []
@@ -247,6 +247,6 @@ def test_the_verb_says_what_it_did(
     assert main(words) == 1
     assert 'journal: error: there is a journal' in capsys.readouterr().err
     assert main([*words, '--move-aside']) == 0
-    said = capsys.readouterr().out
-    assert f'the journal that was there is {there}.aside-' in said
-    assert f'{there} goes on after event 10 of {copy}, as history ' in said
+    output = capsys.readouterr().out
+    assert f'the journal that was there is {there}.aside-' in output
+    assert f'{there} goes on after event 10 of {copy}, as history ' in output

@@ -33,7 +33,7 @@ def modes(folder: Path) -> dict[str, int]:
     return {file.name: file.stat().st_mode & 0o777 for file in folder.iterdir()}
 
 
-def test_every_file_and_folder_is_made_for_its_owner(tmp_path: Path) -> None:
+def test_every_file_and_folder_is_private(tmp_path: Path) -> None:
     path = tmp_path / 'new' / 'line' / 'journal'
     store = written(path)
     endings = ('', '-wal', '-shm', '-mark', '.lock')

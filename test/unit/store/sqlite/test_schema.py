@@ -37,7 +37,7 @@ def contents(path: Path) -> tuple[int, list[tuple[int, str]], set[str]]:
     return version, rows, tables
 
 
-def test_schema_1_becomes_that_of_today_with_every_event_as_it_was(path: Path) -> None:
+def test_schema_1_upgrade_keeps_every_event(path: Path) -> None:
     version, rows, tables = contents(path)
     assert (version, len(rows), tables) == (1, 156, {'events'})
     SqliteStore(path).close()
@@ -52,7 +52,7 @@ def test_schema_1_becomes_that_of_today_with_every_event_as_it_was(path: Path) -
     }
 
 
-def test_the_cell_goes_on_where_the_older_program_left_it(path: Path) -> None:
+def test_cell_resumes_where_older_program_stopped(path: Path) -> None:
     store = SqliteStore(path)
     state = restore(Line(faults={'a2': '#2=abort'}).cell, store)
     assert {name: job.progress.packed for name, job in state.ended.items()} == {'J1': 3, 'J2': 2}
@@ -72,7 +72,7 @@ def test_a_step_that_fails_leaves_the_older_file(
     assert contents(path) == before
 
 
-def test_a_new_file_has_the_tables_of_an_old_one(path: Path, tmp_path: Path) -> None:
+def test_new_file_has_same_tables_as_old(path: Path, tmp_path: Path) -> None:
     SqliteStore(path).close()
     SqliteStore(tmp_path / 'new.sqlite3').close()
     assert contents(tmp_path / 'new.sqlite3')[2] == contents(path)[2]
@@ -86,12 +86,12 @@ def history(path: Path) -> str:
         store.close()
 
 
-def test_every_journal_gets_a_name_of_its_own_and_keeps_it(path: Path, tmp_path: Path) -> None:
+def test_every_journal_keeps_a_unique_name(path: Path, tmp_path: Path) -> None:
     others = [path, tmp_path / 'new.sqlite3', tmp_path / 'newer.sqlite3']
-    names = [history(one) for one in others]
+    names = [history(journal) for journal in others]
     assert all(re.fullmatch('[0-9a-f]{32}', name) for name in names)
     assert len({*names, MemoryStore().history, MemoryStore().history}) == 5
-    assert [history(one) for one in others] == names
+    assert [history(journal) for journal in others] == names
 
 
 def test_a_journal_without_its_name_is_refused(path: Path) -> None:

@@ -39,7 +39,7 @@ def refusal(path: Path) -> str:
     return str(refused.value)
 
 
-def test_of_long_events_few_are_read_at_a_time(store: SqliteStore) -> None:
+def test_long_events_are_read_few_at_a_time(store: SqliteStore) -> None:
     long = [JobStarted(seq=n, time=n / 2, job=f'{n}' * 1_000_000) for n in range(1, 31)]
     for event in long:
         store.append([event])
@@ -123,8 +123,8 @@ def test_it_is_marked_as_ours(store: SqliteStore, path: Path) -> None:
 
 def test_a_link_that_leads_to_itself_is_told(tmp_path: Path) -> None:
     (tmp_path / 'journal').symlink_to('journal')
-    told = r'cannot be (opened: Too many|used: unable to open)'
-    with pytest.raises(JournalUnusable, match=told):
+    pattern = r'cannot be (opened: Too many|used: unable to open)'
+    with pytest.raises(JournalUnusable, match=pattern):
         SqliteStore(tmp_path / 'journal')
 
 

@@ -36,9 +36,9 @@ def chart(*jobs: tuple[str, str, int], faults: tuple[str, ...] = ()) -> Gantt:
         simulation.submit([Job(name, read, quantity, values)])
     simulation.run(lambda: log.look(simulation.state, simulation.waits(), simulation.clock.now()))
     now = simulation.clock.now()
-    found = fold.chart(cell.name, cell.conveyor.sections, log.end(now), now)
+    gantt = fold.chart(cell.name, cell.conveyor.sections, log.end(now), now)
     simulation.close()
-    return found
+    return gantt
 
 
 def bars(svg: str, row: str, kind: str) -> list[ET.Element]:
@@ -51,12 +51,12 @@ def words(svg: str) -> list[str]:
 
 
 def title(bar: ET.Element) -> str:
-    found = bar.find(f'{SVG}title')
-    assert found is not None
-    return found.text or ''
+    element = bar.find(f'{SVG}title')
+    assert element is not None
+    return element.text or ''
 
 
-def test_every_part_of_the_cell_has_a_row_of_tasks_moves_and_waits() -> None:
+def test_rows_show_tasks_moves_and_waits_of_cell() -> None:
     svg = gantt_svg(chart(('WO', 'reference_process', 3)))
 
     counts = {row: len(bars(svg, row, 'work')) for row in ('initialization', 'section_4')}
@@ -69,12 +69,12 @@ def test_every_part_of_the_cell_has_a_row_of_tasks_moves_and_waits() -> None:
     assert any('turn of section 4' in title(bar) for bar in bars(svg, 'belt', 'wait'))
 
 
-def test_no_two_bars_of_a_lane_overlap_and_parallel_tasks_have_lanes() -> None:
-    found = chart(('WO', 'inspect_and_assemble', 4))
-    by_title = {row.title: row for row in found.rows}
+def test_lanes_separate_parallel_tasks_without_overlap() -> None:
+    gantt = chart(('WO', 'inspect_and_assemble', 4))
+    by_title = {row.title: row for row in gantt.rows}
 
     assert len(by_title['section 4'].lanes()) == 2
-    for row in found.rows:
+    for row in gantt.rows:
         for lane in row.lanes():
             ends = [bar.end_s for bar in lane]
             assert all(bar.start_s >= end for bar, end in zip(lane[1:], ends, strict=False))
@@ -90,7 +90,7 @@ def test_every_item_can_be_read_of_twenty() -> None:
         assert texts.count(f'WO-20/{number}') == 5
 
 
-def test_two_jobs_are_told_apart_by_name_and_colour() -> None:
+def test_two_jobs_differ_in_name_and_colour() -> None:
     svg = gantt_svg(chart(('WO-1', 'reference_process', 3), ('WO-2', 'inspect_and_assemble', 3)))
     fills = {title(b).split('\n')[0].split(': ')[0].split(' of ')[1][:4]: b.get('fill')
              for b in bars(svg, 'section_1', 'work')}  # fmt: skip
@@ -156,7 +156,7 @@ def test_a_text_is_shortened_before_it_runs_over(room: float, text: str) -> None
     assert fitting('assemble', 'task', room) == text
 
 
-def test_a_shared_arm_is_one_row_where_a_row_is_a_component() -> None:
+def test_shared_arm_has_one_row_by_component() -> None:
     cell = read_cell(REFERENCE_CELL, TYPES)
     fold, log = GanttFold(by_component=True), WaitLog()
     simulation = Simulation(cell, TYPES, MemoryStore(), [fold])
@@ -165,10 +165,10 @@ def test_a_shared_arm_is_one_row_where_a_row_is_a_component() -> None:
     simulation.submit([Job('WO', script, 2, values)])
     simulation.run(lambda: log.look(simulation.state, simulation.waits(), simulation.clock.now()))
     now = simulation.clock.now()
-    found = fold.chart(cell.name, 5, log.end(now), now, list(cell.components))
+    gantt = fold.chart(cell.name, 5, log.end(now), now, list(cell.components))
     simulation.close()
-    assert [row.title for row in found.rows] == list(cell.components)
-    svg = gantt_svg(found)
+    assert [row.title for row in gantt.rows] == list(cell.components)
+    svg = gantt_svg(gantt)
     assert [title(bar).split(':')[0] for bar in bars(svg, 'component_3b', 'work')] == [
         '4.2 of WO/1',
         '4.3 of WO/1',

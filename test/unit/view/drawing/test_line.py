@@ -50,7 +50,7 @@ def long() -> DrawnLine:
 
 
 @pytest.mark.parametrize('name', SHIPPED)
-def test_the_drawing_beside_a_shipped_script_is_up_to_date(name: str) -> None:
+def test_drawing_of_shipped_script_is_current(name: str) -> None:
     beside = TREES / f'{name}.svg'
     known = beside.read_text() if beside.exists() else ''
     assert known == shipped(name).svg, 'run scripts/render, and look at the pictures'
@@ -60,7 +60,7 @@ def test_there_are_shipped_scripts() -> None:
     assert len(SHIPPED) >= 2
 
 
-def test_equal_scripts_are_drawn_equally_and_without_a_trace_of_the_machine() -> None:
+def test_drawing_is_reproducible_and_independent_of_machine() -> None:
     picture = shipped('inspect_and_assemble')
     assert picture == shipped('inspect_and_assemble')
     assert str(ROOT) not in picture.svg
@@ -100,11 +100,11 @@ def test_an_option_is_on_the_card(option: str, words: str) -> None:
     assert words in drawn(f'{params}\n{text}').words('task.work')
 
 
-def test_what_a_time_limit_is_compared_with_is_the_components() -> None:
+def test_default_time_limit_of_component_is_omitted() -> None:
     assert not any('at most' in word for word in drawn(THREE).words('task.work'))
 
 
-def test_a_long_argument_is_cut_and_whole_in_the_tooltip() -> None:
+def test_long_argument_is_cut_except_in_tooltip() -> None:
     value = 'word ' * 60 + 'end'
     text = with_section(2, f'- {{id: work, @a2, args: {{special_argument_1: "{value}"}}}}')
     picture = drawn(text)
@@ -114,7 +114,7 @@ def test_a_long_argument_is_cut_and_whole_in_the_tooltip() -> None:
     assert f'argument special_argument_1: {value}' in picture.about('task.work')
 
 
-def test_text_that_means_something_in_xml_is_only_text() -> None:
+def test_xml_characters_appear_as_plain_text() -> None:
     value = '<B>&amp; \\\\N \\"x\\"'
     text = with_section(2, f'- {{id: work, @a2, args: {{special_argument_1: "{value}"}}}}')
     picture = drawn(text)
@@ -162,12 +162,12 @@ def test_a_flag_is_an_edge_with_its_counts() -> None:
     assert '\u25bc takes flag far' in long().words('task.work15')
 
 
-def test_a_zone_is_named_on_each_of_its_tasks() -> None:
+def test_zone_is_named_on_each_of_its_tasks() -> None:
     for task in ('work10', 'work11', 'work17'):
         assert '\u25a0 zone crane' in long().words(f'task.{task}')
 
 
-def test_a_repeat_is_a_frame_with_a_way_back_and_what_follows() -> None:
+def test_repeat_shows_frame_return_path_and_outcome() -> None:
     judged = 'fails_unless: "${results.look.item_present}", on_failure: reject'
     repeat = f'- repeat: [{{id: glue, @b2}}, {{id: look, @a2, {judged}}}]\n  times: 2'
     picture = drawn(
@@ -180,14 +180,14 @@ def test_a_repeat_is_a_frame_with_a_way_back_and_what_follows() -> None:
     assert '\u21bb' not in drawn(THREE).words('legend')
 
 
-def test_verdicts_of_one_repeat_say_each_what_follows_the_last_round() -> None:
+def test_each_verdict_states_action_after_last_round() -> None:
     judged = 'fails_unless: "${results.NAME.item_present}"'
-    one, other = (judged.replace('NAME', name) for name in ('glue', 'look'))
-    tasks = f'[{{id: glue, @b2, {one}, on_failure: continue}}, {{id: look, @a2, {other}}}]'
+    verdict, other = (judged.replace('NAME', name) for name in ('glue', 'look'))
+    tasks = f'[{{id: glue, @b2, {verdict}, on_failure: continue}}, {{id: look, @a2, {other}}}]'
     picture = drawn(with_section(2, f'- repeat: {tasks}'))
-    said = ' '.join(picture.words('repeat.glue.after')).replace('   ', ' ')
-    assert 'after the last round of glue: continue' in said
-    assert 'after the last round of look: hold, an operator decides' in said
+    shown_text = ' '.join(picture.words('repeat.glue.after')).replace('   ', ' ')
+    assert 'after the last round of glue: continue' in shown_text
+    assert 'after the last round of look: hold, an operator decides' in shown_text
 
 
 def test_initialization_is_a_group_with_its_order() -> None:
@@ -221,7 +221,7 @@ def test_title_and_parameters() -> None:
     ]
 
 
-def test_the_legend_explains_what_is_there_and_nothing_else() -> None:
+def test_legend_explains_only_drawn_marks() -> None:
     everything, little = long().words('legend'), drawn(THREE).words('legend')
     for mark in ('dashed frame', '- - \u25b6 flag', '\u25a0 zone', 'belt released'):
         assert mark in everything
@@ -238,14 +238,14 @@ def test_a_section_without_tasks_is_there() -> None:
 
 def test_sections_stand_in_the_order_of_the_belt() -> None:
     areas = [long().area(f'section.{number}') for number in range(1, 21)]
-    for one, following in pairwise(areas):
-        same_row = one.top == following.top
-        assert one.right < following.left if same_row else one.bottom < following.top
+    for current, following in pairwise(areas):
+        same_row = current.top == following.top
+        assert current.right < following.left if same_row else current.bottom < following.top
     assert len({area.top for area in areas}) > 1
     assert all(f'belt.{n}' in long().parts for n in range(1, 20))
 
 
-def test_six_sections_with_two_groups_stand_in_one_row() -> None:
+def test_six_sections_with_two_groups_fit_one_row() -> None:
     line = Line(6)
     groups = (f'{n}: [{{parallel: [{{id: l{n}, @a{n}}}, {{id: r{n}, @b{n}}}]}}]' for n in (2, 4))
     ends = ('1: [{id: place, @a1, qty_change: 1}]', '6: [{id: pack, @a6, qty_change: -1}]')
@@ -269,8 +269,8 @@ def test_the_members_of_a_group_stand_in_it() -> None:
 def check_places(picture: DrawnLine, script: Script) -> None:
     """Nothing covers anything, and every task stands in its section."""
     cards = {task: picture.card(task) for task in script.tasks}
-    for one, other in combinations(cards.values(), 2):
-        assert not one.meets(other)
+    for first_card, other in combinations(cards.values(), 2):
+        assert not first_card.meets(other)
     for task, card in cards.items():
         section = script.section_of(task)
         frame = f'section.{section}' if section else 'initialization'
@@ -301,7 +301,7 @@ def test_a_flag_begins_and_ends_at_its_tasks(upstream: str, downstream: str) -> 
     assert start == (here.right, (here.bottom + here.top) / 2)
 
 
-def test_flags_of_neighbours_and_of_one_task_do_not_cover_each_other() -> None:
+def test_flag_labels_do_not_cover_each_other() -> None:
     text = with_section(2, '- parallel: [{id: left, @a2}, {id: right, @b2}]')
     flags = [('f', 'left', 'pack'), ('g', 'right', 'pack'), ('h', 'right', 'place')]
     listed = [f'{{flag: {f}, upstream: {u}, downstream: {d}, initial: 1}}' for f, u, d in flags]
@@ -342,13 +342,13 @@ def test_what_limits_the_pace_is_told_and_marked() -> None:
     line = Line(seconds={'a2': 7.0})
     picture = DrawnLine(draw_line(line.script(THREE), line.cell).svg)
     assert picture.words('title')[-1] == 'pace: 9.0 s per item, limited by work + index move'
-    assert [LIMITS in picture.words(one) for one in ('task.work', 'task.index')] == [True, True]
+    assert [LIMITS in picture.words(part) for part in ('task.work', 'task.index')] == [True, True]
     assert LIMITS not in picture.words('task.place')
     assert '\u25c6 limits' in picture.words('legend')
     assert 'nominal time: 7 s' in picture.about('task.work')
 
 
-def test_a_line_at_work_shows_how_it_stands_instead() -> None:
+def test_running_line_does_not_mark_pace_limit() -> None:
     line = Line(seconds={'a2': 7.0})
     state = LineState('Execute', (), False, {})
     picture = DrawnLine(draw_line(line.script(THREE), line.cell, state).svg)

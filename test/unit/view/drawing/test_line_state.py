@@ -44,7 +44,7 @@ def hold(**about: Any) -> Hold:
 
 
 def status(*sections: SectionStatus, **about: Any) -> CellStatus:
-    known = {one.number: one for one in sections}
+    known = {section.number: section for section in sections}
     usual = {
         'cell': 'test_line',
         'seq': 17,
@@ -105,10 +105,10 @@ def test_what_failed_is_told_apart() -> None:
     look = PassedTask('look', End.CONTINUED, 'aborted')
     failed = section_2(passed=(look,), failed=('look', 'turn', 'watch'))
     held = hold(section=2, item='WO-1/1', task='watch')
-    found = marks(drawn(status(failed, holds=[held])))
-    assert found['look'] == '\u2717 failed, continued'
-    assert found['turn'] == '\u21bb failed, is tried again'
-    assert found['watch'] == '! HELD (hold 1)'
+    task_marks = marks(drawn(status(failed, holds=[held])))
+    assert task_marks['look'] == '\u2717 failed, continued'
+    assert task_marks['turn'] == '\u21bb failed, is tried again'
+    assert task_marks['watch'] == '! HELD (hold 1)'
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_what_failed_is_told_apart() -> None:
         (End.ABORTED, '\u2717 failed, job aborted'),
     ],
 )
-def test_a_task_that_was_passed_says_how_it_ended(end: End, words: str) -> None:
+def test_passed_task_shows_how_it_ended(end: End, words: str) -> None:
     look = PassedTask('look', end, 'this is why')
     prepared = job(passed=(PassedTask('prepare', end),))
     picture = drawn(status(section_2(passed=(look,)), jobs=[prepared]))
@@ -130,7 +130,7 @@ def test_a_task_that_was_passed_says_how_it_ended(end: End, words: str) -> None:
     assert marks(picture)['prepare'] == words
 
 
-def test_the_words_of_the_ends_are_those_of_the_state() -> None:
+def test_mark_says_failed_only_for_failure_ends() -> None:
     for end in End:
         look = section_2(passed=(PassedTask('look', end),))
         assert ('failed' in marks(drawn(status(look)))['look']) is end.is_failure
@@ -141,7 +141,7 @@ def test_no_two_marks_are_told_by_colour_alone() -> None:
     assert len(set(texts)) == len(texts)
 
 
-def test_a_reason_stands_on_the_card_and_whole_in_its_tooltip() -> None:
+def test_card_shortens_reason_and_tooltip_shows_all() -> None:
     reason = 'waiting for a component with a long name, busy with another task of WO-17/12'
     picture = drawn(status(section_2(waiting=[reason])))
     assert picture.words('task.look')[1].startswith('waiting for a component')
@@ -159,19 +159,19 @@ def test_a_hold_says_what_may_be_answered() -> None:
     assert picture.look('task.look').get('stroke-width') == '3'
 
 
-def test_a_card_says_whole_sentences_of_a_hold_or_none() -> None:
+def test_card_shows_only_whole_sentences_of_hold() -> None:
     message = 'the gripper has lost the item on its way'
     held = hold(section=2, item='WO-1/1', task='look', message=message)
     picture = drawn(status(section_2(), holds=[held]))
-    said = ' '.join(picture.words('task.look')[1:3])
-    assert said == f'timeout ({message}) \u2026'
+    card_text = ' '.join(picture.words('task.look')[1:3])
+    assert card_text == f'timeout ({message}) \u2026'
     assert f'timeout ({message}); answer with retry | skip' in picture.about('task.look')
 
 
-def test_a_hold_of_the_whole_cell_stands_at_the_top() -> None:
+def test_hold_of_whole_cell_appears_in_headline() -> None:
     of_cell = hold(job=None, reason='restarted', answers=('resume',))
-    found = line_state(status(holds=[of_cell]), Line().script(SCRIPT), Line().cell)
-    assert found.headline.endswith(
+    state = line_state(status(holds=[of_cell]), Line().script(SCRIPT), Line().cell)
+    assert state.headline.endswith(
         '1 hold, after event 17; hold 1 (restarted): '
         'bt-orchestrator cell resume --hold 1 --reason WHY'
     )
@@ -224,7 +224,7 @@ def test_the_belt_while_it_moves() -> None:
 # --- slots, flags, jobs -----------------------------------------------------------------------
 
 
-def test_slots_say_what_stands_there_and_what_is_done() -> None:
+def test_slots_show_their_item_and_work() -> None:
     picture = drawn(
         status(
             statuses.section(1, waiting=['waiting for the belt to move', 'and more']),
@@ -247,7 +247,7 @@ def test_slots_say_what_is_wrong_with_their_items() -> None:
     assert wrong in picture.about('slot.2')
 
 
-def test_a_section_that_works_for_another_script_says_so() -> None:
+def test_section_names_other_script_it_works_for() -> None:
     other = job('WO-2', script='other')
     running = [statuses.task('look')]
     at_work = statuses.section(2, 'WO-2/1', job='WO-2', running=running)
@@ -280,7 +280,7 @@ def test_flags_show_their_counts() -> None:
     assert 'count 1 of 1' in drawn(status()).words('flag.seen')
 
 
-def test_jobs_stand_below_the_title_and_more_are_counted() -> None:
+def test_title_lists_jobs_and_counts_the_rest() -> None:
     jobs = [job(f'WO-{n}', packed=n, rejected=n - 1) for n in range(1, 7)]
     words = drawn(status(jobs=jobs)).words('title')
     assert 'WO-1 (test): Running, 1 of 4 packed' in words
@@ -288,7 +288,7 @@ def test_jobs_stand_below_the_title_and_more_are_counted() -> None:
     assert words[-1] == 'and 3 more jobs'
 
 
-def test_the_legend_explains_the_marks_that_are_shown_and_no_others() -> None:
+def test_legend_explains_only_shown_marks() -> None:
     rests = drawn(status(section_2(running=[statuses.task('look')])))
     assert '\u25b6 running' in rests.words('legend')
     assert not {'! HELD', 'the belt while it moves'} & set(rests.words('legend'))
@@ -304,9 +304,9 @@ def test_a_status_of_another_cell() -> None:
         drawn(status(cell='other'))
 
 
-def test_a_live_drawing_says_that_a_job_is_being_aborted() -> None:
+def test_live_drawing_shows_that_job_is_aborting() -> None:
     line = Line()
     script = line.script(SCRIPT)
     state = status(jobs=[job(ending='aborting')])
-    (told,) = line_state(state, script, line.cell).jobs
-    assert told == 'WO-1 (test): Running, aborting, 0 of 4 packed'
+    (job_text,) = line_state(state, script, line.cell).jobs
+    assert job_text == 'WO-1 (test): Running, aborting, 0 of 4 packed'

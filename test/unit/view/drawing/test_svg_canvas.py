@@ -33,7 +33,7 @@ def picture(state: bool) -> LinePicture:
 
 
 @pytest.mark.parametrize('state', [False, True])
-def test_no_text_leaves_its_card_or_touches_its_frame(state: bool) -> None:
+def test_text_stays_inside_margins_of_card(state: bool) -> None:
     drawn = DrawnLine(picture(state).svg)
     cards = [name for name in drawn.parts if name.startswith('task.') and '-' not in name]
     assert len(cards) > 30
@@ -47,7 +47,7 @@ def test_no_text_leaves_its_card_or_touches_its_frame(state: bool) -> None:
             assert card.left + MARGIN <= x <= card.right - MARGIN, (name, text.text)
 
 
-def test_every_part_has_a_name_of_its_own_and_says_more() -> None:
+def test_every_part_has_unique_name_and_tooltip() -> None:
     svg = DrawnLine(picture(True).svg)
     names = Counter(part.get('id') for part in svg.root.iter(f'{SVG}g'))
     assert set(names.values()) == {1}
@@ -57,7 +57,7 @@ def test_every_part_has_a_name_of_its_own_and_says_more() -> None:
             assert svg.about(name) or is_arrow, name
 
 
-def test_every_part_lies_in_a_layer_and_in_no_other_part() -> None:
+def test_every_part_lies_directly_in_layer() -> None:
     # so a page can change one part, and leave the others as they are
     svg = DrawnLine(picture(True).svg)
     layers = svg.root.findall(f'{SVG}g')
@@ -76,8 +76,8 @@ def test_a_screen_reader_is_told_what_it_is() -> None:
 def test_what_xml_cannot_carry_breaks_no_file() -> None:
     line = Line()
     script = line.script(with_section(2, '- {id: work, @a2}'))
-    said = TaskMark(Mark.HELD, '(hold 1)', 'aborted (\x1b[31m \x00 <&"> \ud800 \\N)')
-    drawn = draw_line(script, line.cell, LineState('Held', (), False, {'work': said}))
+    mark = TaskMark(Mark.HELD, '(hold 1)', 'aborted (\x1b[31m \x00 <&"> \ud800 \\N)')
+    drawn = draw_line(script, line.cell, LineState('Held', (), False, {'work': mark}))
     assert 'aborted (\ufffd[31m \ufffd <&"> \ufffd \\N)' in DrawnLine(drawn.svg).about('task.work')
     assert drawn.content('png').startswith(b'\x89PNG')
 

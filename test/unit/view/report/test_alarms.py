@@ -33,22 +33,22 @@ def of(day: Day) -> AlarmFold:
 
 
 def held(fold: AlarmFold, number: str) -> Alarm:
-    (found,) = (one for one in fold.alarms if (one.kind, one.key) == (Kind.HOLD, number))
-    return found
+    (alarm,) = (entry for entry in fold.alarms if (entry.kind, entry.key) == (Kind.HOLD, number))
+    return alarm
 
 
 def refused(who: str, command: str = 'start', message: str = 'the cell is Held') -> e.Event:
     return e.OperatorRefused(who=who, reason='', command=command, message=message)
 
 
-def test_every_hold_of_the_journal_is_an_alarm_as_long_as_it_stood() -> None:
+def test_hold_alarm_lasts_as_long_as_hold() -> None:
     fold, events = of(the_day()), the_day().events
-    raised = {one.hold: one.time for one in events if isinstance(one, e.HoldRaised)}
-    released = {one.hold: one.time for one in events if isinstance(one, e.HoldReleased)}
-    holds = [one for one in fold.alarms if one.kind is Kind.HOLD]
-    assert {one.key: one.raised_at for one in holds} == raised
-    assert {one.key: one.cleared_at for one in holds} == released
-    assert [one.lasted_us(0) // MIN for one in holds] == [20, 10, 10, 2]
+    raised = {entry.hold: entry.time for entry in events if isinstance(entry, e.HoldRaised)}
+    released = {entry.hold: entry.time for entry in events if isinstance(entry, e.HoldReleased)}
+    holds = [entry for entry in fold.alarms if entry.kind is Kind.HOLD]
+    assert {entry.key: entry.raised_at for entry in holds} == raised
+    assert {entry.key: entry.cleared_at for entry in holds} == released
+    assert [entry.lasted_us(0) // MIN for entry in holds] == [20, 10, 10, 2]
 
 
 def test_events_that_are_not_read_change_nothing() -> None:
@@ -59,7 +59,7 @@ def test_events_that_are_not_read_change_nothing() -> None:
     assert fold.alarms == of(day).alarms
 
 
-def test_who_answered_and_what_was_said_before_are_in_it() -> None:
+def test_alarm_has_its_answer_and_remarks() -> None:
     fold = of(the_day())
     jam = held(fold, '1')
     assert (jam.answer, jam.who, jam.why) == ('retry', 'ann', 'cleared the jam')
@@ -72,7 +72,7 @@ def test_who_answered_and_what_was_said_before_are_in_it() -> None:
     assert (doubt.answer, doubt.who) == ('clear', 'ann')
 
 
-def test_an_acknowledgement_is_the_first_one_and_no_answer() -> None:
+def test_first_acknowledgement_counts_and_answers_nothing() -> None:
     day = Day()
     day.note('07:00', e.HoldRaised(hold='1', reason='aborted', message='jam', component='a2'))
     day.note('07:01', e.OperatorDecided(answer='acknowledge', who='ann', reason='', hold='1'))
@@ -83,7 +83,7 @@ def test_an_acknowledgement_is_the_first_one_and_no_answer() -> None:
 
 
 def test_an_abort_stands_until_clear() -> None:
-    (alarm,) = (one for one in of(the_day()).alarms if one.kind is Kind.EMERGENCY)
+    (alarm,) = (entry for entry in of(the_day()).alarms if entry.kind is Kind.EMERGENCY)
     assert (alarm.raised_at, alarm.cleared_at) == (at('12:00'), at('12:10'))
     assert (alarm.answer, alarm.who) == ('clear', 'ann')
 
@@ -102,25 +102,25 @@ def test_components_that_are_contested_or_silent() -> None:
     assert of(day).alarms[1].cleared_at == at('07:21')
 
 
-def test_refused_commands_begin_and_end_at_once_and_are_counted() -> None:
+def test_refused_commands_clear_at_once_and_are_counted() -> None:
     day = Day()
     day.note('07:00', refused('bob'), refused('eve'), refused('eve', 'abort_job'))
     day.note('07:01', e.RequestRefused(who='eve', count=7, since=at('07:00'), message='too many'))
     fold = of(day)
-    assert [(one.key, one.who, one.count) for one in fold.alarms] == [
+    assert [(alarm.key, alarm.who, alarm.count) for alarm in fold.alarms] == [
         ('start', 'bob', 1),
         ('start', 'eve', 1),
         ('abort_job', 'eve', 1),
         ('...', 'eve', 7),
     ]
-    assert all(one.cleared_at == one.raised_at for one in fold.alarms)
+    assert all(alarm.cleared_at == alarm.raised_at for alarm in fold.alarms)
     assert often(fold.alarms, fold.now_us)[:2] == [
         Often('refused', '...', '', 7, 0),
         Often('refused', 'start', '', 2, 0),
     ]
 
 
-def test_a_clock_that_is_set_back_makes_no_alarm_shorter() -> None:
+def test_clock_set_back_shortens_no_alarm() -> None:
     day = Day()
     day.note('07:00', e.HoldRaised(hold='1', reason='aborted'))
     day.note('06:10', e.ClockStepped(seconds=-3600.0))
@@ -130,7 +130,7 @@ def test_a_clock_that_is_set_back_makes_no_alarm_shorter() -> None:
     assert alarm.lasted_us(0) == 20 * MIN
 
 
-def test_which_one_comes_most_is_counted_by_component_and_reason() -> None:
+def test_alarms_are_counted_by_component_and_reason() -> None:
     day = Day()
     for number, component in enumerate(('a2', 'a1', 'a2')):
         day.note(
@@ -145,7 +145,7 @@ def test_which_one_comes_most_is_counted_by_component_and_reason() -> None:
     ]
 
 
-def test_the_list_for_a_person_begins_with_the_last_one() -> None:
+def test_alarm_list_begins_with_newest_alarm() -> None:
     fold = of(the_day())
     lines = list(alarm_lines(fold.alarms, fold.now_us, timezone.utc))
     assert lines[0] == (
@@ -161,7 +161,7 @@ def test_the_table_has_what_json_has(number: str) -> None:
     file.seek(0)
     rows = {(row['kind'], row['key']): row for row in csv.DictReader(file)}
     plain = alarm_plain(held(fold, number), fold.now_us)
-    told = rows['hold', number]
-    assert float(told['seconds']) == plain['seconds']
-    assert (told['answer'], told['who']) == (plain['answer'], plain['who'])
-    assert set(told) == set(plain)
+    csv_row = rows['hold', number]
+    assert float(csv_row['seconds']) == plain['seconds']
+    assert (csv_row['answer'], csv_row['who']) == (plain['answer'], plain['who'])
+    assert set(csv_row) == set(plain)

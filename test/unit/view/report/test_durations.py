@@ -36,7 +36,7 @@ END = MONDAY + timedelta(days=12)
 def attempts(
     component: str, name: str, took: Iterable[tuple[datetime, float]], *, fails: bool = False
 ) -> list[e.Event]:
-    found: list[e.Event] = []
+    events: list[e.Event] = []
     for number, (begin, seconds) in enumerate(took):
         about: dict[str, Any] = {'job': 'J', 'section': 4, 'item': f'J/{number}', 'task': name}
         goal = {**about, 'attempt': 1, 'goal': 'g'}
@@ -44,8 +44,8 @@ def attempts(
         sent = e.TaskStarted(**goal, name=name, action='/a', component=component, time=time)
         kind = e.TaskFailed if fails else e.TaskSucceeded
         more: dict[str, Any] = {'reason': 'aborted'} if fails else {}
-        found += [sent, kind(**goal, time=time + seconds, **more)]
-    return found
+        events += [sent, kind(**goal, time=time + seconds, **more)]
+    return events
 
 
 def of_days(levels: dict[datetime, float], noise: float, per_day: int = 20) -> list[e.Event]:
@@ -64,11 +64,11 @@ def buckets(events: Iterable[e.Event]) -> dict[datetime, Samples]:
     fold = TimesFold(None)
     for event in events:
         fold.follow(event)
-    (found,) = fold.kinds.values()
-    return found
+    (samples,) = fold.kinds.values()
+    return samples
 
 
-def test_an_attempt_at_the_end_of_a_period_belongs_to_it_despite_rounding() -> None:
+def test_attempt_ending_with_period_counts_despite_rounding() -> None:
     day, begin = Day(), at('06:30')
     for event in attempts('a2', 'TASK_A', [(datetime.fromtimestamp(begin), 5.0)]):
         day.note(event.time + 4e-7, event)
@@ -76,24 +76,24 @@ def test_an_attempt_at_the_end_of_a_period_belongs_to_it_despite_rounding() -> N
     period = Period.all_planned('p', us_of(begin), end_us)
     (task,) = durations(Reading(day.records()), period, None).tasks
     assert task.count == 1
-    (said,) = lines(durations(Reading(day.records()), period, None))
-    assert said.endswith('; done 1 time')
+    (line,) = lines(durations(Reading(day.records()), period, None))
+    assert line.endswith('; done 1 time')
 
 
 def test_a_period_without_tasks_says_so() -> None:
     day = Day()
     day.note('06:00', e.OrchestratorStarted(cell='c', digest='d'))
     period = Period.all_planned('p', us_of(at('06:00')), us_of(at('07:00')))
-    (said,) = lines(durations(Reading(day.records()), period, None))
-    assert said == 'no task succeeded in this time: there are no durations'
+    (line,) = lines(durations(Reading(day.records()), period, None))
+    assert line == 'no task succeeded in this time: there are no durations'
 
 
-def test_the_day_since_which_a_task_is_slower_is_found() -> None:
-    found = drift_of(buckets(of_days({MONDAY: 1.5, TUESDAY: 1.9}, noise=0.1)))
-    assert found is not None
-    assert (found.since, found.word) == (TUESDAY, 'slower')
-    assert found.before_s == pytest.approx(1.5, abs=0.05)
-    assert found.after_s == pytest.approx(1.9, abs=0.05)
+def test_day_when_task_became_slower_is_found() -> None:
+    drift = drift_of(buckets(of_days({MONDAY: 1.5, TUESDAY: 1.9}, noise=0.1)))
+    assert drift is not None
+    assert (drift.since, drift.word) == (TUESDAY, 'slower')
+    assert drift.before_s == pytest.approx(1.5, abs=0.05)
+    assert drift.after_s == pytest.approx(1.9, abs=0.05)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_what_is_no_lasting_change_is_none(events: list[e.Event]) -> None:
     assert drift_of(buckets(events)) is None
 
 
-def test_attempts_that_failed_or_lasted_over_a_restart_do_not_count() -> None:
+def test_failed_and_interrupted_attempts_do_not_count() -> None:
     started, ended = attempts('c', 'T', [(MONDAY, 600.0)])
     fold = TimesFold(None)
     restart = e.OrchestratorStarted(cell='c', digest='d', time=MONDAY.timestamp() + 300)
@@ -119,7 +119,7 @@ def test_attempts_that_failed_or_lasted_over_a_restart_do_not_count() -> None:
     assert not fold.kinds
 
 
-def test_memory_does_not_grow_with_the_number_of_attempts() -> None:
+def test_memory_stays_bounded_for_many_attempts() -> None:
     samples = Samples()
     for n in range(10_000):
         samples.add(float(n))
@@ -128,7 +128,7 @@ def test_memory_does_not_grow_with_the_number_of_attempts() -> None:
     assert samples.seconds[-1] > 9_000  # evenly over all of them
 
 
-def test_only_the_kind_of_task_counts_and_not_its_item() -> None:
+def test_durations_are_grouped_by_task_kind() -> None:
     fold = TimesFold(None)
     for event in attempts('c', 'T', [(MONDAY, 1.0), (MONDAY + timedelta(seconds=5), 2.0)]):
         fold.follow(event)
@@ -160,23 +160,23 @@ def test_the_verb_says_it_in_a_sentence(
     words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([*words, '--durations', '--cell', str(REFERENCE_CELL)]) == 0
-    said = capsys.readouterr().out.splitlines()
-    (slower,) = (line for line in said if line.startswith('component_3b TASK_B: '))
+    printed = capsys.readouterr().out.splitlines()
+    (slower,) = (line for line in printed if line.startswith('component_3b TASK_B: '))
     assert slower.startswith('component_3b TASK_B: 1.5 s nominal, 1.')
     assert 'in the last 7 days, slower since Tuesday, 2026-05-19 (1.5' in slower
     assert slower.endswith('; done 240 times')
-    (steady,) = (line for line in said if line.startswith('conveyor'))
+    (steady,) = (line for line in printed if line.startswith('conveyor'))
     assert '25% slower than nominal all the time' in steady
 
 
 def test_json_has_the_numbers(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*words, '--durations', '--json']) == 0
-    found = {one['component']: one for one in json.loads(capsys.readouterr().out)}
-    assert (found['conveyor']['nominal_s'], found['conveyor']['lately_s']) == (None, 2.5)
-    assert found['component_3b']['drift']['since'].startswith('2026-05-19T00:00')
+    tasks = {task['component']: task for task in json.loads(capsys.readouterr().out)}
+    assert (tasks['conveyor']['nominal_s'], tasks['conveyor']['lately_s']) == (None, 2.5)
+    assert tasks['component_3b']['drift']['since'].startswith('2026-05-19T00:00')
 
 
-def test_a_diff_proposes_new_times_and_changes_nothing_else(
+def test_diff_proposes_only_new_durations(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cell = tmp_path / 'cell.yaml'
@@ -186,7 +186,7 @@ def test_a_diff_proposes_new_times_and_changes_nothing_else(
     diff = capsys.readouterr().out
     assert cell.read_text() == before
     changes = [line for line in diff.splitlines() if line.startswith(('- ', '+ '))]
-    removed, added = (one[1:] for one in changes[::2]), (one[1:] for one in changes[1::2])
+    removed, added = (edit[1:] for edit in changes[::2]), (edit[1:] for edit in changes[1::2])
     patched = before
     for old, new in zip(removed, added, strict=True):
         assert patched.count(old) == 1

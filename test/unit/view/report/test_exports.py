@@ -73,7 +73,7 @@ def test_a_log_has_the_structure_of_the_standard() -> None:
                 )
 
 
-def test_every_trace_and_event_has_what_the_log_promises() -> None:
+def test_traces_and_events_have_declared_attributes() -> None:
     log = log_of(a_run().records)
     globals_ = {g.attrib['scope']: set(values(g)) for g in log.iter(f'{XES}global')}
     traces = log.findall(f'{XES}trace')
@@ -164,7 +164,7 @@ def test_one_row_an_event_under_the_same_columns() -> None:
 
 
 @pytest.mark.parametrize('delimiter', [',', ';', '\t'])
-def test_no_formula_comes_of_a_text_however_lines_are_parted(delimiter: str) -> None:
+def test_text_becomes_no_formula_with_any_delimiter(delimiter: str) -> None:
     texts = [
         *('=1+1', '+1', '-1+1', '@SUM(1)', '\t=1', '\r=1', 'a;=1+1', 'a;"=1+1"', 'a\n=1+1'),
         *('a\r\n=1', 'a\t=1+1', 'a\t-1', 'a";=1+1', ';;@A1', 'a;=HYPERLINK("http://x")'),

@@ -69,13 +69,13 @@ def test_nothing_says_nothing(cell: Cell) -> None:
     assert {load.utilisation for load in empty.components} == {0.0}
 
 
-def test_a_changed_order_is_reported_in_its_new_form(cell: Cell) -> None:
+def test_changed_order_is_reported_in_new_form(cell: Cell) -> None:
     changed = e.JobUpdated(job='A', script='t', digest='d', quantity=5, time=1.0)
     (job,) = of(cell, queued('A'), changed).jobs
     assert (job.script, job.quantity) == ('t', 5)
 
 
-def test_a_job_that_left_the_queue_has_not_finished(cell: Cell) -> None:
+def test_job_removed_from_queue_has_not_finished(cell: Cell) -> None:
     (job,) = of(cell, queued('A'), e.JobRemoved(job='A', time=1.0)).jobs
     assert (job.finished_s, job.aborted) == (None, False)
 
@@ -95,7 +95,7 @@ def test_items_are_counted_by_how_they_leave(cell: Cell) -> None:
     assert (job.aborted, job.finished_s) == (True, 5.0)
 
 
-def test_an_item_with_two_continued_tasks_is_nonconforming_once(cell: Cell) -> None:
+def test_two_continued_tasks_make_one_nonconforming_item(cell: Cell) -> None:
     def continued(task: str, policy: str) -> e.Event:
         return e.TaskContinued(job='A', section=2, item='A/1', task=task, policy=policy)
 
@@ -107,33 +107,33 @@ def test_an_item_with_two_continued_tasks_is_nonconforming_once(cell: Cell) -> N
     assert of(cell, queued('A'), continued('z', 'reject'), out).jobs[0].nonconforming == 0
 
 
-def test_parallel_tasks_make_a_section_busy_once_and_each_component_for_itself(cell: Cell) -> None:
+def test_parallel_tasks_make_section_busy_once(cell: Cell) -> None:
     begin = e.CycleStarted(job='A', section=2, item='A/1', beat=1, time=10.0)
     tasks = [*ran('x', 'camera', 10.0, 14.0), *ran('y', 'table', 12.0, 20.0)]
-    found = of(cell, queued('A', 10.0), begin, *tasks)
+    result = of(cell, queued('A', 10.0), begin, *tasks)
 
-    assert [(load.section, load.cycles, load.busy_s) for load in found.sections] == [(2, 1, 10.0)]
-    busy = {load.component: (load.tasks, load.busy_s) for load in found.components}
+    assert [(load.section, load.cycles, load.busy_s) for load in result.sections] == [(2, 1, 10.0)]
+    busy = {load.component: (load.tasks, load.busy_s) for load in result.components}
     assert (busy['camera'], busy['table'], busy['press']) == ((1, 4.0), (1, 8.0), (0, 0.0))
-    assert {load.component: load.utilisation for load in found.components}['camera'] == 0.4
+    assert {load.component: load.utilisation for load in result.components}['camera'] == 0.4
 
 
-def test_a_task_that_still_runs_counts_until_the_last_event(cell: Cell) -> None:
+def test_running_task_counts_until_last_event(cell: Cell) -> None:
     started, _ = ran('x', 'camera', 2.0, 99.0)
-    found = of(cell, queued('A'), started, e.BeatStarted(beat=2, time=5.0))
+    result = of(cell, queued('A'), started, e.BeatStarted(beat=2, time=5.0))
 
-    assert {load.component: load.busy_s for load in found.components}['camera'] == 3.0
+    assert {load.component: load.busy_s for load in result.components}['camera'] == 3.0
 
 
 def test_times_count_from_the_first_event(cell: Cell) -> None:
-    found = of(
+    result = of(
         cell, queued('A', 1e9), e.JobCompleted(job='A', exit_status='completed', time=1e9 + 7.0)
     )
 
-    assert (found.total_s, found.jobs[0].finished_s) == (7.0, 7.0)
+    assert (result.total_s, result.jobs[0].finished_s) == (7.0, 7.0)
 
 
-def test_the_bottleneck_is_the_section_with_most_work_for_an_item(cell: Cell) -> None:
+def test_bottleneck_has_most_work_per_item(cell: Cell) -> None:
     cycles = [
         e.CycleStarted(job='A', section=2, item='A/1', beat=1),
         e.CycleStarted(job='A', section=2, item='A/2', beat=2),
@@ -185,26 +185,26 @@ AHEAD = THREE.replace('[{id: place', '[{id: get, @a1, requires_conveyor: false},
 """Its source has something to do ahead of each beat but the first."""
 
 
-def test_the_first_cycle_of_the_source_is_no_steady_state() -> None:
+def test_first_source_cycle_is_not_steady_state() -> None:
     few, many = (mixed((AHEAD, items)).sections[0].pace_s for items in (2, 40))
     assert few == pytest.approx(many)
 
 
 def test_a_mix_is_not_faster_than_its_bottleneck() -> None:
-    found = mixed((THREE, 9), (SLOW, 6), (THREE, 9), b2=11.0)
-    fast, slow, again = found.jobs
+    result = mixed((THREE, 9), (SLOW, 6), (THREE, 9), b2=11.0)
+    fast, slow, again = result.jobs
 
     assert (fast.per_item_s, slow.per_item_s, again.per_item_s) == (3.0, 13.0, 3.0)
-    assert [job.bottleneck.pace_s for job in found.jobs if job.bottleneck] == [3.0, 13.0, 3.0]
+    assert [job.bottleneck.pace_s for job in result.jobs if job.bottleneck] == [3.0, 13.0, 3.0]
     assert slow.bottleneck is not None
     assert (slow.bottleneck.section, slow.bottleneck.margin_s) == (2, 10.0)
-    assert found.per_item_s == pytest.approx((18 * 3.0 + 6 * 13.0) / 24)
+    assert result.per_item_s == pytest.approx((18 * 3.0 + 6 * 13.0) / 24)
 
 
-def test_a_line_that_drains_is_not_faster_than_its_bottleneck() -> None:
-    found = mixed((THREE, 2), a1=11.0)
+def test_draining_line_is_not_faster_than_bottleneck() -> None:
+    result = mixed((THREE, 2), a1=11.0)
 
-    assert (found.per_item_s, [job.per_item_s for job in found.jobs]) == (13.0, [13.0])
+    assert (result.per_item_s, [job.per_item_s for job in result.jobs]) == (13.0, [13.0])
 
 
 @given(
@@ -212,12 +212,12 @@ def test_a_line_that_drains_is_not_faster_than_its_bottleneck() -> None:
     st.fixed_dictionaries({name: st.integers(1, 9) for name in ('a1', 'a2', 'b2', 'a3')}),
 )
 @settings(max_examples=40)
-def test_no_mix_is_faster_than_what_it_says_of_its_sections(
+def test_no_drawn_mix_is_faster_than_its_bottleneck(
     orders: list[tuple[str, int]], seconds: dict[str, int]
 ) -> None:
-    found = mixed(*orders, **{name: float(s) for name, s in seconds.items()})
-    told: list[Forecast | JobForecast] = [found, *found.jobs]
-    for whole in told:
+    result = mixed(*orders, **{name: float(s) for name, s in seconds.items()})
+    results: list[Forecast | JobForecast] = [result, *result.jobs]
+    for whole in results:
         if whole.per_item_s is not None:
             assert whole.bottleneck is not None
             assert whole.per_item_s >= whole.bottleneck.pace_s - 1e-9
@@ -232,8 +232,8 @@ def test_no_mix_is_faster_than_what_it_says_of_its_sections(
     ],
 )
 def test_waits_that_are_not_shown_are_counted(rest: tuple[float, ...], said: str) -> None:
-    found = mixed((THREE, 1))
+    result = mixed((THREE, 1))
     shares = (0.2, 0.1, 0.1, 0.1, 0.05, *rest)
     waits = tuple(WaitLoad('flag', f'flag {n}', 1.0, share) for n, share in enumerate(shares))
-    first = replace(found.sections[0], waits=waits)
-    assert list(detail_lines(replace(found, sections=(first,), components=())))[-1] == said
+    first = replace(result.sections[0], waits=waits)
+    assert list(detail_lines(replace(result, sections=(first,), components=())))[-1] == said

@@ -93,7 +93,7 @@ def test_history_of_what_is_not_there(journal: Path, capsys: pytest.CaptureFixtu
     assert "a lot is NAME=LOT, found 'glue'" in capsys.readouterr().err
 
 
-def test_a_job_response_has_the_lots_of_its_items(
+def test_job_response_has_lots_of_its_items(
     journal: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(['history', '--journal', str(journal), '--b2mml', '--job', 'J']) == 0
@@ -121,14 +121,14 @@ def test_a_trace_has_them_as_attributes(look: Look) -> None:
 
 
 def test_the_page_finds_an_item_by_its_serial(look: Look) -> None:
-    (found,) = items_of(look, ' S-3 ')['items']
-    assert (found['item'], found['job']) == ('K/1', 'K')
+    (item,) = items_of(look, ' S-3 ')['items']
+    assert (item['item'], item['job']) == ('K/1', 'K')
     assert items_of(look, 'S')['items'] == []
 
 
-def test_the_page_tells_them_of_an_item_and_of_a_job(look: Look) -> None:
+def test_page_shows_identity_of_item_and_job(look: Look) -> None:
     item, job = item_record(look, 'K/1'), job_with_items(look, 'K')
     assert item is not None
     assert job is not None
-    for one in (item, job['items'][0]):
-        assert (one['serial'], one['lots']) == ('S-3', {'glue': 'L-2'})
+    for entry in (item, job['items'][0]):
+        assert (entry['serial'], entry['lots']) == ('S-3', {'glue': 'L-2'})

@@ -63,17 +63,17 @@ def told(journal: Path) -> ItemHistory:
 
 
 def entries(history: ItemHistory, kind: str) -> list[Entry]:
-    return [one for chapter in chapters(history) for one in chapter.entries if one.kind == kind]
+    return [step for chapter in chapters(history) for step in chapter.entries if step.kind == kind]
 
 
-def test_every_attempt_stands_there_with_its_wait_and_how_it_ended(told: ItemHistory) -> None:
-    press = [one for one in entries(told, 'task') if one.what.startswith('press')]
-    assert [(one.what, one.seconds, one.words) for one in press] == [
+def test_record_shows_waits_and_end_of_attempts(told: ItemHistory) -> None:
+    press = [attempt for attempt in entries(told, 'task') if attempt.what.startswith('press')]
+    assert [(attempt.what, attempt.seconds, attempt.words) for attempt in press] == [
         ('press', 1.0, 'failed: aborted (aborted by the simulated controller)'),
         ('press, attempt 2', 1.0, 'failed: aborted (aborted by the simulated controller)'),
         ('press, attempt 3', 12.0, 'done'),
     ]
-    assert [[(round(w.seconds, 3), w.words) for w in one.waited] for one in press] == [
+    assert [[(round(w.seconds, 3), w.words) for w in attempt.waited] for attempt in press] == [
         [
             (3.0, 'waiting for section 2 to finish with WO-7/1'),
             (2.0, 'waiting for the belt to rest'),
@@ -84,12 +84,12 @@ def test_every_attempt_stands_there_with_its_wait_and_how_it_ended(told: ItemHis
     assert ('arguments', 'special_argument_1: deep') in press[0].details
 
 
-def test_who_answered_and_why_and_the_restart_are_told(told: ItemHistory) -> None:
-    assert [(one.what, one.words) for one in entries(told, 'decision')] == [
+def test_record_shows_answers_reasons_and_restart(told: ItemHistory) -> None:
+    assert [(entry.what, entry.words) for entry in entries(told, 'decision')] == [
         ('Ann, engineer, decided retry of hold 1', 'the part sat askew'),
         ('Ben, engineer, decided resume of hold 2', 'belt and gripper looked at'),
     ]
-    assert [(one.what, one.seconds) for one in entries(told, 'hold')] == [
+    assert [(entry.what, entry.seconds) for entry in entries(told, 'hold')] == [
         ('hold 1, press', 41.0),
         ('hold 2, the whole cell', 20.0),
     ]
@@ -100,12 +100,12 @@ def test_who_answered_and_why_and_the_restart_are_told(told: ItemHistory) -> Non
 def test_the_end_says_why(told: ItemHistory) -> None:
     assert (told.how, told.lots) == ('rejected', {'grease': 'L-77'})
     assert 'found 7.5' in told.rejected
-    weigh = next(one for one in entries(told, 'task') if one.what == 'weigh')
+    weigh = next(entry for entry in entries(told, 'task') if entry.what == 'weigh')
     assert ('refused', 'item_present: true, measurement: 7.5') in weigh.details
 
 
 def test_what_stood_and_worked_beside_it_is_told(told: ItemHistory) -> None:
-    assert [(one.title, one.beside) for one in chapters(told)] == [
+    assert [(chapter.title, chapter.beside) for chapter in chapters(told)] == [
         ('Section 1', 'section 2: WO-7/1'),
         ('Section 2', 'section 1: WO-7/3'),
         ('Section 3', 'section 2: WO-7/3'),
@@ -114,17 +114,17 @@ def test_what_stood_and_worked_beside_it_is_told(told: ItemHistory) -> None:
     assert ('at work at the same time', 'a2 TASK_A (WO-7/1)') in place.details
 
 
-def test_a_task_that_failed_and_was_passed_makes_the_item_nonconforming() -> None:
+def test_passed_failure_makes_item_nonconforming() -> None:
     line = Line(3, faults={'b2': '#1=abort'})
     section = '{id: work, @a2}, {id: check, @b2, on_failure: continue}'
     run = line.run(with_section(2, f'[{section}]'), 2)
-    found = []
+    outcomes = []
     for name in ('J/1', 'J/2'):
         fold = ItemFold(name, 'J')
         for event in run.store.read():
             fold.follow(event)
-        found.append((fold.history.how, fold.history.nonconforming))
-    assert found == [('packed', ['check']), ('packed', [])]
+        outcomes.append((fold.history.how, fold.history.nonconforming))
+    assert outcomes == [('packed', ['check']), ('packed', [])]
 
 
 def test_all_of_its_time_is_accounted_for(told: ItemHistory) -> None:
@@ -153,27 +153,27 @@ def story(history: ItemHistory) -> list[object]:
     begun = history.started
     assert begun is not None
     entries = [
-        (one.kind, one.what, one.words, one.outcome, pytest.approx(one.time - begun, abs=1e-4))
+        (row.kind, row.what, row.words, row.outcome, pytest.approx(row.time - begun, abs=1e-4))
         for chapter in chapters(history)
-        for one in chapter.entries
-        if one.kind != CLOCK
+        for row in chapter.entries
+        if row.kind != CLOCK
     ]
     uses = [(use.words, use.kind, round(use.seconds, 4)) for use in time_uses(history)]
     return [*entries, *uses]
 
 
-def test_a_step_of_the_clock_is_an_entry_of_the_story(journal: Path) -> None:
+def test_clock_step_is_entry_of_item_record(journal: Path) -> None:
     with journal_reading(journal) as reading:
         events = list(reading.events(Wanted()))
     store = MemoryStore()
     store.append(stepped(events, [(60, -50.0)]))
     history = item_history(Reading(MemoryRecords(store)), ITEM)
     assert history is not None
-    assert [one.what for one in entries(history, CLOCK)] == ['the clock was set back by 50.0 s']
-    assert [one['seconds'] for one in plain_item(history)['clock_set']] == [-50.0]
+    assert [step.what for step in entries(history, CLOCK)] == ['the clock was set back by 50.0 s']
+    assert [step['seconds'] for step in plain_item(history)['clock_set']] == [-50.0]
 
 
-def test_what_an_item_waited_for_is_what_the_line_said_at_the_time() -> None:
+def test_item_waits_match_what_line_reported() -> None:
     """At every moment of a run with an arm, a flag and a zone."""
     line = Line(3, seconds={'a2': 3.0, 'b3': 4.0, 'arm': 1.5})
     run = VirtualRun(line.cell, line.types)
@@ -181,7 +181,7 @@ def test_what_an_item_waited_for_is_what_the_line_said_at_the_time() -> None:
     run.go()
     assert recorded_as_told(run)
     waited = [
-        w for n in range(1, 5) for one in history_of(run, f'J/{n}').tasks for w in one.waited
+        w for n in range(1, 5) for task in history_of(run, f'J/{n}').tasks for w in task.waited
     ]
     assert {w.kind for w in waited} >= {'belt', 'turn', 'component', 'flag', 'zone'}
 
@@ -200,7 +200,7 @@ def history_of(run: VirtualRun, item: str = 'J/1') -> ItemHistory:
     return history
 
 
-def test_a_retry_waits_for_its_delay_and_then_for_the_arm() -> None:
+def test_retry_waits_for_delay_then_for_arm() -> None:
     """The arm is taken while the delay lasts, and for much longer."""
     seconds = {'a3': 0.5, 'arm': 20.0}
     line = Line(3, seconds=seconds, faults={'arm': 'TASK_A#2=reject'})
@@ -208,14 +208,14 @@ def test_a_retry_waits_for_its_delay_and_then_for_the_arm() -> None:
     run.submit('J', line.script(DELAYED), 2)
     run.go()
     tasks = history_of(run, 'J/2').tasks
-    (again,) = (one for one in tasks if (one.task, one.attempt) == ('weigh', 2))
+    (again,) = (task for task in tasks if (task.task, task.attempt) == ('weigh', 2))
     assert [(w.kind, round(w.seconds, 3)) for w in again.waited] == [
         ('retry_delay', 1.0),
         ('component', 19.5),
     ]
 
 
-def test_a_rejected_item_waits_for_the_holds_that_stop_the_line() -> None:
+def test_rejected_item_waits_for_holds_of_line() -> None:
     text = """
     sections:
       1: [{id: place, @a1, qty_change: 1}]
@@ -240,8 +240,8 @@ def test_a_rejected_item_waits_for_the_holds_that_stop_the_line() -> None:
 def without_cell(events: Iterable[Event]) -> list[Event]:
     """Return events as programs wrote them that did not note the cell."""
     return [
-        replace(one, cell_definition=None) if isinstance(one, OrchestratorStarted) else one
-        for one in events
+        replace(event, cell_definition=None) if isinstance(event, OrchestratorStarted) else event
+        for event in events
     ]
 
 
@@ -257,7 +257,7 @@ def uses_in(events: Sequence[Event]) -> dict[str, float]:
     return {use.words: use.seconds for use in uses}
 
 
-def test_an_older_journal_says_that_it_does_not_tell(journal: Path) -> None:
+def test_older_journal_marks_waits_as_unknown(journal: Path) -> None:
     with journal_reading(journal) as reading:
         events = without_cell(reading.events(Wanted()))
     uses = uses_in(events)
@@ -265,33 +265,33 @@ def test_an_older_journal_says_that_it_does_not_tell(journal: Path) -> None:
     assert uses[NOT_TOLD] == pytest.approx(72.0)
 
 
-def test_a_later_start_tells_an_older_journal_which_cell_it_was(journal: Path) -> None:
+def test_later_start_names_cell_of_older_journal(journal: Path) -> None:
     with journal_reading(journal) as reading:
         events = list(reading.events(Wanted()))
-    (first, second) = (one for one in events if isinstance(one, OrchestratorStarted))
+    (first, second) = (event for event in events if isinstance(event, OrchestratorStarted))
     older = [*without_cell(events[: second.seq - 1]), *events[second.seq - 1 :]]
     assert first.cell_definition == second.cell_definition
     assert uses_in(older) == uses_in(events)
     assert NOT_TOLD not in uses_in(events)
 
 
-def test_behind_a_damaged_event_it_is_not_told_what_was_waited_for(journal: Path) -> None:
+def test_waits_after_damaged_event_are_unknown(journal: Path) -> None:
     with journal_reading(journal) as reading:
         events = list(reading.events(Wanted()))
         whole = item_history(reading, ITEM)
-    lost = next(one.seq for one in events if isinstance(one, HoldReleased))
+    lost = next(entry.seq for entry in events if isinstance(entry, HoldReleased))
     fold = ItemFold(ITEM, 'WO-7', CellState(ToldItem().line.cell))
     for event in events:
         if event.seq != lost:
             fold.follow(event)
     assert whole is not None
-    press = [one.waited for one in whole.tasks if one.task == 'press']
-    assert [one.waited for one in fold.history.tasks if one.task == 'press'] == press
-    told = [one.words for one in fold.history.idle]
-    assert told.count('') == len(told) > 0
+    press = [entry.waited for entry in whole.tasks if entry.task == 'press']
+    assert [entry.waited for entry in fold.history.tasks if entry.task == 'press'] == press
+    idle_words = [entry.words for entry in fold.history.idle]
+    assert idle_words.count('') == len(idle_words) > 0
 
 
-def test_the_cell_is_known_when_the_start_of_the_node_is_removed(tmp_path: Path) -> None:
+def test_cell_is_known_without_start_event(tmp_path: Path) -> None:
     run = LongRun(tmp_path / 'cell.sqlite3', keep_jobs=2)
     for number in range(40):
         run.job(f'J{number}')
@@ -301,7 +301,7 @@ def test_the_cell_is_known_when_the_start_of_the_node_is_removed(tmp_path: Path)
         assert reading.records.extent().first_seq > 1
         history = item_history(reading, 'J39/2')
     assert history is not None
-    assert [w.kind for one in history.tasks for w in one.waited]
+    assert [w.kind for task in history.tasks for w in task.waited]
     assert NOT_TOLD not in {use.words for use in time_uses(history)}
 
 
@@ -330,18 +330,16 @@ def words(journal: Path) -> list[str]:
     return ['history', '--journal', str(journal)]
 
 
-def test_a_document_has_the_story_and_needs_no_other_file(
-    words: list[str], tmp_path: Path
-) -> None:
+def test_document_tells_story_without_other_files(words: list[str], tmp_path: Path) -> None:
     file = tmp_path / 'item.html'
     assert main([*words, '--item', ITEM, '--html', '-o', str(file)]) == 0
     text = file.read_text()
     page = _Text(text)
     assert page.loads == []
     assert 'http' not in text.replace('http://www.w3.org', '')
-    told = ' '.join(page.words)
-    for said in ('rejected', 'the part sat askew', 'aborted by the simulated controller', 'L-77'):
-        assert said in told
+    page_text = ' '.join(page.words)
+    for term in ('rejected', 'the part sat askew', 'aborted by the simulated controller', 'L-77'):
+        assert term in page_text
     assert '@media print' in text
 
 
@@ -354,7 +352,7 @@ def test_json_has_the_same(words: list[str], capsys: pytest.CaptureFixture[str])
     )
 
 
-def test_a_lot_has_a_list_and_a_record_of_each_item(
+def test_lot_has_list_and_record_per_item(
     words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([*words, '--lot', 'grease=L-77', '--html']) == 0
@@ -383,7 +381,7 @@ def test_what_is_left_of_a_journal_is_told(journal: Path, begin: int) -> None:
         fold.follow(event)
     text = item_page([fold.history], Source('the rest', events[-1].time), 'Item')
     begun = any(
-        isinstance(one, CycleStarted) and (one.item, one.section) == (ITEM, 1) for one in events
+        isinstance(row, CycleStarted) and (row.item, row.section) == (ITEM, 1) for row in events
     )
     assert ('does not have the beginning' in text) != begun
     assert ('class="badge"' in text) == (fold.history.ended is None)
@@ -408,24 +406,24 @@ def test_a_chart_shows_what_each_component_really_did(
 ) -> None:
     assert main([*words, '--gantt', '--job', 'WO-7']) == 0
     svg = ET.fromstring(capsys.readouterr().out.partition('?>')[2])
-    rows = {one.get('id'): one for one in svg.iter() if one.tag.endswith('}g')}
+    rows = {part.get('id'): part for part in svg.iter() if part.tag.endswith('}g')}
     assert list(rows) == ['cell', 'a1', 'a2', 'arm', 'b2', 'a3', 'conveyor', 'legend']
-    told = [one.text or '' for one in rows['a2'].iter() if one.tag.endswith('}title')]
-    assert len(told) == 6
-    assert told[2].splitlines()[0] == 'press of WO-7/2: TASK_A at a2'
-    assert told[2].splitlines()[2] == 'aborted'
-    assert told[0].startswith('hold 1: section 2, press (TASK_A) of WO-7/2 at a2')
-    arm = [one.text or '' for one in rows['arm'].iter() if one.tag.endswith('}title')]
-    assert {'screw_right of WO-7/1', 'weigh of WO-7/1'} <= {one.split(':')[0] for one in arm}
+    titles = [part.text or '' for part in rows['a2'].iter() if part.tag.endswith('}title')]
+    assert len(titles) == 6
+    assert titles[2].splitlines()[0] == 'press of WO-7/2: TASK_A at a2'
+    assert titles[2].splitlines()[2] == 'aborted'
+    assert titles[0].startswith('hold 1: section 2, press (TASK_A) of WO-7/2 at a2')
+    arm = [part.text or '' for part in rows['arm'].iter() if part.tag.endswith('}title')]
+    assert {'screw_right of WO-7/1', 'weigh of WO-7/1'} <= {part.split(':')[0] for part in arm}
 
 
-def test_a_chart_of_a_stretch_of_time_is_cut_there(
+def test_chart_is_cut_to_requested_period(
     words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     begin, end = (datetime.fromtimestamp(BEGIN + s).isoformat() for s in (20.0, 60.0))
     assert main([*words, '--gantt', '--from', begin, '--to', end]) == 0
     svg = ET.fromstring(capsys.readouterr().out.partition('?>')[2])
-    assert [one.get('id') for one in svg.iter() if one.tag.endswith('}g')] == ['a2', 'legend']
+    assert [part.get('id') for part in svg.iter() if part.tag.endswith('}g')] == ['a2', 'legend']
 
 
 @pytest.mark.parametrize(

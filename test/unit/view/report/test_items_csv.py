@@ -22,7 +22,7 @@ def job(*items: ItemRecord, failures: tuple[FailureRecord, ...] = ()) -> JobReco
     return replace(record, items=named, failures=list(failures))
 
 
-def test_each_item_is_a_row_with_its_end_and_its_duration() -> None:
+def test_item_row_has_end_and_duration() -> None:
     bad = ItemRecord('WO-1/1', 10.0, 12.5, 'rejected', ['weigh', 'seal'], {'glue': 2})
     failed = FailureRecord(11.0, 'weigh', 1, 'aborted', item='WO-1/1')
     first, second = rows(job(bad, ItemRecord('WO-1/2', 11.0), failures=(failed,)))
@@ -36,10 +36,10 @@ def test_each_item_is_a_row_with_its_end_and_its_duration() -> None:
     assert (first['recipe'], first['recipe_version']) == ('WM-100', '3')
 
 
-def test_results_have_a_column_each_with_the_name_of_a_reference() -> None:
-    one = ItemRecord('WO-1/1', 1.0, results={'weigh': {'grams': 5.5}, 'read': {'code': 'A'}})
+def test_each_result_has_column_named_like_reference() -> None:
+    item = ItemRecord('WO-1/1', 1.0, results={'weigh': {'grams': 5.5}, 'read': {'code': 'A'}})
     other = ItemRecord('WO-1/2', 2.0, results={'weigh': {'grams': 6.0, 'raw': [1, 2]}})
-    first, second = rows(job(one, other))
+    first, second = rows(job(item, other))
     assert tuple(first)[len(ITEM_COLUMNS) :] == (
         'results.weigh.grams',
         'results.read.code',

@@ -41,7 +41,7 @@ def jobs_of(records: Iterable[Mapping[str, Any]], *known: JobRecord) -> Mapping[
 
 @examples(12, 100)
 @given(lines())
-def test_it_counts_what_the_state_counts_and_needs_some_records_only(plan: Plan) -> None:
+def test_job_fold_matches_state_from_followed_records(plan: Plan) -> None:
     bench = ProductBench(plan)
     operate(bench, plan.moments)
     state, records = bench.run.state, bench.run.records
@@ -95,7 +95,7 @@ def test_a_job_on_the_line() -> None:
     assert (job.status, job.ended, job.items['J/1'].how) == ('running', None, '')
 
 
-def test_a_summary_comes_back_and_stands_for_a_job_without_its_beginning() -> None:
+def test_summary_stands_for_job_without_beginning() -> None:
     (ended,) = Line().run(THREE, 2).state.ended.values()
     kept = record_of(ended)
     assert job_from_plain(job_to_plain(kept)) == kept
@@ -106,7 +106,7 @@ def test_a_summary_comes_back_and_stands_for_a_job_without_its_beginning() -> No
     assert fold.jobs['J'] == JobRecord('J', 's', 1, 9.0, '0')
 
 
-def test_a_job_that_was_stopped_is_kept_as_stopped_and_why() -> None:
+def test_stopped_job_keeps_status_and_reason() -> None:
     run = Line().begin(THREE, 3)
     run.go(until=1.5)
     run.control('stop', 'J')

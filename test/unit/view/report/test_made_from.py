@@ -54,24 +54,24 @@ def run(line: Line) -> VirtualRun:
     return run
 
 
-def test_it_is_read_and_changes_nothing_of_the_script(line: Line) -> None:
+def test_made_from_does_not_change_script_digest(line: Line) -> None:
     script = of_version(line, 1)
     assert script.made_from == MadeFrom('WM-100', 1, cell_digest='12')
     assert line.script(THREE).made_from is None
     assert digest(script) == digest(of_version(line, 2)) == digest(line.script(THREE))
 
 
-def test_each_job_keeps_the_version_it_was_ordered_with(run: VirtualRun) -> None:
+def test_each_job_keeps_its_ordered_version(run: VirtualRun) -> None:
     versions = {'J': ('', None), 'K': ('WM-100', 1), 'L': ('WM-100', 2), 'M': ('WM-100', 3)}
     live = {job.job.id: (job.recipe, job.recipe_version) for job in run.state.jobs.values()}
     assert live == versions
     again = state_from_plain(run.state.cell, state_to_plain(run.state))
-    assert {n: (one.recipe, one.recipe_version) for n, one in again.jobs.items()} == versions
+    assert {n: (row.recipe, row.recipe_version) for n, row in again.jobs.items()} == versions
     run.go(until=2e9)
     ended = {name: record_of(job) for name, job in run.state.ended.items()}
     for records in (jobs_of(run), ended):
-        assert {n: (one.recipe, one.recipe_version) for n, one in records.items()} == versions
-        assert {one.digest for one in records.values()} == {digest(run.job('J').job.script)}
+        assert {n: (row.recipe, row.recipe_version) for n, row in records.items()} == versions
+        assert {row.digest for row in records.values()} == {digest(run.job('J').job.script)}
 
 
 def test_reports_and_exports_name_it(run: VirtualRun) -> None:
@@ -84,7 +84,7 @@ def test_reports_and_exports_name_it(run: VirtualRun) -> None:
         export.write(json.dumps(record))
     export.close()
     traces = file.getvalue().split('<trace>')[1:]
-    assert ['key="recipe" value="WM-100"' in one for one in traces] == [False, True, True, True]
+    assert ['key="recipe" value="WM-100"' in part for part in traces] == [False, True, True, True]
     assert 'key="recipe_version" value="2"' in traces[2]
 
 
@@ -118,9 +118,7 @@ def test_history_prints_what_a_job_ran(
     assert 'say which: --job JOB' in capsys.readouterr().err
 
 
-def test_a_change_of_other_terms_keeps_the_version_whichever_script_it_comes_with(
-    line: Line, run: VirtualRun
-) -> None:
+def test_change_of_other_terms_keeps_recipe_version(line: Line, run: VirtualRun) -> None:
     """Jobs of several versions have one script in common: what it was made from is any of them."""
     kept = UpdateJob(Job('L', of_version(line, 3), 7), BY, keeps_script=True)
     assert run.ask(kept).accepted

@@ -92,7 +92,7 @@ sections:
 
 def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
     """Yield what each surface says of each job: name of the surface, job, numbers by word."""
-    state, events = run.state, [from_record(one) for one in run.records]
+    state, events = run.state, [from_record(entry) for entry in run.records]
     status = Overview(run.sim.orchestrator).status(run.now)
     fold, followed, counter = JobFold(), FollowedJobs(), packml.Counter()
     account = AccountFold(
@@ -105,7 +105,7 @@ def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
             account.follow(event)
     shown = figures(account.until(us_of(run.now) + 1), Paces(run.sim.state.cell))
     yield 'metrics', ALL, in_metrics(shown)
-    yield from (('CSV of a report', *one) for one in in_csv(shown))
+    yield from (('CSV of a report', *entry) for entry in in_csv(shown))
     for made in shown.times.made:
         yield 'report', made.job, {word: getattr(made, word) for word in WORDS}
     for job in status.jobs:
@@ -169,7 +169,7 @@ def in_items_csv(record: JobRecord) -> Numbers:
 
 def _only(status: CellStatus, job: str) -> CellStatus:
     jobs = tuple(
-        replace(one, position=min(one.position, 1)) for one in status.jobs if one.id == job
+        replace(entry, position=min(entry.position, 1)) for entry in status.jobs if entry.id == job
     )
     return replace(status, jobs=jobs)
 
@@ -183,18 +183,18 @@ def simple(status: CellStatus, job: str) -> Numbers:
 
 def by_item(items: Iterator[dict[str, Any]]) -> Numbers:
     """Count what `GetItems` and the page say of each item."""
-    found = list(items)
+    rows = list(items)
     return {
-        'good': sum(one['good'] is True for one in found),
-        'packed': sum(one['how'] == 'packed' for one in found),
-        'rejected': sum(one['how'] == 'rejected' for one in found),
-        'produced': sum(one['good'] is not None for one in found),
-        'nonconforming': sum(one['how'] == 'packed' and not one['good'] for one in found),
+        'good': sum(item['good'] is True for item in rows),
+        'packed': sum(item['how'] == 'packed' for item in rows),
+        'rejected': sum(item['how'] == 'rejected' for item in rows),
+        'produced': sum(item['good'] is not None for item in rows),
+        'nonconforming': sum(item['how'] == 'packed' and not item['good'] for item in rows),
     }
 
 
 def quantities(response: JobResponse) -> Numbers:
-    data = {one.id: one.value for one in response.data}
+    data = {parameter.id: parameter.value for parameter in response.data}
     assert all(type(data[name]) is int for name in QUANTITIES)
     return {word: data[name] for name, word in QUANTITIES.items()}
 
@@ -202,12 +202,12 @@ def quantities(response: JobResponse) -> Numbers:
 def agree(run: VirtualRun) -> Counter[str]:
     """Assert that all surfaces say what the records say; returns it."""
     records, truth = run.records, dict[str, Counter[str]]()
-    for one in records:
-        if one['event'] == 'item.removed':
-            kind = 'good' if is_good(one, records) else 'nonconforming'
-            word = kind if one['how'] == 'packed' else one['how']
-            words = (word, 'produced', *(['packed'] if one['how'] == 'packed' else []))
-            truth.setdefault(one['job'], Counter()).update(words)
+    for record in records:
+        if record['event'] == 'item.removed':
+            kind = 'good' if is_good(record, records) else 'nonconforming'
+            word = kind if record['how'] == 'packed' else record['how']
+            words = (word, 'produced', *(['packed'] if record['how'] == 'packed' else []))
+            truth.setdefault(record['job'], Counter()).update(words)
     for surface, job, numbers in told(run):
         everything = sum(truth.values(), Counter[str]())
         expected = everything if job == ALL else truth.get(job, Counter())

@@ -27,7 +27,7 @@ def test_the_queue_ends_one_job_after_the_other() -> None:
     assert ends == {name: pytest.approx(end, abs=4.0) for name, end in real.items()}
 
 
-def test_a_flag_that_makes_sections_wait_is_in_the_estimate() -> None:
+def test_flag_waits_are_in_the_estimate() -> None:
     """With capacity 1 section 2 begins to work when section 3 has packed: 62 s an item, not 32."""
     line = Line(seconds={'a2': 30.0, 'a3': 30.0})
     text = f'{THREE}lateral_dependencies: [{{flag: turned, upstream: work, downstream: pack}}]\n'
@@ -39,7 +39,7 @@ def test_a_flag_that_makes_sections_wait_is_in_the_estimate() -> None:
     assert ends == {'J': pytest.approx(end, abs=2 * 62.0)}
 
 
-def test_what_a_paused_job_or_a_stop_keeps_back_has_no_end() -> None:
+def test_jobs_behind_pause_have_no_expected_end() -> None:
     line = Line()
     run = line.begin(quantity=5)
     run.submit('K', line.script(THREE))
@@ -47,7 +47,7 @@ def test_what_a_paused_job_or_a_stop_keeps_back_has_no_end() -> None:
     assert expected_ends_s(run.state, line.cell) == {}
 
 
-def test_a_job_that_needs_what_is_out_of_service_has_no_end() -> None:
+def test_job_needing_unavailable_component_has_no_end() -> None:
     """In the queue others pass it; on the line what is behind it waits as well."""
     line = Line()
     run = line.begin(quantity=5)
@@ -70,7 +70,7 @@ lateral_dependencies:
 """
 
 
-def test_what_gets_stuck_has_no_end_and_nothing_behind_it_has() -> None:
+def test_stuck_job_and_followers_have_no_end() -> None:
     """No submit lets it in, but a journal may be older than that."""
     line = Line()
     run = VirtualRun(line.cell, line.types)
@@ -85,7 +85,7 @@ def slower(cell: Cell, name: str) -> Cell:
     return replace(cell, components={**cell.components, name: component})
 
 
-def test_a_pace_is_worked_out_when_durations_of_its_tasks_have_changed(
+def test_pace_is_recomputed_when_task_durations_change(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     worked_out: list[int] = []

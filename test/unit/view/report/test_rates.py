@@ -26,14 +26,14 @@ def seen(quantity: int, *, name: str = 'test') -> tuple[Script, list[Rate]]:
     line = Line(faults={'a2': HOLDS, 'b2': REFUSED})
     run = line.run(with_section(2, SECTION), quantity)
     assert run.ended
-    found = RatesSeen()
+    rates = RatesSeen()
     for record in run.records:
-        found.follow(from_record(record))
+        rates.follow(from_record(record))
     script = line.script(with_section(2, SECTION), name)
-    return script, list(rates_of(script, found))
+    return script, list(rates_of(script, rates))
 
 
-def test_what_a_journal_has_seen_goes_before_what_a_file_says() -> None:
+def test_observed_rates_override_those_of_file() -> None:
     _, rates = seen(30)
     assert rates == [Rate('more', 'runs', 3 / 30, 30), Rate('weigh', 'fails', 5 / 35, 35)]
     assert list(map(str, rates)) == [
@@ -42,7 +42,7 @@ def test_what_a_journal_has_seen_goes_before_what_a_file_says() -> None:
     ]
 
 
-def test_what_was_seen_too_few_times_is_as_the_file_says() -> None:
+def test_too_few_observations_keep_rates_of_file() -> None:
     _, rates = seen(LEAST - 1)
     assert rates == [Rate('more', 'runs', 0.9), Rate('weigh', 'fails', 5 / 24, 24)]
     assert str(rates[0]) == 'more runs for 90 % of items'
@@ -61,7 +61,7 @@ def test_a_rejected_item_says_nothing_of_a_condition() -> None:
       - {id: more, @b2, when: "${results.look.item_present}"}
     """
     text = with_section(2, section).replace('qty_change: -1', 'qty_change: -1, runs_for: all')
-    found = RatesSeen()
+    rates = RatesSeen()
     for record in line.run(text, LEAST).records:
-        found.follow(from_record(record))
-    assert list(rates_of(line.script(text), found)) == [Rate('drop', 'fails', 1.0, LEAST)]
+        rates.follow(from_record(record))
+    assert list(rates_of(line.script(text), rates)) == [Rate('drop', 'fails', 1.0, LEAST)]

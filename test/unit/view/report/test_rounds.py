@@ -38,12 +38,12 @@ def run() -> VirtualRun:
     )
 
 
-def test_the_story_of_an_item_has_the_round_of_each_attempt(run: VirtualRun) -> None:
+def test_item_history_has_round_of_each_attempt(run: VirtualRun) -> None:
     fold = ItemFold('J/1', 'J')
     for record in run.records:
         fold.follow(from_record(record))
-    told = [(one.task, one.round, one.outcome) for one in fold.history.tasks if one.section == 2]
-    assert told == [
+    rounds = [(row.task, row.round, row.outcome) for row in fold.history.tasks if row.section == 2]
+    assert rounds == [
         ('glue', 0, 'succeeded'),
         ('weigh', 0, 'failed'),
         ('glue', 1, 'succeeded'),
@@ -53,7 +53,7 @@ def test_the_story_of_an_item_has_the_round_of_each_attempt(run: VirtualRun) -> 
     ]
 
 
-def test_the_record_of_a_job_has_the_rounds_of_each_item(run: VirtualRun) -> None:
+def test_job_record_has_rounds_of_each_item(run: VirtualRun) -> None:
     fold = JobFold()
     for record in run.records:
         fold.follow(from_record(record))
@@ -66,7 +66,7 @@ def test_the_record_of_a_job_has_the_rounds_of_each_item(run: VirtualRun) -> Non
 
 def test_the_status_has_the_round_of_what_runs() -> None:
     run = Line(faults={'a2': '#1=reads:0'}).begin(REPEAT, 1).go(until=5.5)
-    ((running,),) = [one.running for one in run.sim.status().sections if one.running]
+    ((running,),) = [section.running for section in run.sim.status().sections if section.running]
     assert (running.id, running.round, running.attempt) == ('glue', 1, 1)
 
 
@@ -79,7 +79,7 @@ def test_an_export_for_process_mining_has_the_round(run: VirtualRun) -> None:
     assert file.getvalue().count('<int key="round" value="2"/>') == 2
 
 
-def test_what_a_verdict_refused_is_told_of_its_item(run: VirtualRun) -> None:
+def test_refused_results_are_shown_with_item(run: VirtualRun) -> None:
     fold = JobFold()
     for record in run.records:
         fold.follow(from_record(record))

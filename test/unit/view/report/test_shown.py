@@ -24,5 +24,5 @@ from bt_orchestrator.view.report.tables import shown
         ({'☃': 1}, '{"☃": 1}'),
     ],
 )
-def test_it_is_readable_and_nothing_that_a_terminal_obeys(plain: Any, text: str) -> None:
+def test_shown_values_are_readable_and_terminal_safe(plain: Any, text: str) -> None:
     assert shown(plain) == text

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bt_orchestrator.view.report.tables import table
 
 
-def test_the_first_column_is_to_the_left_and_the_others_to_the_right() -> None:
+def test_first_column_aligns_left_others_right() -> None:
     assert list(table(('part', 'busy'), [('a', '1.0 s'), ('long name', '22.5 s')])) == [
         'part         busy',
         'a           1.0 s',

@@ -13,7 +13,7 @@ from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.view.report.wait_chains import causes, chains
 
 
-def test_the_belt_waits_for_a_section_that_waits_for_a_held_component() -> None:
+def test_belt_waits_for_section_at_held_component() -> None:
     text = with_section(2, '[{id: work, @arm}]')
     text = text.replace('3: [{id: pack', '3: [{id: look, @arm.TASK_B}, {id: pack')
     run = Line(3, faults={'arm': 'TASK_A=abort:2'}).begin(text, 3)
@@ -24,7 +24,7 @@ def test_the_belt_waits_for_a_section_that_waits_for_a_held_component() -> None:
     assert way_of(parts, 'section/2') == [f'hold/{hold}']
 
 
-def test_a_section_waits_for_a_component_that_works_elsewhere() -> None:
+def test_section_waits_for_component_working_elsewhere() -> None:
     text = with_section(2, '[{id: work, @arm}]')
     text = text.replace('3: [{id: pack', '3: [{id: look, @arm.TASK_B}, {id: pack')
     run = Line(3, seconds={'arm': 10.0}).begin(text, 3)
@@ -57,7 +57,7 @@ def test_a_source_waits_for_initialization_that_is_held() -> None:
     assert root_of(parts, 'section/1') == (f'hold/{hold}', 'hold')
 
 
-def test_a_component_that_does_not_report_ready_is_the_cause() -> None:
+def test_unready_component_is_the_cause() -> None:
     run = Line(3, topics=('a2',), faults={'a2': '#0=not_ready'}).begin()
     run.go()
     parts = page_parts(run)
@@ -69,7 +69,7 @@ def test_a_component_that_does_not_report_ready_is_the_cause() -> None:
 def test_nothing_is_said_twice_in_a_row() -> None:
     run = Line(3, seconds={'a1': 10.0}).begin()
     run.go(until=5.0)
-    (chain,) = (one for one in page_parts(run)['why']['chains'] if one['part'] == 'belt')
+    (chain,) = (entry for entry in page_parts(run)['why']['chains'] if entry['part'] == 'belt')
     assert [link['words'] for link in chain['links']] == [
         'waiting for section 1 to finish with J/1',
         'a1 works on place',
@@ -77,17 +77,17 @@ def test_nothing_is_said_twice_in_a_row() -> None:
     assert chain['root']['part'] == 'component/a1'
 
 
-def test_links_say_what_the_waits_say_and_the_root_says_more() -> None:
+def test_links_repeat_waits_and_root_says_more() -> None:
     run = Line(3, faults={'a2': 'TASK_A=abort'}).run(quantity=2)
     parts = page_parts(run)
-    (chain,) = (one for one in parts['why']['chains'] if one['part'] == 'section/2')
+    (chain,) = (entry for entry in parts['why']['chains'] if entry['part'] == 'section/2')
     (wait,) = parts['section/2']['waits']
     (link,) = chain['links']
     assert link['words'] == wait['words'] == 'waiting for an answer to hold 1 (work: aborted)'
     assert chain['root']['words'].startswith('hold 1: section 2, work (TASK_A) of J/1 at a2')
 
 
-def test_a_zone_leads_to_the_section_whose_task_is_in_it() -> None:
+def test_zone_wait_leads_to_occupying_section() -> None:
     text = 'zones: {table: [work, pack]}\n' + with_section(2, '[{id: work, @a2}]')
     run = Line(3, faults={'a3': '#1=abort'}).run(text, 2)
     parts = page_parts(run)
@@ -97,7 +97,7 @@ def test_a_zone_leads_to_the_section_whose_task_is_in_it() -> None:
     assert way_of(parts, 'section/2') == ['section/3', f'hold/{hold}']
 
 
-def test_a_component_that_is_busy_names_the_task_and_its_section() -> None:
+def test_busy_component_names_task_and_section() -> None:
     text = with_section(2, '[{id: work, @arm}]')
     text = text.replace('3: [{id: pack', '3: [{id: look, @arm.TASK_B}, {id: pack')
     run = Line(3, faults={'arm': 'TASK_B#1=abort'}).run(text, 2)
@@ -115,23 +115,23 @@ def test_each_link_begins_where_the_one_before_leads() -> None:
             here = link['to']
 
 
-def test_parts_that_wait_for_each_other_end_their_walk() -> None:
+def test_circular_waits_end_the_walk() -> None:
     turn = Wait('waiting for section 1 to finish with WO-1/1', WaitKind.TURN, sections=(1,))
     belt = Wait('waiting for the belt to move', WaitKind.BELT)
-    found = chains(
+    walks = chains(
         status(
             belt=BeltStatus(waits=(turn,)),
             sections=(SectionStatus(1, waits=(belt,)), section(2)),
         )
     )
-    ways = {chain.part: [link.to for link in chain.links] for chain in found}
+    ways = {chain.part: [link.to for link in chain.links] for chain in walks}
     assert ways == {'section/1': ['belt', 'section/1'], 'belt': ['section/1', 'belt']}
 
 
-def test_what_a_person_has_to_do_goes_before_what_time_does() -> None:
+def test_operator_action_precedes_waiting_for_time() -> None:
     working = Wait('waiting for section 1 to finish with WO-1/2', WaitKind.TURN, sections=(1, 2))
     paused = Wait('waiting for WO-1 to be resumed', WaitKind.PAUSE, 'WO-1')
-    found = chains(
+    walks = chains(
         status(
             belt=BeltStatus(waits=(working,)),
             sections=(
@@ -140,15 +140,15 @@ def test_what_a_person_has_to_do_goes_before_what_time_does() -> None:
             ),
         )
     )
-    (root,) = (chain.root for chain in found if chain.part == 'belt')
+    (root,) = (chain.root for chain in walks if chain.part == 'belt')
     assert (root.part, root.kind) == ('job/WO-1', 'pause')
 
 
-def test_a_cause_that_needs_a_person_comes_first_with_all_that_wait() -> None:
+def test_operator_causes_come_first_with_waiting_parts() -> None:
     paused = Wait('waiting for WO-1 to be resumed', WaitKind.PAUSE, 'WO-1')
     nothing = Wait('waiting for a job', WaitKind.JOB)
     turn = Wait('waiting for section 3 to finish with WO-1/2', WaitKind.TURN, sections=(3,))
-    found = causes(
+    ordered = causes(
         chains(
             status(
                 belt=BeltStatus(waits=(turn,)),
@@ -161,18 +161,18 @@ def test_a_cause_that_needs_a_person_comes_first_with_all_that_wait() -> None:
         ),
         PackmlState.EXECUTE,
     )
-    assert [(one.root.kind, one.is_ordinary, one.waiting) for one in found] == [
+    assert [(cause.root.kind, cause.is_ordinary, cause.waiting) for cause in ordered] == [
         ('pause', False, ('section/3', 'belt')),
         ('job', True, ('section/1',)),
         ('job', True, ('section/2',)),
     ]
 
 
-def test_a_task_that_takes_its_time_is_an_ordinary_cause() -> None:
+def test_long_running_task_is_ordinary_cause() -> None:
     run = Line(3, seconds={'a1': 10.0}).begin()
     run.go(until=5.0)
     causes_now = page_parts(run)['why']['causes']
-    (works,) = (one for one in causes_now if one['part'] == 'component/a1')
+    (works,) = (cause for cause in causes_now if cause['part'] == 'component/a1')
     assert works['is_ordinary']
     assert 'belt' in works['waiting']
 
@@ -186,9 +186,7 @@ def test_a_task_that_takes_its_time_is_an_ordinary_cause() -> None:
         (PackmlState.ABORTED, False),
     ],
 )
-def test_a_cell_at_rest_is_an_ordinary_cause_and_an_aborted_one_is_not(
-    state: PackmlState, is_ordinary: bool
-) -> None:
+def test_cell_at_rest_is_ordinary_unless_aborted(state: PackmlState, is_ordinary: bool) -> None:
     wait = Wait(f'the cell is {state.value}', WaitKind.CELL_STATE)
     at_rest = status(state=state, sections=(SectionStatus(1, waits=(wait,)),))
     (cause,) = causes(chains(at_rest), state)

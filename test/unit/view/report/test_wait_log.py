@@ -30,9 +30,9 @@ def forecast_of(cell: Cell, script: Script, quantity: int) -> Forecast:
     values = {name: parameter.default for name, parameter in script.params.items()}
     simulation.submit([Job('J', script, quantity, values)])
     simulation.run(lambda: log.look(simulation.state, simulation.waits(), simulation.clock.now()))
-    found = fold.forecast(cell, log.end(simulation.clock.now()))
+    result = fold.forecast(cell, log.end(simulation.clock.now()))
     simulation.close()
-    return found
+    return result
 
 
 def waited(load: SectionLoad) -> dict[str, float]:
@@ -41,14 +41,14 @@ def waited(load: SectionLoad) -> dict[str, float]:
 
 @pytest.mark.parametrize('name', ['reference_process', 'inspect_and_assemble'])
 @pytest.mark.parametrize('quantity', [1, 4, 9])
-def test_a_section_works_or_waits_and_nothing_is_left_over(name: str, quantity: int) -> None:
+def test_section_time_is_fully_work_or_wait(name: str, quantity: int) -> None:
     cell = read_cell(REFERENCE_CELL, TYPES)
-    found = forecast_of(cell, read_script(TREES / f'{name}.yaml', cell, TYPES), quantity)
+    result = forecast_of(cell, read_script(TREES / f'{name}.yaml', cell, TYPES), quantity)
 
-    for load in found.sections:
-        assert load.busy_s + sum(w.waited_s for w in load.waits) == pytest.approx(found.total_s)
+    for load in result.sections:
+        assert load.busy_s + sum(w.waited_s for w in load.waits) == pytest.approx(result.total_s)
         assert load.utilisation + sum(w.share for w in load.waits) == pytest.approx(1.0)
-    for component in found.components:
+    for component in result.components:
         assert component.utilisation + sum(w.share for w in component.waits) <= 1.0 + 1e-9
 
 
@@ -62,12 +62,12 @@ lateral_dependencies:
 """
 
 
-def test_waits_have_the_length_that_a_person_would_work_out() -> None:
+def test_waits_have_hand_computed_lengths() -> None:
     line = Line(3, seconds={'a2': 5.0})
-    found = forecast_of(line.cell, line.script(LATE), 1)
-    place, slow, pack = found.sections
+    result = forecast_of(line.cell, line.script(LATE), 1)
+    place, slow, pack = result.sections
 
-    assert found.total_s == 11.0  # place 1, move 2, slow 5, move 2 with work beside it, pack 1
+    assert result.total_s == 11.0  # place 1, move 2, slow 5, move 2 with work beside it, pack 1
     assert (place.busy_s, slow.busy_s, pack.busy_s) == (1.0, 5.0, 2.0)
     assert waited(place) == {'an item': 6.0, 'the belt, which moves': 4.0}
     assert waited(slow) == {'an item': 2.0, 'the belt, which moves': 4.0}
@@ -84,20 +84,20 @@ lateral_dependencies:
 """
 
 
-def test_a_wait_for_a_flag_names_it_and_the_belt_names_the_turn() -> None:
+def test_flag_and_turn_waits_name_their_cause() -> None:
     line = Line(3, seconds={'b3': 5.0})
-    found = forecast_of(line.cell, line.script(FLAG), 3)
+    result = forecast_of(line.cell, line.script(FLAG), 3)
 
     assert (
-        waited(found.sections[1])['flag clear'] == 10.0
+        waited(result.sections[1])['flag clear'] == 10.0
     )  # of items 2 and 3, work of the one before
-    (b2,) = [load for load in found.components if load.component == 'b2']
+    (b2,) = [load for load in result.components if load.component == 'b2']
     assert {wait.cause: wait.waited_s for wait in b2.waits}['flag clear'] == 10.0
-    assert waited(found.sections[0])['the belt: turns of sections 2 and 3'] == 5.0
-    assert {wait.kind for wait in found.components[0].waits} == {'turn'}
+    assert waited(result.sections[0])['the belt: turns of sections 2 and 3'] == 5.0
+    assert {wait.kind for wait in result.components[0].waits} == {'turn'}
 
 
-def test_the_bottleneck_alone_sets_the_pace_of_a_line_without_flags() -> None:
+def test_bottleneck_alone_sets_pace_without_flags() -> None:
     drawn = random.Random(5)
     for _ in range(5):
         seconds = {f'a{n}': drawn.choice([0.5, 1.0, 2.5, 4.0, 7.5]) for n in range(1, 5)}
@@ -109,11 +109,11 @@ sections:
   3: [{id: t3, @a3}]
   4: [{id: pack, @a4, qty_change: -1}]
 """
-        found = forecast_of(line.cell, line.script(text), 12)
+        result = forecast_of(line.cell, line.script(text), 12)
 
-        assert found.bottleneck is not None
-        assert found.per_item_s == pytest.approx(found.bottleneck.pace_s)
-        assert seconds[f'a{found.bottleneck.section}'] == max(seconds.values())
+        assert result.bottleneck is not None
+        assert result.per_item_s == pytest.approx(result.bottleneck.pace_s)
+        assert seconds[f'a{result.bottleneck.section}'] == max(seconds.values())
 
 
 @pytest.mark.parametrize(
@@ -127,9 +127,7 @@ sections:
         (Wait('', WaitKind.FLAG, 'clear'), [], 'flag clear'),
     ],
 )
-def test_causes_are_named_without_the_item_of_the_moment(
-    wait: Wait, belt: list[Wait], text: str
-) -> None:
+def test_wait_causes_omit_current_item(wait: Wait, belt: list[Wait], text: str) -> None:
     assert cause_of(wait, belt).text.removeprefix('the belt: ') == text
 
 

@@ -34,7 +34,7 @@ def measured(
     return {
         **fold.time_in,
         **{f'{name} {n}': s for name, times in fold.times.items() for n, s in enumerate(times)},
-        **{f'cycle {n}': one.seconds for n, one in enumerate(fold.cycles)},
+        **{f'cycle {n}': cycle.seconds for n, cycle in enumerate(fold.cycles)},
     }
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from bt_orchestrator.view.screen.fit import heights, stay
 
 
-def test_the_first_get_what_they_want_and_all_get_their_least() -> None:
+def test_heights_meet_minimums_then_serve_first_parts() -> None:
     assert heights([5, 30, 4], [2, 3, 1], 20) == [5, 14, 1]
     assert heights([5, 30, 4], [2, 3, 1], 100) == [5, 30, 4]
     assert heights([5, 30, 4], [2, 3, 1], 4) == [2, 2, 0]

@@ -45,10 +45,10 @@ def unstyled(text: str) -> str:
 
 
 def test_a_cell_at_work() -> None:
-    found = drawn(picture(statuses.status(), age_s=1.0), height=12)
-    assert found[0].startswith('small_cell  ▶ Execute  ')
-    assert NODE in found[0]
-    assert found[1:] == [
+    lines = drawn(picture(statuses.status(), age_s=1.0), height=12)
+    assert lines[0].startswith('small_cell  ▶ Execute  ')
+    assert NODE in lines[0]
+    assert lines[1:] == [
         'belt at rest  │ · │ WO-1/1 │ →',
         'WO-1 small Running ▒░░░░░░░░░ 0 of 10 packed',
         '  1        · waiting for the belt to move',
@@ -71,34 +71,34 @@ def test_bad_items_have_signs_and_words(width: int, belt: str) -> None:
         statuses.section(2, 'WO-1/2', nonconforming=['weigh'], running=[statuses.task('work')]),
         statuses.section(3, 'WO-1/1', rejected=True, nonconforming=['weigh'], empty_position=True),
     ]
-    found = drawn(picture(statuses.status(sections=bad)), width=width)
-    assert found[1] == belt
+    lines = drawn(picture(statuses.status(sections=bad)), width=width)
+    assert lines[1] == belt
     if width == 80:
-        assert '  1 WO-1/3   · rejected; w' in found
-        assert any('▶ nonconforming (weigh); work TASK_A' in one for one in found)
+        assert '  1 WO-1/3   · rejected; w' in lines
+        assert any('▶ nonconforming (weigh); work TASK_A' in line for line in lines)
 
 
-def test_bad_items_have_signs_where_there_is_only_ascii() -> None:
+def test_bad_items_have_signs_in_ascii() -> None:
     bad = [statuses.section(1, 'WO-1/3', rejected=True, nonconforming=['weigh'])]
     assert '| WO-1/3x~ |' in printed(picture(statuses.status(sections=bad)), 'ascii')
 
 
 def test_a_hold_shows_what_to_type() -> None:
-    found = drawn(picture(statuses.status(state=PackmlState.HELD, holds=[statuses.hold()])))
-    assert found[0].startswith('small_cell  ■ Held  ')
-    at = found.index(
+    lines = drawn(picture(statuses.status(state=PackmlState.HELD, holds=[statuses.hold()])))
+    assert lines[0].startswith('small_cell  ■ Held  ')
+    at = lines.index(
         '■ hold 1: section 2, work (TASK_A) of WO-1/1 at arm (/arm/task), attempt 1 of 2:'
     )
-    assert found[at + 1] == '      aborted'
+    assert lines[at + 1] == '      aborted'
     at += 1
-    assert found[at + 1] == '  bt-orchestrator answer 1 retry --reason "WHY"'
-    assert found[at + 2] == '  or skip in place of retry'
+    assert lines[at + 1] == '  bt-orchestrator answer 1 retry --reason "WHY"'
+    assert lines[at + 2] == '  or skip in place of retry'
 
 
-def test_a_cell_that_stands_shows_what_to_type_next() -> None:
-    found = drawn(picture(statuses.status(state=PackmlState.STOPPED)))
-    at = found.index('bt-orchestrator cell reset --reason "WHY"   gets the cell ready to start')
-    assert found[at - 1].startswith('next ───')
+def test_stopped_cell_shows_next_command() -> None:
+    lines = drawn(picture(statuses.status(state=PackmlState.STOPPED)))
+    at = lines.index('bt-orchestrator cell reset --reason "WHY"   gets the cell ready to start')
+    assert lines[at - 1].startswith('next ───')
 
 
 @pytest.mark.parametrize(('width', 'height'), SIZES)
@@ -109,46 +109,46 @@ def test_notes_stay_below_all_else(width: int, height: int) -> None:
 
 
 def test_a_command_is_wrapped_and_never_cut() -> None:
-    found = drawn(picture(statuses.status(holds=[statuses.hold()])), width=40)
-    text = ' '.join(' '.join(found).split())
+    lines = drawn(picture(statuses.status(holds=[statuses.hold()])), width=40)
+    text = ' '.join(' '.join(lines).split())
     assert 'bt-orchestrator answer 1 retry --reason "WHY"' in text
 
 
 @pytest.mark.parametrize('width', range(32, 81))
 def test_a_command_is_not_broken_at_its_hyphens(width: int) -> None:
     note = 'then .venv/jazzy/bin/bt-orchestrator demo --resume'
-    found = picture(statuses.status(holds=[statuses.hold()]), notes=[note]).lines(width, 24)
-    assert not [line.plain for line in found if re.search(r'\w-$', line.plain)]
+    lines = picture(statuses.status(holds=[statuses.hold()]), notes=[note]).lines(width, 24)
+    assert not [line.plain for line in lines if re.search(r'\w-$', line.plain)]
 
 
 def test_missing_components_are_named() -> None:
     gone = [statuses.component('worker', available=False)]
-    found = drawn(picture(statuses.status(components=gone)))
-    assert '■ worker: no action server at /worker/task' in found
+    lines = drawn(picture(statuses.status(components=gone)))
+    assert '■ worker: no action server at /worker/task' in lines
 
 
 def test_a_silent_node_is_said_to_be_silent() -> None:
-    found = drawn(picture(statuses.status(), silent_s=12.0))
-    assert found[2].startswith('no news from /bt_orchestrator for 12.0 s')
+    lines = drawn(picture(statuses.status(), silent_s=12.0))
+    assert lines[2].startswith('no news from /bt_orchestrator for 12.0 s')
 
 
 def test_a_broken_journal_is_told_first() -> None:
-    found = drawn(picture(statuses.status(journal_failure='no space left on /journal')))
-    assert found[2] == 'NOTHING IS DONE ANY MORE: no space left on /journal'
+    lines = drawn(picture(statuses.status(journal_failure='no space left on /journal')))
+    assert lines[2] == 'NOTHING IS DONE ANY MORE: no space left on /journal'
 
 
 @pytest.mark.parametrize('held', [3, 20])
 def test_of_twenty_sections_those_that_matter_stay(held: int) -> None:
     status = statuses.long_line(20, held=held, working=11)
-    found = drawn(picture(status))
-    assert len(found) <= 24
-    assert any(re.match(rf' *{held} WO-1/\d+ +■ waiting for an answer', line) for line in found)
-    assert any(re.match(r' *11 WO-1/10 +▶ work TASK_A', line) for line in found)
-    rows = [line for line in found if re.match(r' *\d+ WO', line)]
+    lines = drawn(picture(status))
+    assert len(lines) <= 24
+    assert any(re.match(rf' *{held} WO-1/\d+ +■ waiting for an answer', line) for line in lines)
+    assert any(re.match(r' *11 WO-1/10 +▶ work TASK_A', line) for line in lines)
+    rows = [line for line in lines if re.match(r' *\d+ WO', line)]
     numbers = [int(line.split()[0]) for line in rows]
     assert numbers == sorted(numbers)
-    assert f'… {20 - len(rows)} more lines about sections' in found
-    assert '│20│19│' in found[1], 'numbers of items where their names do not fit'
+    assert f'… {20 - len(rows)} more lines about sections' in lines
+    assert '│20│19│' in lines[1], 'numbers of items where their names do not fit'
 
 
 def nasty() -> CellStatus:
@@ -181,10 +181,10 @@ def test_nothing_is_wider_or_higher_than_the_terminal(width: int, height: int) -
             assert max(cell_len(line.plain) for line in lines) <= width
 
 
-def test_an_item_keeps_its_number_when_it_is_cut() -> None:
+def test_shortened_item_keeps_its_number() -> None:
     long = statuses.section(1, 'WORK-ORDER-2026-11-21-A/17', waiting=['waiting'])
-    found = drawn(picture(statuses.status(sections=[long])), width=60)
-    assert any(re.search(r'1 …\S+/17 · waiting', line) for line in found)
+    lines = drawn(picture(statuses.status(sections=[long])), width=60)
+    assert any(re.search(r'1 …\S+/17 · waiting', line) for line in lines)
 
 
 def test_without_colour_there_are_no_colours() -> None:
@@ -206,8 +206,8 @@ def test_the_tree_and_the_blackboard() -> None:
     leaf = Branch('pick', Outcome.RUNNING, 'running at /arm', is_decorator=False, children=())
     done = Branch('home', Outcome.SUCCESS, '', is_decorator=False, children=())
     root = Branch('cell', Outcome.RUNNING, '', is_decorator=False, children=(done, leaf))
-    found = drawn(picture(statuses.status(), tree=root, blackboard={'/cell/belt': 'at rest'}))
-    assert '  ▶ pick  running  running at /arm' in found
-    assert '  ✓ home  success' in found
-    assert '/cell/belt at rest' in found
-    assert not any('waiting for the belt to move' in line for line in found)
+    lines = drawn(picture(statuses.status(), tree=root, blackboard={'/cell/belt': 'at rest'}))
+    assert '  ▶ pick  running  running at /arm' in lines
+    assert '  ✓ home  success' in lines
+    assert '/cell/belt at rest' in lines
+    assert not any('waiting for the belt to move' in line for line in lines)

@@ -54,19 +54,19 @@ def branch(status: Outcome) -> Branch:
 def test_7_1_every_view_offers_the_answers_of_its_role() -> None:
     about = {'holds': [statuses.hold(answers=('retry', 'abort_job'))]}
     status = statuses.status(unauthenticated_role=Role.OPERATE, **about)
-    said: list[str] = []
-    lines = EventLines(NODE, said.append)
+    output: list[str] = []
+    lines = EventLines(NODE, output.append)
     lines.on_status(status)
-    assert said[1:] == [
+    assert output[1:] == [
         '  bt-orchestrator answer 1 retry --reason "WHY"',
         '  an engineer may also: abort_job',
     ]
-    said.clear()
+    output.clear()
     lines.on_event(replace(raised(), answers=('retry', 'abort_job')))
-    assert said[-1] == '  an engineer may also: abort_job'
-    said.clear()
-    JsonView('/node', said.append).on_status(status)
-    printed = json.loads(said[0])['status']
+    assert output[-1] == '  an engineer may also: abort_job'
+    output.clear()
+    JsonView('/node', output.append).on_status(status)
+    printed = json.loads(output[0])['status']
     (hold,) = printed['holds']
     assert machine.read_status(printed) == status
     assert hold['answers'] == ['retry', 'abort_job']
@@ -74,12 +74,12 @@ def test_7_1_every_view_offers_the_answers_of_its_role() -> None:
     assert hold['answer_roles'] == {'retry': ['operate', 'engineer'], 'abort_job': ['engineer']}
 
 
-def test_the_first_status_is_told_and_then_only_what_changes() -> None:
-    said: list[str] = []
-    view = PlainView(NODE, said.append)
+def test_status_prints_fully_once_then_only_changes() -> None:
+    output: list[str] = []
+    view = PlainView(NODE, output.append)
     view.on_status(statuses.status())
-    assert said[0] == 'cell small_cell: Execute for 12.0 s, belt at rest, seq 7'
-    said.clear()
+    assert output[0] == 'cell small_cell: Execute for 12.0 s, belt at rest, seq 7'
+    output.clear()
 
     view.on_status(statuses.status())
     gone = [statuses.component('worker', available=False)]
@@ -87,111 +87,111 @@ def test_the_first_status_is_told_and_then_only_what_changes() -> None:
     view.on_status(statuses.status(components=gone))
     view.on_status(statuses.status())
     trouble = 'worker: no action server at /worker/task'
-    assert said == [trouble, f'over: {trouble}']
-    said.clear()
+    assert output == [trouble, f'over: {trouble}']
+    output.clear()
     view.on_status(statuses.status(journal_failure='disk full'))
-    assert said == ['NOTHING IS DONE ANY MORE: disk full']
-    said.clear()
+    assert output == ['NOTHING IS DONE ANY MORE: disk full']
+    output.clear()
     view.on_status(statuses.status(disk_wait='the last event'))
-    assert said[0] == 'WAITS FOR THE DISK: the last event'
+    assert output[0] == 'WAITS FOR THE DISK: the last event'
 
 
-def test_who_stopped_the_cell_is_told_when_it_changes() -> None:
-    said: list[str] = []
-    view = PlainView(NODE, said.append)
+def test_stop_and_its_origin_are_printed_once() -> None:
+    output: list[str] = []
+    view = PlainView(NODE, output.append)
     view.on_status(statuses.status())
-    said.clear()
+    output.clear()
     for _ in range(2):
         view.on_status(statuses.status(wish=Wish('stop'), waits_for='start'))
     view.on_status(statuses.status())
-    assert said == ['somebody said stop; orders wait for start']
+    assert output == ['somebody said stop; orders wait for start']
 
 
 def test_a_hold_is_told_with_what_to_type() -> None:
-    said: list[str] = []
-    PlainView(NODE, said.append).on_event(raised())
-    assert [line.strip() for line in said] == [
+    output: list[str] = []
+    PlainView(NODE, output.append).on_event(raised())
+    assert [line.strip() for line in output] == [
         '0.00 s  HOLD 1: work: aborted',
         'bt-orchestrator answer 1 retry --reason "WHY"',
         'or skip in place of retry',
     ]
 
 
-def test_a_hold_of_the_whole_cell_is_told_by_its_message() -> None:
-    said: list[str] = []
+def test_hold_of_whole_cell_shows_its_message() -> None:
+    output: list[str] = []
     hold = e.HoldRaised(
         seq=1, time=0.0, hold='1', reason='restarted', message='1 job', answers=('resume',)
     )
-    PlainView(NODE, said.append).on_event(hold)
-    assert [line.strip() for line in said] == [
+    PlainView(NODE, output.append).on_event(hold)
+    assert [line.strip() for line in output] == [
         '0.00 s  HOLD 1: restarted (1 job)',
         'bt-orchestrator cell resume --hold 1 --reason "WHY"',
     ]
 
 
 def test_events_alone() -> None:
-    said: list[str] = []
-    view = EventLines(NODE, said.append)
+    output: list[str] = []
+    view = EventLines(NODE, output.append)
     view.on_status(statuses.status())
     view.on_tree(branch(Outcome.RUNNING))
     view.on_blackboard({'k': 'v'})
     view.refresh()
-    assert said == []
+    assert output == []
     view.on_event(raised())
-    assert said[0].endswith('HOLD 1: work: aborted')
-    assert len(said) == 3, 'and what to type'
+    assert output[0].endswith('HOLD 1: work: aborted')
+    assert len(output) == 3, 'and what to type'
 
 
-def test_what_was_held_before_anybody_listened_is_told_at_first() -> None:
-    said: list[str] = []
-    view = EventLines(NODE, said.append)
+def test_hold_raised_before_listening_is_printed_once() -> None:
+    output: list[str] = []
+    view = EventLines(NODE, output.append)
     for _ in range(2):
         view.on_status(statuses.status(holds=[statuses.hold()]))
-    assert [line.strip() for line in said] == [
+    assert [line.strip() for line in output] == [
         words.hold_text(statuses.hold()),
         'bt-orchestrator answer 1 retry --reason "WHY"',
         'or skip in place of retry',
     ]
 
 
-def test_what_can_be_typed_where_a_cell_has_come_to_stand() -> None:
-    said: list[str] = []
-    for view in (EventLines(NODE, said.append), PlainView(NODE, said.append)):
+def test_aborted_cell_shows_next_command_once() -> None:
+    lines: list[str] = []
+    for view in (EventLines(NODE, lines.append), PlainView(NODE, lines.append)):
         view.on_status(statuses.status())
-        said.clear()
+        lines.clear()
         for seq in (7, 8):
             view.on_status(statuses.status(state=PackmlState.ABORTED, seq=seq))
-        assert [line.split(' --')[0] for line in said] == ['next: bt-orchestrator cell clear'] * 2
+        assert [line.split(' --')[0] for line in lines] == ['next: bt-orchestrator cell clear'] * 2
 
 
 def test_notes_are_told_once() -> None:
-    said: list[str] = []
-    view = EventLines(NODE, said.append)
+    output: list[str] = []
+    view = EventLines(NODE, output.append)
     for notes in (['a'], ['a', 'b'], ['b']):
         view.on_notes(notes)
-    assert said == ['a', 'b']
+    assert output == ['a', 'b']
 
 
 def test_a_node_that_goes_away_and_comes_back(clock: Time) -> None:
-    said: list[str] = []
-    view = PlainView(NODE, said.append)
+    output: list[str] = []
+    view = PlainView(NODE, output.append)
     view.on_status(statuses.status())
-    said.clear()
+    output.clear()
     for clock.now_s in (2.9, 3.1, 4.0):
         view.refresh()
-    assert said == ['no news from /bt_orchestrator for 3.1 s']
+    assert output == ['no news from /bt_orchestrator for 3.1 s']
     view.on_status(statuses.status())
-    assert said[1] == 'cell small_cell: Execute for 12.0 s, belt at rest, seq 7'
+    assert output[1] == 'cell small_cell: Execute for 12.0 s, belt at rest, seq 7'
 
 
 def test_changes_of_tree_and_blackboard() -> None:
-    said: list[str] = []
-    view = PlainView(NODE, said.append)
+    output: list[str] = []
+    view = PlainView(NODE, output.append)
     view.on_tree(branch(Outcome.RUNNING))
     view.on_tree(branch(Outcome.SUCCESS))
     view.on_blackboard({'/cell/belt': 'moving', '/cell/beat': '1'})
     view.on_blackboard({'/cell/belt': 'at rest'})
-    assert said == [
+    assert output == [
         'tree /cell  running',
         'tree /cell/work  running',
         'tree /cell/work  success',
@@ -203,8 +203,8 @@ def test_changes_of_tree_and_blackboard() -> None:
 
 
 def test_machines_get_what_is_different(clock: Time) -> None:
-    said: list[str] = []
-    view = JsonView(NODE.node, said.append)
+    output: list[str] = []
+    view = JsonView(NODE.node, output.append)
     view.on_status(statuses.status(jobs=[statuses.job(expected_end_s=9.0)]))
     view.on_status(
         statuses.status(
@@ -220,7 +220,7 @@ def test_machines_get_what_is_different(clock: Time) -> None:
     for clock.now_s in (3.1, 9.0):
         view.refresh()
     view.on_status(statuses.status(seq=8))
-    records = [json.loads(line) for line in said]
+    records = [json.loads(line) for line in output]
     kinds = [record['kind'] for record in records]
     assert kinds == ['status', 'status', 'tree', 'blackboard', 'away', 'status']
     assert records[0]['status']['cell'] == 'small_cell'
@@ -234,11 +234,11 @@ def test_machines_get_what_is_different(clock: Time) -> None:
     assert records[4] == {'kind': 'away', 'node': NODE.node, 'silent_s': 3.1}
 
 
-def test_lines_of_events_go_on_from_a_clock_that_is_set() -> None:
-    said: list[str] = []
-    lines = EventLines(NODE, said.append)
-    states = [e.CellStateChanged(state=one, previous='Idle') for one in ('Starting', 'Execute')]
+def test_event_lines_continue_across_clock_step() -> None:
+    output: list[str] = []
+    lines = EventLines(NODE, output.append)
+    states = [e.CellStateChanged(state=word, previous='Idle') for word in ('Starting', 'Execute')]
     lines.on_event(states[0].stamped(1, 7200.0))
     lines.on_event(e.ClockStepped(seconds=-3600.0).stamped(2, 3604.0))
     lines.on_event(states[1].stamped(3, 3605.0))
-    assert [line.split(' s ')[0].strip() for line in said] == ['0.00', '5.00']
+    assert [line.split(' s ')[0].strip() for line in output] == ['0.00', '5.00']

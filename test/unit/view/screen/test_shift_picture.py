@@ -19,13 +19,13 @@ JOURNAL = the_day().records()
 
 def live(clock: str) -> Live:
     shifts = parse_shifts(SHIFTS, 'shifts.yaml')
-    found = LiveAccount(partial(shift_at, shifts), LINE.cell).look(JOURNAL, at(clock))
-    assert found is not None
-    return found
+    shown = LiveAccount(partial(shift_at, shifts), LINE.cell).look(JOURNAL, at(clock))
+    assert shown is not None
+    return shown
 
 
 def drawn(clock: str, width: int = 80, room: int = 24, glyphs: Glyphs = UNICODE) -> list[str]:
-    return [one.plain.rstrip() for one in ShiftPicture(live(clock)).lines(width, room, glyphs)]
+    return [line.plain.rstrip() for line in ShiftPicture(live(clock)).lines(width, room, glyphs)]
 
 
 def test_a_shift_that_is_over() -> None:
@@ -44,10 +44,10 @@ def test_a_shift_that_is_over() -> None:
 def test_it_keeps_to_its_room(width: int, room: int) -> None:
     lines = ShiftPicture(live('23:00'), 'the journal cannot be read').lines(width, room, ASCII)
     assert len(lines) <= room
-    assert all(one.cell_len <= width for one in lines)
-    assert all(one.plain.isascii() for one in lines if '…' not in one.plain)
+    assert all(line.cell_len <= width for line in lines)
+    assert all(line.plain.isascii() for line in lines if '…' not in line.plain)
 
 
 def test_a_journal_without_an_event() -> None:
-    (said,) = ShiftPicture(None).lines(80, 24)
-    assert said.plain == 'the journal has no event yet'
+    (line,) = ShiftPicture(None).lines(80, 24)
+    assert line.plain == 'the journal has no event yet'

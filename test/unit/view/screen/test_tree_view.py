@@ -54,7 +54,7 @@ def test_then_decorators_that_only_wrap() -> None:
     assert shown == ['cell', 'section 2', 'work', 'section 1', 'belt at rest', 'job']
 
 
-def test_what_works_or_waits_itself_stays_to_the_last() -> None:
+def test_active_branches_are_hidden_last() -> None:
     shown, hidden = names(3)
     assert shown == ['work', 'belt at rest']
     assert hidden == 10

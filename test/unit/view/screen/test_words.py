@@ -93,12 +93,12 @@ def test_a_whole_status() -> None:
     ],
 )
 def test_what_can_be_typed_next(about: dict[str, Any], lines: list[str]) -> None:
-    said = list(words.status_lines(statuses.status(**about), NODE))
+    output = list(words.status_lines(statuses.status(**about), NODE))
     begin = '  next: bt-orchestrator '
-    assert [line.removeprefix(begin) for line in said if line.startswith(begin)] == lines
+    assert [line.removeprefix(begin) for line in output if line.startswith(begin)] == lines
 
 
-def test_every_state_in_which_a_cell_waits_for_somebody_names_commands_it_takes() -> None:
+def test_every_waiting_state_names_commands_it_accepts() -> None:
     for packml in PackmlState:
         for choice in next_choices(statuses.status(state=packml)):
             verbs = [VERBS[cause] for cause in possible_in(packml)]
@@ -112,12 +112,12 @@ def stopped(
     return statuses.status(wish=Wish(command, who, why, known=known, **wish), waits_for=waits_for)
 
 
-def test_who_stopped_the_cell_is_said_with_what_lets_it_work_again() -> None:
+def test_stop_text_names_person_and_next_commands() -> None:
     status = stopped('stop', 'Ann', 'end\nof shift', time=3600.0)
     words_of = list(words.status_lines(status, NODE))
     at = datetime.fromtimestamp(3600).strftime('%H:%M:%S')
-    said = f'Ann said stop at {at}: end of shift; orders wait for reset and start'
-    assert words_of[1] == f'  {said}'
+    sentence = f'Ann said stop at {at}: end of shift; orders wait for reset and start'
+    assert words_of[1] == f'  {sentence}'
     soon = stopped('stop_after_job', 'Ann')
     assert words.stopped(soon) == 'Ann said stop after job; orders wait for a start after that'
     assert words.stopped(stopped()) == 'somebody said stop; orders wait for reset and start'
@@ -134,9 +134,7 @@ def test_a_stop_to_come_is_said() -> None:
     ('later_s', 'text'),
     [(40, 'in 40 s'), (180, 'in 3 min'), (7200, 'in 2.0 h'), (0, 'any moment')],
 )
-def test_the_expected_finish_is_a_time_of_day_and_how_long_that_is(
-    later_s: int, text: str
-) -> None:
+def test_expected_finish_shows_time_and_remaining_duration(later_s: int, text: str) -> None:
     clock = datetime.fromtimestamp(statuses.NOW_S + later_s).strftime('%H:%M:%S')
     job = statuses.job(expected_end_s=later_s)
     lines = list(words.status_lines(statuses.status(jobs=[job]), NODE))
@@ -252,7 +250,7 @@ SIX = ('retry', 'mark_done', 'skip', 'reject', 'abort_job')
         (Role.OPERATE, ('remove_item',), ['an engineer may: remove_item']),
     ],
 )
-def test_7_1_a_reader_is_offered_the_answers_of_the_role(
+def test_7_1_reader_sees_answers_of_own_role(
     role: Role, answers: tuple[str, ...], advice: list[str]
 ) -> None:
     hold = statuses.hold(answers=answers)
@@ -266,15 +264,15 @@ def test_7_1_a_reader_is_offered_the_answers_of_the_role(
 
 def test_7_1_the_next_command_names_who_may_give_it() -> None:
     status = statuses.status(state=PackmlState.ABORTED, unauthenticated_role=Role.OPERATE)
-    said = [line.strip() for line in words.status_lines(status, NODE)]
+    rows = [line.strip() for line in words.status_lines(status, NODE)]
     clear = 'bt-orchestrator cell clear --as-shown 7 --reason "WHY"   if the belt is as shown here'
-    assert f'next: an engineer may: {clear}' in said
+    assert f'next: an engineer may: {clear}' in rows
     status = statuses.status(state=PackmlState.STOPPED, unauthenticated_role=Role.OPERATE)
-    said = [line.strip() for line in words.status_lines(status, NODE)]
-    assert 'next: bt-orchestrator cell reset --reason "WHY"   gets the cell ready to start' in said
+    rows = [line.strip() for line in words.status_lines(status, NODE)]
+    assert 'next: bt-orchestrator cell reset --reason "WHY"   gets the cell ready to start' in rows
 
 
-def test_a_node_of_another_name_stands_in_the_command() -> None:
+def test_command_contains_name_of_other_node() -> None:
     (command, _) = hold_advice(statuses.hold(), Shell('/left/bt_orchestrator'))
     assert command.endswith(' --node /left/bt_orchestrator')
 
@@ -305,33 +303,33 @@ def test_durations(seconds: float, said: str) -> None:
     assert words.duration(seconds) == said
 
 
-def test_a_job_that_waits_for_its_start_says_so_everywhere() -> None:
+def test_job_waiting_for_start_is_shown_everywhere() -> None:
     start = datetime(2036, 5, 18, 6).timestamp()
     job = statuses.job(state=JobWord.ALLOWED_TO_START, start=start, awaits_start=True, priority=2)
     status = statuses.status(jobs=[job])
-    said = 'waits for its start 2036-05-18 06:00'
-    assert words.job_terms(job) == f', priority 2, {said}'
-    assert any(said in line for line in words.status_lines(status, NODE))
-    assert cell_view(status, NODE).jobs[0].counts == f'0 of 10 packed, {said}'
+    term = 'waits for its start 2036-05-18 06:00'
+    assert words.job_terms(job) == f', priority 2, {term}'
+    assert any(term in line for line in words.status_lines(status, NODE))
+    assert cell_view(status, NODE).jobs[0].counts == f'0 of 10 packed, {term}'
     may_start = replace(job, awaits_start=False)
     assert words.job_terms(may_start) == ', priority 2, start 2036-05-18 06:00'
 
 
-def test_a_job_with_an_unreleased_script_says_so_with_the_command() -> None:
+def test_job_with_unreleased_script_shows_release_command() -> None:
     state = JobWord.NOT_ALLOWED_TO_START
     queued = statuses.job(state=state, digest='0a1b', awaits_release=True, unavailable=('arm',))
     assert words.job_terms(queued) == ', its script is not released, needs arm, out of service'
-    told = '\n'.join(words.status_lines(statuses.status(jobs=[queued]), NODE))
-    assert 'an engineer releases it: bt-orchestrator release-script 0a1b --reason "WHY"' in told
+    text = '\n'.join(words.status_lines(statuses.status(jobs=[queued]), NODE))
+    assert 'an engineer releases it: bt-orchestrator release-script 0a1b --reason "WHY"' in text
     assert 'releases it' not in '\n'.join(words.status_lines(statuses.status(jobs=[queued]), None))
 
 
-def test_a_job_without_a_needed_component_says_so_with_the_remedy() -> None:
+def test_job_lacking_component_shows_the_remedy() -> None:
     queued = statuses.job(state=JobWord.NOT_ALLOWED_TO_START, unavailable=('arm',))
     status = statuses.status(jobs=[queued])
-    said = ', needs arm, out of service'
-    assert words.job_terms(queued) == said
-    assert cell_view(status, NODE).jobs[0].counts == f'0 of 10 packed{said}'
+    term = ', needs arm, out of service'
+    assert words.job_terms(queued) == term
+    assert cell_view(status, NODE).jobs[0].counts == f'0 of 10 packed{term}'
     assert not any('queue stop' in line for line in words.status_lines(status, NODE))
     running = statuses.job(unavailable=('arm', 'belt'), started_at=3.0)
     lines = list(words.status_lines(statuses.status(jobs=[running]), NODE))
@@ -343,25 +341,25 @@ def test_a_job_without_a_needed_component_says_so_with_the_remedy() -> None:
         ({'ending': 'stopping'}, 'or aborts it (job abort WO-1)'),
     ):
         job = statuses.job(unavailable=('arm',), started_at=3.0, by_recipe=True, **more)
-        told = '\n'.join(words.status_lines(statuses.status(jobs=[job]), NODE))
-        assert f'{way}\n' in told
+        text = '\n'.join(words.status_lines(statuses.status(jobs=[job]), NODE))
+        assert f'{way}\n' in text
 
 
-def test_a_job_made_anew_names_missing_components_and_its_pace() -> None:
+def test_remade_job_names_missing_components_and_pace() -> None:
     anew = MadeAnew(('arm', 'lid'), (), 4.0, 3.0)
     job = statuses.job(rest_of='WO-9', anew=anew, state=JobWord.ALLOWED_TO_START, position=1)
-    said = ', rest of WO-9, made anew without arm and lid: 4.0 s per item (+33 %)'
-    assert words.job_terms(job) == said
-    for other, told in (
+    term = ', rest of WO-9, made anew without arm and lid: 4.0 s per item (+33 %)'
+    assert words.job_terms(job) == term
+    for other, text in (
         (MadeAnew((), ('arm',), 3.0, 4.0), 'made anew with arm: 3.0 s per item (-25 %)'),
         (MadeAnew(('arm',), (), 3.0, 3.0), 'made anew without arm: 3.0 s per item'),
         (MadeAnew(('arm',)), 'made anew without arm'),
     ):
-        assert words.job_terms(statuses.job(anew=other)) == f', {told}'
+        assert words.job_terms(statuses.job(anew=other)) == f', {text}'
     assert words.job_terms(statuses.job(anew=anew, state=JobWord.ENDED)) == ''
 
 
-def test_a_job_that_is_ending_says_so_in_every_view() -> None:
+def test_ending_job_is_marked_in_every_view() -> None:
     status = statuses.status(jobs=[statuses.job(ending='aborting', started_at=3.0, started=2)])
     assert any(': Running, aborting, 0 of 10' in line for line in words.status_lines(status, NODE))
     assert ', aborting' in cell_view(status, NODE).jobs[0].counts

@@ -32,11 +32,11 @@ def often(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def replays(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Count the events that every start replays."""
-    found: list[int] = []
+    seqs: list[int] = []
 
     def counting(state: CellState, event: Event) -> None:
-        found.append(state.seq)
+        seqs.append(state.seq)
         apply(state, event)
 
     monkeypatch.setattr('bt_orchestrator.engine.runtime.recovery.apply', counting)
-    return found
+    return seqs

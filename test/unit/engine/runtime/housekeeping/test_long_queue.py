@@ -31,7 +31,7 @@ def queue_many(run: LongRun) -> None:
     assert run.orchestrator.ask(AddJobs(jobs)).accepted
 
 
-def test_the_state_of_a_long_queue_is_written_in_slices(
+def test_long_queue_state_is_written_in_slices(
     path: Path, often: None, small_slices: None, replays: list[int]
 ) -> None:
     run = LongRun(path)
@@ -55,23 +55,23 @@ def test_the_state_of_a_long_queue_is_written_in_slices(
     assert len(replays) == state.seq - begun
 
 
-def test_the_end_of_a_job_does_not_write_a_long_queue_anew(path: Path, often: None) -> None:
+def test_job_end_does_not_rewrite_long_queue(path: Path, often: None) -> None:
     run = LongRun(path)
     queue_many(run)
     run.rest(3)
-    first = [one.seq for one in run.store.snapshots()]
+    first = [entry.seq for entry in run.store.snapshots()]
     while len(run.orchestrator.state.ended) < 4:
         assert run.clock.advance()
         run.orchestrator.settle()
         run.rest(1)
-        seqs = [one.seq for one in run.store.snapshots()]
+        seqs = [entry.seq for entry in run.store.snapshots()]
         assert seqs[0] == first[0] or seqs[0] - first[0] > len(run.orchestrator.state.queue)
     assert len(seqs) == 2
     run.kill()
 
 
 @pytest.mark.parametrize('is_forgetful', [False, True])
-def test_every_job_of_a_long_queue_is_read_back_before_events_go(
+def test_long_queue_is_read_back_before_event_removal(
     path: Path,
     is_forgetful: bool,
     small_slices: None,

@@ -32,9 +32,9 @@ AT_REST = housekeeping.AT_REST
 def jobs_of(path: Path) -> list[str]:
     database = sqlite3.connect(path)
     query = "SELECT DISTINCT json_extract(record, '$.job') FROM events"
-    found = [job for (job,) in database.execute(query) if job]
+    names = [job for (job,) in database.execute(query) if job]
     database.close()
-    return found
+    return names
 
 
 def test_old_jobs_lose_their_events_and_nothing_else(path: Path) -> None:
@@ -131,7 +131,7 @@ def test_nothing_goes_that_replay_needs(path: Path) -> None:
     run.kill()
 
 
-def test_nothing_goes_for_a_state_that_does_not_come_back(
+def test_state_that_changes_on_reload_removes_nothing(
     path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     fields_of = Writer.fields_of
@@ -151,7 +151,7 @@ def test_nothing_goes_for_a_state_that_does_not_come_back(
     run.kill()
 
 
-def test_a_line_at_work_looks_after_its_ended_jobs_together(
+def test_busy_line_cleans_up_ended_jobs_together(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A snapshot and a look through all jobs for each one took more than the jobs themselves."""
@@ -176,7 +176,7 @@ def test_a_line_at_work_looks_after_its_ended_jobs_together(
     database.close()
 
 
-def test_a_line_that_is_never_quiet_notes_every_job(path: Path) -> None:
+def test_busy_line_records_every_job(path: Path) -> None:
     run = LongRun(path)
     jobs = 2 * ENDED_KEPT
     for n in range(1, jobs + 1):
@@ -223,7 +223,7 @@ def test_a_damaged_beginning_is_refused_in_words(path: Path) -> None:
         restored(path)
 
 
-def test_a_beginning_of_another_cell_is_refused_in_words(path: Path) -> None:
+def test_beginning_of_another_cell_is_refused(path: Path) -> None:
     run = LongRun(path, keep_jobs=0)
     run.job('J1')
     run.rest(3)

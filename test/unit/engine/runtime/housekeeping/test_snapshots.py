@@ -23,7 +23,7 @@ from bt_orchestrator.model.state import CellState, Reading
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
-def test_a_start_replays_what_came_after_the_last_snapshot(
+def test_start_replays_events_after_last_snapshot(
     path: Path, often: None, replays: list[int]
 ) -> None:
     run = LongRun(path)
@@ -40,7 +40,7 @@ def test_a_start_replays_what_came_after_the_last_snapshot(
     assert len(replays) == state.seq > 150
 
 
-def test_a_start_after_an_end_in_order_replays_nothing(path: Path, replays: list[int]) -> None:
+def test_start_after_clean_end_replays_nothing(path: Path, replays: list[int]) -> None:
     run = LongRun(path)
     run.job('J1')
     run.close()
@@ -49,9 +49,7 @@ def test_a_start_after_an_end_in_order_replays_nothing(path: Path, replays: list
     assert replays == []
 
 
-def test_a_line_that_is_never_quiet_gets_its_snapshots(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_busy_line_gets_snapshots(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(housekeeping, 'SNAPSHOT_AT_LATEST', 50)
     run = LongRun(path)
     run.housekeeping.turn(quiet=False)
@@ -184,7 +182,7 @@ def test_every_file_of_the_rules_names_the_program(tmp_path: Path) -> None:
     assert recovery.program_in(folder) == before == recovery._program()
 
 
-def test_a_state_with_a_text_that_has_no_utf8_is_kept(path: Path) -> None:
+def test_state_with_invalid_utf8_text_is_kept(path: Path) -> None:
     """Half a surrogate pair, as a script or a result may have it; nan as well."""
     state, store = CellState(LINE.cell), SqliteStore(path)
     state.readings['a1'] = Reading(ready=True, value=['a\ud800', math.nan])

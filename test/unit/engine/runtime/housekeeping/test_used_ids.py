@@ -25,13 +25,13 @@ from bt_orchestrator.model.state import CellState
 def entries(run: LongRun) -> list[int]:
     """Return how many ids, and runs of them, stand in each set of the newest snapshot."""
     newest = next(iter(run.store.snapshots()))
-    sets = [one for one in json.loads(newest.state)['objects'] if {'others', 'runs'} & one.keys()]
+    sets = [obj for obj in json.loads(newest.state)['objects'] if {'others', 'runs'} & obj.keys()]
     return [
-        len(one.get('others', [])) + sum(map(len, one.get('runs', {}).values())) for one in sets
+        len(obj.get('others', [])) + sum(map(len, obj.get('runs', {}).values())) for obj in sets
     ]
 
 
-def test_the_work_for_a_snapshot_does_not_grow_with_random_serials(path: Path) -> None:
+def test_snapshot_work_stays_constant_with_random_serials(path: Path) -> None:
     run, drawn = LongRun(path), random.Random(1)
     for n in range(3):
         for _ in range(10_000):
@@ -59,12 +59,12 @@ def letters(run: LongRun, jobs: str, retain: int = KEEP_ALL) -> CellState:
 
 def copies(path: Path) -> list[tuple[str, int]]:
     database = sqlite3.connect(path)
-    found = database.execute('SELECT digest, copy FROM used_ids ORDER BY rowid').fetchall()
+    rows = database.execute('SELECT digest, copy FROM used_ids ORDER BY rowid').fetchall()
     database.close()
-    return found
+    return rows
 
 
-def test_a_full_part_is_written_once_and_is_there_after_a_start(few: None, path: Path) -> None:
+def test_full_part_is_written_once_and_restored(few: None, path: Path) -> None:
     run = LongRun(path)
     written: list[str] = []
     keep_used = run.store.keep_used
@@ -79,9 +79,9 @@ def test_a_full_part_is_written_once_and_is_there_after_a_start(few: None, path:
     assert len(written) == 2
     run.kill()
     again = LongRun(path)
-    found = again.orchestrator.state
-    assert [name for name in 'ABCDEFGHI' if name in found.order_ids] == list('ABCDEFGH')
-    assert found.order_ids == state.order_ids
+    reloaded = again.orchestrator.state
+    assert [name for name in 'ABCDEFGHI' if name in reloaded.order_ids] == list('ABCDEFGH')
+    assert reloaded.order_ids == state.order_ids
     letters(again, 'I')
     assert len(again.orchestrator.state.order_ids.sealed) == 3
     again.close()
@@ -94,9 +94,9 @@ def test_what_is_sealed_outlives_its_events(few: None, path: Path) -> None:
     assert run.store.first_seq() > 1
     run.kill()
     change(path, 'DELETE FROM snapshots')
-    found = restored(path)
-    assert snapshot(found) == snapshot(state)
-    assert all(name in found.order_ids for name in 'ABCDEFGH')
+    reloaded = restored(path)
+    assert snapshot(reloaded) == snapshot(state)
+    assert all(name in reloaded.order_ids for name in 'ABCDEFGH')
 
 
 @pytest.mark.parametrize(
@@ -120,7 +120,7 @@ def test_one_damaged_copy_is_told_and_written_again(
     assert not caplog.text
 
 
-def test_without_both_copies_the_events_are_replayed_and_both_written_again(
+def test_lost_copies_are_replayed_and_rewritten(
     few: None, path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     run = LongRun(path)
@@ -132,13 +132,13 @@ def test_without_both_copies_the_events_are_replayed_and_both_written_again(
     state = letters(again, 'I')
     again.kill()
     caplog.clear()
-    found = restored(path)
+    reloaded = restored(path)
     assert not caplog.text
-    assert found.order_ids == state.order_ids
-    assert all(name in found.order_ids for name in 'ABCDEFGHI')
+    assert reloaded.order_ids == state.order_ids
+    assert all(name in reloaded.order_ids for name in 'ABCDEFGHI')
 
 
-def test_a_journal_that_cannot_know_them_any_more_is_refused(few: None, path: Path) -> None:
+def test_journal_without_used_ids_is_refused(few: None, path: Path) -> None:
     run = LongRun(path, keep_jobs=0)
     letters(run, 'ABCDEFGH', retain=0)
     run.kill()
@@ -147,7 +147,7 @@ def test_a_journal_that_cannot_know_them_any_more_is_refused(few: None, path: Pa
         restored(path)
 
 
-def test_6_8_a_sealed_serial_is_a_duplicate_after_a_start(
+def test_6_8_sealed_serial_is_duplicate_after_restart(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(used_ids, 'FULL', 1)

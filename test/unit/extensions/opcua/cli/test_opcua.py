@@ -47,14 +47,14 @@ def test_a_port_in_use_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None
     with socket.create_server(('127.0.0.1', 0)) as other:
         port = other.getsockname()[1]
         assert main(['opcua', '--insecure', '--port', str(port)]) == 1
-    said = capsys.readouterr().err
-    assert said == (
+    error = capsys.readouterr().err
+    assert error == (
         f'bt-orchestrator opcua: error: port {port} of 127.0.0.1 is in use by another program; '
         'name another --port\n'
     )
 
 
-def test_a_folder_without_nodesets_is_told_before_the_node_is_there(
+def test_missing_nodesets_are_reported_without_node(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(['opcua', '--insecure', '--port', '0', '--nodesets', str(tmp_path)]) == 1
@@ -79,8 +79,8 @@ def test_a_refused_client_is_listed_trusted_and_removed(
     home: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert said_by(capsys) == 'refused: none\ntrusted: none\n'
-    found, trust = certificate('Ua\x1b[31mExpert'), Trust(Pki(home / 'pki'))
-    content, number = found.public_bytes(Encoding.DER), thumbprint(found)
+    client_cert, trust = certificate('Ua\x1b[31mExpert'), Trust(Pki(home / 'pki'))
+    content, number = client_cert.public_bytes(Encoding.DER), thumbprint(client_cert)
     with pytest.raises(Untrusted, match=number[:8]):
         trust.check(content)
     listed = said_by(capsys)

@@ -17,7 +17,7 @@ def keys(**about: Any) -> list[str]:
     return list(alarms_of(status(**about)))
 
 
-def test_a_hold_is_a_condition_with_its_words_place_and_answers() -> None:
+def test_hold_condition_has_message_source_and_answers() -> None:
     alarm = alarms_of(status(holds=[HOLD]))['Hold-3']
     assert alarm.message == (
         'section 2, work (TASK_A) of WO-1/1 at arm (/arm/task), attempt 1 of 2: timeout (too slow)'
@@ -27,11 +27,11 @@ def test_a_hold_is_a_condition_with_its_words_place_and_answers() -> None:
     assert alarm.since == 950.0
 
 
-def test_a_hold_without_a_component_is_about_its_section_or_the_cell() -> None:
+def test_hold_without_component_names_section_or_cell() -> None:
     of_item = replace(HOLD, id='4', component='', task=None, section=3, reason='overrun')
     pause = hold('5', section=None, item=None, task=None, component='', reason='paused')
-    found = alarms_of(status(holds=[of_item, pause]))
-    assert [alarm.source for alarm in found.values()] == ['Sections/3', '']
+    alarms = alarms_of(status(holds=[of_item, pause]))
+    assert [alarm.source for alarm in alarms.values()] == ['Sections/3', '']
 
 
 def test_what_goes_on_by_itself_is_no_condition() -> None:
@@ -39,7 +39,7 @@ def test_what_goes_on_by_itself_is_no_condition() -> None:
         assert keys(stop_reason=reason) == []
 
 
-def test_an_aborted_cell_a_broken_journal_and_a_contest_are_conditions() -> None:
+def test_abort_journal_failure_and_contest_are_conditions() -> None:
     rival = replace(component('worker'), contested='two servers')
     assert keys(
         stop_reason=StopReason.EMERGENCY, journal_failure='the disk is full', components=[rival]

@@ -28,7 +28,7 @@ def test_each_job_on_the_line_has_a_count() -> None:
     assert (counter.processed, counter.defective) == (10, 2)
 
 
-def test_with_no_job_on_the_line_the_last_one_stays() -> None:
+def test_last_job_stays_on_idle_line() -> None:
     counter = Counter()
     ended = [of(name, 5, state=JobWord.ENDED) for name in ('A', 'B')]
     counter.show(status(jobs=[*ended]))
@@ -41,7 +41,7 @@ def test_without_any_job_there_is_one_empty_count() -> None:
     assert counter.counts == (Count(''),)
 
 
-def test_the_total_never_falls_when_jobs_leave_the_list() -> None:
+def test_total_never_falls_when_jobs_leave() -> None:
     counter = Counter()
     counter.show(status(jobs=[of('A', 5, state=JobWord.ENDED), of('B', 2)]))
     counter.show(status(jobs=[of('B', 3, 1), of('C', 1)]))

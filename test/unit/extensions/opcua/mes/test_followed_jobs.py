@@ -60,13 +60,13 @@ class BookedRun(VirtualRun):
                 assert (status.held, status.unavailable) == (job.held, job.unavailable)
             of = (status.recipe, status.recipe_version)
             assert of == (job.recipe, job.recipe_version)
-            found = {name: getattr(status, name) for name in COUNTED}
-            assert found == {name: getattr(job.progress, name) for name in COUNTED}
-        assert [one.status.id for one in self.followed.ended()] == list(self.state.ended)
+            counts = {name: getattr(status, name) for name in COUNTED}
+            assert counts == {name: getattr(job.progress, name) for name in COUNTED}
+        assert [listed.status.id for listed in self.followed.ended()] == list(self.state.ended)
 
     def told(self, job: str = 'J') -> list[JobWord]:
         """Return the states of a job that were told."""
-        return [one.job.status.state for one in self.news if one.job.status.id == job]
+        return [change.job.status.state for change in self.news if change.job.status.id == job]
 
 
 def begin(line: Line, text: str = THREE, quantity: int = 2) -> BookedRun:
@@ -105,7 +105,7 @@ def test_queued_jobs_are_held_released_changed_and_removed() -> None:
     run.go()
 
 
-def test_a_change_of_an_order_is_told_though_its_state_stays() -> None:
+def test_order_change_is_reported_in_same_state() -> None:
     line = Line()
     run = begin(line)
     script = line.script(THREE)
@@ -143,7 +143,7 @@ def stopped_job(run: BookedRun) -> list[JobWord]:
 
 
 @pytest.mark.parametrize('what', [paused_job, paused_cell, paused_job_in_paused_cell, stopped_job])
-def test_what_operators_do_to_a_job_on_the_line(
+def test_operator_commands_change_job_states(
     what: Callable[[BookedRun], list[JobWord]],
 ) -> None:
     run = begin(Line())
@@ -153,7 +153,7 @@ def test_what_operators_do_to_a_job_on_the_line(
     assert run.told() == [QUEUED, RUN, *between, ENDED]
 
 
-def test_a_failure_holds_and_the_answer_lets_it_go_on() -> None:
+def test_failure_holds_job_and_answer_resumes_it() -> None:
     run = begin(Line(faults={'a2': '#1=abort'}))
     run.go()
     assert run.told() == [QUEUED, RUN, HELD]
@@ -175,7 +175,7 @@ def test_items_that_fail_are_counted() -> None:
     assert job.status.nonconforming == 1
 
 
-def test_a_nonconforming_item_is_counted_once_as_it_leaves() -> None:
+def test_nonconforming_item_is_counted_once_on_removal() -> None:
     followed = FollowedJobs()
     followed.begin(listed=[ListedJob(JobStatus('J', 'small', JobWord.RUNNING, started_at=1.0))])
     for seq, task in enumerate(('weigh', 'look'), start=1):
@@ -190,7 +190,7 @@ def test_a_nonconforming_item_is_counted_once_as_it_leaves() -> None:
     assert (job.status.packed, job.status.nonconforming, job.status.good) == (2, 1, 1)
 
 
-def test_the_recipe_of_a_job_is_booked_with_every_change() -> None:
+def test_job_changes_update_booked_recipe() -> None:
     line = Line()
     run = begin(line, f'made_from: {{recipe: P-1, version: 1}}\n{THREE}')
     newer = line.script(f'made_from: {{recipe: P-1, version: 2}}\n{THREE}')
@@ -212,7 +212,7 @@ def test_an_aborted_job_drains() -> None:
     assert run.told()[-1] is JobWord.ABORTED
 
 
-def test_a_job_that_is_aborted_before_its_start_waits_for_it_no_more() -> None:
+def test_aborted_job_no_longer_awaits_start() -> None:
     line = Line()
     run = begin(line)
     early = Job('K', line.script(THREE), 1, {}, terms=Terms(start=1e5))
@@ -238,8 +238,8 @@ def test_a_book_that_begins_later_goes_on_alike() -> None:
     run.go()
     run.answer('retry')
     run.go()
-    news = [one for event in run.store.read(after=0) for one in later.follow(event)]
-    assert [one.job.status.state for one in news] == run.told()[-len(news) :]
+    news = [change for event in run.store.read(after=0) for change in later.follow(event)]
+    assert [change.job.status.state for change in news] == run.told()[-len(news) :]
     mine, theirs = later.get('J'), run.followed.get('J')
     assert mine is not None
     assert theirs is not None
@@ -251,10 +251,10 @@ def test_a_book_that_begins_later_goes_on_alike() -> None:
 def test_what_was_heard_before_is_heard_once() -> None:
     run = begin(Line())
     run.go()
-    assert not [one for event in run.store.read() for one in run.followed.follow(event)]
+    assert not [change for event in run.store.read() for change in run.followed.follow(event)]
 
 
-def test_the_book_agrees_with_the_engine_on_every_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_followed_jobs_match_engine_on_generated_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plan_runs, 'VirtualRun', BookedRun)
 
     @examples(15, 1000)

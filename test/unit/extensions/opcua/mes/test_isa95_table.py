@@ -25,14 +25,14 @@ def test_its_transitions_are_those_of_the_nodeset() -> None:
         for (method, state), cell in CELLS.items()
         if cell.after not in {'', 'gone'} and state != NONE
     }
-    assert table == {one for one in theirs if one.cause}
+    assert table == {transition for transition in theirs if transition.cause}
 
 
-def test_what_succeeds_has_a_state_that_follows_and_what_fails_has_none() -> None:
+def test_only_successful_calls_have_next_state() -> None:
     assert all((cell.status == 1) == bool(cell.after) for cell in CELLS.values())
 
 
-def test_the_product_answers_as_the_standard_but_where_it_says_otherwise() -> None:
+def test_answers_match_standard_except_listed_differences() -> None:
     ours = {
         (method.name, state): (cell.status.value, cell.after, cell.is_later)
         for method, row in TABLE.items()
@@ -46,7 +46,7 @@ def test_the_product_answers_as_the_standard_but_where_it_says_otherwise() -> No
     }
     assert len(ours) == len(CELLS)
     assert otherwise == {(method.name, state) for method, state in DIFFERENT}
-    assert {one for one in otherwise if ours[one][2]} == {
+    assert {key for key in otherwise if ours[key][2]} == {
         (name, state)
         for name in ('Stop', 'Abort')
         for state in (JobWord.RUNNING, JobWord.HELD, JobWord.SUSPENDED)

@@ -31,13 +31,13 @@ def test_the_states_have_the_numbers_of_the_nodeset(pack_ml: Nodeset) -> None:
 
 @pytest.mark.parametrize('machine', Machine)
 def test_each_machine_has_the_transitions_of_its_type(pack_ml: Nodeset, machine: Machine) -> None:
-    theirs = {f'{one.before}To{one.after}' for one in pack_ml.transitions(TYPES[machine])}
+    theirs = {f'{change.before}To{change.after}' for change in pack_ml.transitions(TYPES[machine])}
     ours = {
-        one.name
+        change.name
         for before, row in TRANSITIONS.items()
         for after in row.values()
-        for one in transitions_between(before, after)
-        if one.machine is machine
+        for change in transitions_between(before, after)
+        if change.machine is machine
     }
     assert ours == theirs
 
@@ -57,7 +57,7 @@ def test_the_machines_are_nested(state: PackmlState, expected: dict[Machine, str
     assert states_in(state) == expected
 
 
-def test_every_method_of_the_nodeset_is_a_command_or_listed_as_missing(
+def test_nodeset_methods_are_commands_or_listed_missing(
     pack_ml: Nodeset,
 ) -> None:
     methods = {name for type_id in TYPES.values() for name in pack_ml.methods(type_id)}

@@ -25,7 +25,7 @@ def test_an_order_is_stored_once() -> None:
         assert set(others) == {ReturnStatus.NOT_ACCEPTED}
 
 
-def test_nothing_else_can_be_asked_of_a_job_that_is_not_there() -> None:
+def test_other_methods_reject_unknown_job() -> None:
     others = [cells[0].status for method, cells in TABLE.items() if method not in STORING]
     assert set(others) == {UNKNOWN}
 
@@ -41,7 +41,7 @@ def test_nothing_else_can_be_asked_of_a_job_that_is_not_there() -> None:
         (job_control.STORE, JobWord.ENDED, '', ReturnStatus.NOT_ACCEPTED),
     ],
 )
-def test_a_refusal_says_whether_the_job_or_its_state_is_the_cause(
+def test_refusal_distinguishes_unknown_job_from_wrong_state(
     method: Method, word: JobWord | None, ending: str, status: ReturnStatus
 ) -> None:
     assert refused(method, word, ending) == status

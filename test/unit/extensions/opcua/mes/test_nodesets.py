@@ -29,10 +29,8 @@ def pack_ml() -> Nodeset:
 
 
 @pytest.mark.parametrize('machine', [RECEIVER, RECEIVER_WITH_SUB_STATES])
-def test_every_transition_of_a_job_with_a_cause_is_ours_and_no_other(
-    job_control: Nodeset, machine: str
-) -> None:
-    theirs = {one for one in job_control.transitions(machine) if one.cause}
+def test_caused_job_transitions_match_nodeset(job_control: Nodeset, machine: str) -> None:
+    theirs = {transition for transition in job_control.transitions(machine) if transition.cause}
     ours = {
         Transition(before.state, after.state, method.name)
         for method in METHODS
@@ -43,16 +41,16 @@ def test_every_transition_of_a_job_with_a_cause_is_ours_and_no_other(
     assert len(theirs) == 12
 
 
-def test_a_job_begins_by_itself_and_by_nothing_else(job_control: Nodeset) -> None:
-    [one] = [one for one in job_control.transitions(RECEIVER) if not one.cause]
-    assert one == Transition('AllowedToStart', 'Running', '')
+def test_job_starts_only_by_itself(job_control: Nodeset) -> None:
+    [change] = [change for change in job_control.transitions(RECEIVER) if not change.cause]
+    assert change == Transition('AllowedToStart', 'Running', '')
 
 
 def test_we_have_every_method_of_job_control(job_control: Nodeset) -> None:
     assert {method.name for method in METHODS} == job_control.methods(RECEIVER)
 
 
-def test_packml_is_ours_but_that_we_complete_by_ourselves(pack_ml: Nodeset) -> None:
+def test_packml_matches_nodeset_except_completion(pack_ml: Nodeset) -> None:
     theirs = _flat(pack_ml)
     ours = {
         Transition(before.value, after.value, '' if cause is Cause.DONE else cause.name.title())
@@ -65,17 +63,17 @@ def test_packml_is_ours_but_that_we_complete_by_ourselves(pack_ml: Nodeset) -> N
 
 
 def test_the_states_of_packml_are_ours(pack_ml: Nodeset) -> None:
-    names = {state for one in _flat(pack_ml) for state in (one.before, one.after)}
+    names = {state for change in _flat(pack_ml) for state in (change.before, change.after)}
     assert names == {state.value for state in PackmlState}
 
 
 def _flat(pack_ml: Nodeset) -> set[Transition]:
     """Return the transitions of all three machines between states that have no machine inside."""
     execute, machine = pack_ml.transitions(EXECUTE), pack_ml.transitions(MACHINE)
-    inside = {'Running': {one.before for one in execute}}
-    inside['Cleared'] = {one.before for one in machine} - {'Running'} | inside['Running']
+    inside = {'Running': {change.before for change in execute}}
+    inside['Cleared'] = {change.before for change in machine} - {'Running'} | inside['Running']
     return {
-        Transition(before, BEGINS.get(one.after, one.after), one.cause)
-        for one in (*execute, *machine, *pack_ml.transitions(BASE))
-        for before in inside.get(one.before, {one.before})
+        Transition(before, BEGINS.get(change.after, change.after), change.cause)
+        for change in (*execute, *machine, *pack_ml.transitions(BASE))
+        for before in inside.get(change.before, {change.before})
     }

@@ -17,7 +17,7 @@ def test_state_and_times_are_numbers_and_whole_seconds() -> None:
     assert values.total_s == {6: 112, 11: 40}
 
 
-def test_a_clock_that_was_set_back_makes_no_negative_time() -> None:
+def test_set_back_clock_makes_no_negative_time() -> None:
     values = packml_values(status(state_since=NOW_S + 5))
     assert values.in_state_s == {6: 0}
 
@@ -39,7 +39,7 @@ def test_a_starved_line_and_a_blocked_one() -> None:
     assert (blocked.is_starved, blocked.is_blocked) == (False, True)
 
 
-def test_the_stop_reason_names_the_hold_that_decides_it() -> None:
+def test_stop_reason_names_deciding_hold() -> None:
     held = hold('3', reason='timeout', since=950.0)
     about = {'stop_reason': StopReason.OWN_FAULT, 'stop_message': 'hold 3 (work: timeout)'}
     stop = packml_values(status(holds=[held], **about)).stop

@@ -23,11 +23,11 @@ def hold(id_: str, *answers: str, item: str | None = None) -> Hold:
 
 
 def test_an_order_has_its_parameters_as_texts() -> None:
-    found = order_of('WO-1', 'mix', 3, ['speed=12', ' lot = a=b ', 'note='])
-    assert found == WorkOrder('mix', 'WO-1', 3, {'speed': '12', 'lot': 'a=b', 'note': ''})
+    order = order_of('WO-1', 'mix', 3, ['speed=12', ' lot = a=b ', 'note='])
+    assert order == WorkOrder('mix', 'WO-1', 3, {'speed': '12', 'lot': 'a=b', 'note': ''})
 
 
-def test_a_quantity_of_zero_leaves_it_to_the_script() -> None:
+def test_zero_quantity_defers_to_script() -> None:
     assert order_of('WO-1', 'mix', 0, []).quantity is None
 
 
@@ -59,28 +59,28 @@ def test_every_mistake_of_an_order_is_told() -> None:
         ('next', 'WO-1', 'job.next'),
     ],
 )
-def test_a_verb_is_for_the_cell_or_for_a_job(verb: str, job: str, name: str) -> None:
-    found = command_of(verb, job)
-    assert found.request is REQUESTS[name]
-    assert found.arguments == ({'job': job} if job else {})
+def test_verb_addresses_cell_or_job(verb: str, job: str, name: str) -> None:
+    command = command_of(verb, job)
+    assert command.request is REQUESTS[name]
+    assert command.arguments == ({'job': job} if job else {})
 
 
 @pytest.mark.parametrize(('verb', 'job'), [('cancel', ''), ('reset', 'WO-1'), ('move', 'WO-1')])
-def test_a_verb_that_is_of_the_other_or_not_enough_is_told(verb: str, job: str) -> None:
+def test_wrong_or_incomplete_verb_is_rejected(verb: str, job: str) -> None:
     with pytest.raises(Unclear, match=rf"^Verb: expected a command to .*; found '{verb}'$"):
         command_of(verb, job)
 
 
-def test_nothing_that_needs_more_than_a_verb_is_offered() -> None:
-    offered = {one.name for about in (About.CELL, About.JOB) for one in verbs(about)}
+def test_verbs_with_extra_arguments_are_not_offered() -> None:
+    offered = {verb.name for about in (About.CELL, About.JOB) for verb in verbs(about)}
     assert {'cell.reset', 'cell.stop_after_item', 'job.cancel'} <= offered
     assert 'job.move' not in offered
 
 
 def test_an_answer_is_one_that_is_possible_now() -> None:
     holds = [hold('3', 'retry', 'skip'), hold('4', 'remove_item', item='WO-1/2')]
-    found = answer_of('3', 'Retry', holds)
-    assert (found.request.name, found.arguments) == ('hold.retry', {'hold': '3'})
+    retried = answer_of('3', 'Retry', holds)
+    assert (retried.request.name, retried.arguments) == ('hold.retry', {'hold': '3'})
     removed = answer_of('4', 'remove_item', holds)
     assert (removed.request.name, removed.arguments) == ('item.remove_item', {'item': 'WO-1/2'})
     with pytest.raises(Unclear, match=r'possible now \(retry, skip\); found .reject.'):
@@ -89,7 +89,7 @@ def test_an_answer_is_one_that_is_possible_now() -> None:
         answer_of('5', 'retry', holds)
 
 
-def test_7_1_a_wrong_answer_is_told_those_of_the_role() -> None:
+def test_7_1_rejected_answer_lists_answers_per_role() -> None:
     holds = [hold('3', 'retry', 'abort_job')]
     expected = r'possible now \(retry; an engineer may also: abort_job\); found'
     with pytest.raises(Unclear, match=expected):
@@ -97,16 +97,16 @@ def test_7_1_a_wrong_answer_is_told_those_of_the_role() -> None:
 
 
 def test_every_hold_takes_remarks() -> None:
-    found = answer_of('7', 'acknowledge', [hold('7', 'resume')])
-    assert (found.request.name, found.arguments) == ('hold.acknowledge', {'hold': '7'})
+    answer = answer_of('7', 'acknowledge', [hold('7', 'resume')])
+    assert (answer.request.name, answer.arguments) == ('hold.acknowledge', {'hold': '7'})
 
 
 def test_a_pause_is_released_by_its_id() -> None:
-    found = answer_of('7', 'resume', [hold('7', 'resume')])
-    assert (found.request.name, found.arguments) == ('cell.resume', {'hold': '7'})
+    answer = answer_of('7', 'resume', [hold('7', 'resume')])
+    assert (answer.request.name, answer.arguments) == ('cell.resume', {'hold': '7'})
 
 
-def test_a_code_goes_with_a_request_that_takes_one() -> None:
+def test_code_goes_only_with_supporting_requests() -> None:
     pause = command_of('pause', '')
     assert with_code(pause, 'LUNCH').arguments == {'code': 'LUNCH'}
     assert with_code(pause, '') == pause

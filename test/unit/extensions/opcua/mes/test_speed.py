@@ -19,7 +19,7 @@ def executing(since: float, *moves: float) -> Speedometer:
     return speed
 
 
-def test_a_move_every_ten_seconds_is_six_a_minute() -> None:
+def test_ten_second_moves_give_six_per_minute() -> None:
     speed = executing(0.0, 10.0, 20.0, 30.0)
     assert speed.a_minute(EXECUTE, 31.0) == pytest.approx(6.0)
 
@@ -41,7 +41,7 @@ def test_before_the_first_move_it_is_not_known() -> None:
     assert Speedometer().a_minute(EXECUTE, 5.0) is None
 
 
-def test_one_that_began_to_listen_late_waits_for_the_second_move() -> None:
+def test_late_listener_waits_for_second_move() -> None:
     speed = Speedometer()
     speed.hear(BeltIndexed(beat=7, time=100.0))
     assert speed.a_minute(EXECUTE, 101.0) is None
@@ -49,7 +49,7 @@ def test_one_that_began_to_listen_late_waits_for_the_second_move() -> None:
     assert speed.a_minute(EXECUTE, 111.0) == pytest.approx(6.0)
 
 
-def test_a_belt_at_rest_has_no_speed_and_a_standstill_does_not_count() -> None:
+def test_standstill_has_zero_speed_and_is_excluded() -> None:
     speed = executing(0.0, 10.0, 20.0)
     speed.hear(CellStateChanged(state='Holding', previous='Execute', time=25.0))
     assert speed.a_minute(PackmlState.HELD, 3_000.0) == 0.0
@@ -58,7 +58,7 @@ def test_a_belt_at_rest_has_no_speed_and_a_standstill_does_not_count() -> None:
     assert speed.a_minute(EXECUTE, 3_011.0) == pytest.approx(6.0)
 
 
-def test_a_clock_that_was_set_back_makes_no_speed() -> None:
+def test_set_back_clock_gives_no_speed() -> None:
     assert executing(100.0, 50.0).a_minute(EXECUTE, 51.0) is None
 
 

@@ -30,23 +30,23 @@ KEPT = {
 
 
 def test_the_numbers_are_those_that_sites_know() -> None:
-    assert {one.number: one.word for one in STOP_IDS} == KEPT
+    assert {stop_id.number: stop_id.word for stop_id in STOP_IDS} == KEPT
 
 
 @pytest.mark.parametrize(
     'reason',
     [
-        *(one.value for one in Reason),
+        *(member.value for member in Reason),
         *sorted(stop_reason.NAMED),
         stop_reason.PAUSED,
         'slot_occupied',
         OVERRUN,
     ],
 )
-def test_every_reason_of_a_hold_has_a_number_and_a_severity(reason: str) -> None:
-    found = id_of_hold(hold(reason=reason))
-    assert found.word == reason
-    assert 1 <= found.severity <= 1000
+def test_hold_reasons_have_number_and_severity(reason: str) -> None:
+    stop_id = id_of_hold(hold(reason=reason))
+    assert stop_id.word == reason
+    assert 1 <= stop_id.severity <= 1000
 
 
 def test_an_unknown_reason_is_another_fault() -> None:
@@ -67,9 +67,9 @@ def test_an_unknown_reason_is_another_fault() -> None:
     ],
 )
 def test_what_stops_the_line_has_a_number(about: dict[str, Any], number: int) -> None:
-    found = id_of_stop(status(**about))
-    assert found.number == number
-    assert found.category == number // 100
+    stop_id = id_of_stop(status(**about))
+    assert stop_id.number == number
+    assert stop_id.category == number // 100
 
 
 def test_none_is_no_reason() -> None:

@@ -98,7 +98,7 @@ class _Heard:
         raise NodeUnreachable('nobody is asked here')
 
 
-def test_what_happens_while_parts_are_built_is_told_them_afterwards(
+def test_new_parts_receive_events_missed_during_build(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def look(scene: Scene, values: Values) -> None:
@@ -117,7 +117,7 @@ def test_what_happens_while_parts_are_built_is_told_them_afterwards(
     bridged(tmp_path, look)
 
 
-def test_a_defect_of_one_part_does_not_silence_the_others(
+def test_defective_part_does_not_silence_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     async def look(scene: Scene, values: Values) -> None:

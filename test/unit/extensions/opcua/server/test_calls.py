@@ -26,9 +26,7 @@ class Answering:
 
 
 @pytest.mark.parametrize('claims', ['operate (opc ua user)', ''])
-def test_a_role_that_counts_as_a_claim_is_told_in_the_log(
-    caplog: pytest.LogCaptureFixture, claims: str
-) -> None:
+def test_role_counted_as_claim_is_logged(caplog: pytest.LogCaptureFixture, claims: str) -> None:
     calls = Calls(cast(Tickets, Answering(claims)))
     with calling(Caller('ann', Role.OPERATE, 'a client at 10.0.0.1')):
         asyncio.run(calls.ask('cell.stop', {}, 'why'))

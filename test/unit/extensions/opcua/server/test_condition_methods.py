@@ -37,7 +37,7 @@ class Scene:
         self.refreshed: list[Any] = []
         self._accepts = accepts
         cell = status(holds=[hold('3')], stop_reason=StopReason.EMERGENCY)
-        self.all = {key: Standing(one, 1.0, 1.0) for key, one in alarms_of(cell).items()}
+        self.all = {key: Standing(alarm, 1.0, 1.0) for key, alarm in alarms_of(cell).items()}
         self.service: Any = SimpleNamespace(call=self._ordinary)
         space: Any = SimpleNamespace(
             server=SimpleNamespace(iserver=SimpleNamespace(method_service=self.service)),
@@ -91,7 +91,7 @@ class Scene:
         session: str = 'own',
     ) -> str:
         """Call a method, and return the name of its status."""
-        request = ua.CallMethodRequest(node, method, [ua.Variant(one) for one in given])
+        request = ua.CallMethodRequest(node, method, [ua.Variant(value) for value in given])
         with calling(Caller('Ann', role, 'a client', session)):
             [result] = asyncio.run(self.service.call([request]))
         return str(result.StatusCode.name)
@@ -118,7 +118,7 @@ def test_operators_acknowledge(role: Role, expected: str, node: ua.NodeId) -> No
     assert scene.asked == ([('hold.acknowledge', {'hold': '3'}, 'seen')] if is_hold else [])
 
 
-def test_what_the_node_does_not_know_is_kept_here() -> None:
+def test_server_keeps_acknowledgement_unknown_to_node() -> None:
     scene = Scene()
     assert scene.call(EMERGENCY, ACKNOWLEDGE, b'known', text('seen')) == 'Good'
     assert scene.all['Emergency'].is_acknowledged
@@ -163,7 +163,7 @@ def test_what_makes_no_sense_has_a_status(
     assert scene.asked == scene.refreshed == []
 
 
-def test_a_refresh_tells_all_to_one_subscription_or_one_monitor() -> None:
+def test_refresh_reaches_one_subscription_or_monitored_item() -> None:
     scene = Scene()
     assert scene.call(ua.NodeId(9), REFRESH, 1, role=Role.VIEW) == 'Good'
     assert scene.call(ua.NodeId(9), REFRESH_2, 1, 5, role=Role.VIEW) == 'Good'

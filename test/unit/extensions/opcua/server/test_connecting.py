@@ -50,18 +50,18 @@ def test_a_user_with_a_trusted_certificate_gets_in(secure: Served, policy: Any) 
     secure(work)
 
 
-def test_every_user_calls_with_the_role_of_the_file(secure: Served) -> None:
+def test_users_call_with_roles_from_file(secure: Served) -> None:
     async def work(bench: Bench) -> None:
         made = bench.trusted()
         for name in ROLES:
             async with await bench.secure(made, name) as client:
                 await called(bench, client)
-        assert {one.name: one.role for one in bench.callers} == dict(ROLES)
+        assert {caller.name: caller.role for caller in bench.callers} == dict(ROLES)
 
     secure(work)
 
 
-def test_7_8_3_who_signs_with_the_certificate_of_a_panel_is_at_it(secure: Served) -> None:
+def test_7_8_3_panel_certificate_marks_caller_as_panel(secure: Served) -> None:
     async def work(bench: Bench) -> None:
         made = bench.trusted()
         users = UsersFile(bench.security.access.users)
@@ -70,7 +70,7 @@ def test_7_8_3_who_signs_with_the_certificate_of_a_panel_is_at_it(secure: Served
                 if named or bench.callers:
                     users.change_panel('certificate', thumbprint(made), named=named)
                 await called(bench, client)
-        assert [one.is_panel for one in bench.callers] == [False, True, False]
+        assert [caller.is_panel for caller in bench.callers] == [False, True, False]
         users.change_panel('address', '127.0.0.1', named=True)
         async with await bench.secure(made) as client:
             await called(bench, client)
@@ -96,12 +96,12 @@ def test_other_policies_are_refused(secure: Served, policy: Any, mode: Any) -> N
     secure(work)
 
 
-def test_without_encryption_one_learns_how_to_connect_and_no_more(secure: Served) -> None:
+def test_unencrypted_client_learns_only_endpoints(secure: Served) -> None:
     async def work(bench: Bench) -> None:
         client = bench.plain()
         endpoints = await client.connect_and_get_server_endpoints()
-        assert {one.SecurityMode for one in endpoints} == {ua.MessageSecurityMode.SignAndEncrypt}
-        tokens = {token.TokenType for one in endpoints for token in one.UserIdentityTokens}
+        assert {item.SecurityMode for item in endpoints} == {ua.MessageSecurityMode.SignAndEncrypt}
+        tokens = {token.TokenType for item in endpoints for token in item.UserIdentityTokens}
         assert tokens == {ua.UserTokenType.UserName}
         await client.connect_socket()
         await client.send_hello()
@@ -118,7 +118,7 @@ def test_nobody_is_anonymous(secure: Served) -> None:
         client = await bench.secure(bench.trusted())
         client._username = client._password = None
         assert await refused(client.connect())
-        assert not [one for one in bench.server.inside.sessions if one.person is not None]
+        assert not [login for login in bench.server.inside.sessions if login.person is not None]
 
     secure(work)
 
@@ -132,7 +132,7 @@ def test_a_wrong_password_is_refused(secure: Served, name: str) -> None:
     secure(work)
 
 
-def test_insecure_takes_a_login_all_the_same_and_no_password_in_the_clear(
+def test_insecure_server_requires_login_with_encrypted_password(
     insecure: Served,
 ) -> None:
     async def work(bench: Bench) -> None:
@@ -149,15 +149,15 @@ def test_insecure_takes_a_login_all_the_same_and_no_password_in_the_clear(
 # --- certificates -------------------------------------------------------------------------------
 
 
-def test_an_unknown_certificate_is_refused_and_kept_and_trusted_without_a_restart(
+def test_refused_certificate_can_be_trusted_without_restart(
     secure: Served, caplog: pytest.LogCaptureFixture
 ) -> None:
     made = certificate('UaExpert')
 
     async def work(bench: Bench) -> None:
         assert await refused((await bench.secure(made)).connect())
-        (found,) = bench.trust.rejected()
-        assert found.certificate == made
+        (rejected,) = bench.trust.rejected()
+        assert rejected.certificate == made
         assert f'opcua trust --pki {bench.folder}/pki {thumbprint(made)[:8]}' in caplog.text
         bench.trust.trust(thumbprint(made)[:8])
         assert not bench.trust.rejected()
@@ -178,7 +178,7 @@ def test_the_certificate_of_another_helps_nobody(secure: Served) -> None:
     secure(work)
 
 
-def test_a_session_is_of_the_certificate_of_its_connection(secure: Served) -> None:
+def test_session_needs_certificate_of_its_connection(secure: Served) -> None:
     async def work(bench: Bench) -> None:
         client = await bench.secure(bench.trusted())
         await client.connect_socket()
@@ -204,7 +204,7 @@ def test_a_client_names_the_uri_of_its_certificate(
     secure(work)
 
 
-def test_an_expired_certificate_is_refused_although_it_is_trusted(
+def test_expired_certificate_is_refused_although_trusted(
     secure: Served, caplog: pytest.LogCaptureFixture
 ) -> None:
     made = certificate(days=(-10, -1))
@@ -233,7 +233,7 @@ def test_a_removed_user_is_out_at_once(insecure: Served) -> None:
     insecure(work)
 
 
-def test_a_user_who_only_listens_is_out_as_well(insecure: Served) -> None:
+def test_removal_ends_session_of_listening_user(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         async with bench.plain():
             write_users(bench.security.access.users, {'ann': Role.OPERATE})
@@ -242,7 +242,7 @@ def test_a_user_who_only_listens_is_out_as_well(insecure: Served) -> None:
     insecure(work)
 
 
-def test_a_certificate_that_is_trusted_no_more_ends_its_sessions(secure: Served) -> None:
+def test_removed_certificate_ends_its_sessions(secure: Served) -> None:
     async def work(bench: Bench) -> None:
         made = bench.trusted()
         client = await bench.secure(made)

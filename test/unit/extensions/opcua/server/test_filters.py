@@ -38,9 +38,9 @@ def space() -> Any:
     subtype = ua.NodeId(ua.ObjectIds.HasSubtype)
     return {
         type_: SimpleNamespace(
-            references=[SimpleNamespace(NodeId=one, ReferenceTypeId=subtype, IsForward=False)]
+            references=[SimpleNamespace(NodeId=parent, ReferenceTypeId=subtype, IsForward=False)]
         )
-        for type_, one in above.items()
+        for type_, parent in above.items()
     }
 
 
@@ -53,7 +53,7 @@ def space() -> Any:
         (ua.NodeId(ua.ObjectIds.AuditEventType), False),
     ],
 )
-def test_an_event_is_of_its_type_and_of_those_above(wanted: ua.NodeId, expected: bool) -> None:
+def test_event_matches_own_and_base_types(wanted: ua.NodeId, expected: bool) -> None:
     assert passes(ua.FilterOperator.OfType, value(wanted)) is expected
 
 
@@ -62,7 +62,7 @@ def test_a_field_inside_another_is_compared() -> None:
     assert not passes(ua.FilterOperator.Equals, field('AckedState/Id'), value(True))
 
 
-def test_a_field_that_an_event_lacks_is_null_and_no_error(
+def test_missing_event_field_is_null_without_error(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     greater = ua.FilterOperator.GreaterThan

@@ -32,10 +32,10 @@ def answer(cell: StandCell, name: str, **given: Any) -> None:
     with cell.lock:
         link = VirtualLink(cell.node)
         try:
-            said = link.ask(ask(name, engineer('Ben', 'the shelf', 'it fits now'), **given))
+            reply = link.ask(ask(name, engineer('Ben', 'the shelf', 'it fits now'), **given))
         finally:
             link.close()
-    assert said.accepted, said.message
+    assert reply.accepted, reply.message
 
 
 def is_hold(event: Any) -> bool:
@@ -72,9 +72,9 @@ def test_a_hold_is_told_acknowledged_answered_and_over(tmp_path: Path) -> None:
             assert getattr(hold, 'AckedState/Id') is False
 
             await say(reader, ADD_COMMENT, hold, 'who has the key?')
-            said = await heard.wait(lambda event: is_hold(event) and event.Comment.Text)
-            assert (said.Comment.Text, said.ClientUserId) == ('who has the key?', 'stand')
-            await say(reader, ACKNOWLEDGE, said, 'on my way')
+            remark = await heard.wait(lambda event: is_hold(event) and event.Comment.Text)
+            assert (remark.Comment.Text, remark.ClientUserId) == ('who has the key?', 'stand')
+            await say(reader, ACKNOWLEDGE, remark, 'on my way')
             seen = await heard.wait(
                 lambda event: is_hold(event) and getattr(event, 'AckedState/Id')
             )
@@ -97,14 +97,14 @@ def test_a_hold_is_told_acknowledged_answered_and_over(tmp_path: Path) -> None:
         reading(server.address, look)
 
 
-def test_conditions_come_back_with_their_ids_when_all_was_started_anew(tmp_path: Path) -> None:
+def test_conditions_keep_ids_after_full_restart(tmp_path: Path) -> None:
     """Server and node are killed; the journal is there."""
-    found: list[Any] = []
+    conditions: list[Any] = []
 
     async def look(reader: Reader) -> None:
         heard = await Heard.of(reader)
         (hold,) = [event for event in await heard.refresh(reader) if is_hold(event)]
-        found.append((hold.EventId, hold.Comment.Text, getattr(hold, 'AckedState/Id')))
+        conditions.append((hold.EventId, hold.Comment.Text, getattr(hold, 'AckedState/Id')))
 
     async def acknowledge(reader: Reader) -> None:
         heard = await Heard.of(reader)
@@ -120,11 +120,11 @@ def test_conditions_come_back_with_their_ids_when_all_was_started_anew(tmp_path:
     cell.switch()
     with served(cell) as again:
         reading(again.address, look)
-    assert found[0][1:] == ('on my way', True)
-    assert found == found[:1] * 2
+    assert conditions[0][1:] == ('on my way', True)
+    assert conditions == conditions[:1] * 2
 
 
-def test_a_client_that_asks_for_a_general_type_gets_ours(tmp_path: Path) -> None:
+def test_general_type_filter_delivers_specific_alarms(tmp_path: Path) -> None:
     with opcua_stand(tmp_path, faults=[FAIL]) as (cell, server):
 
         async def look(reader: Reader) -> None:

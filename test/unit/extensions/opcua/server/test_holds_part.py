@@ -42,16 +42,16 @@ class Scene:
 
     def take(self) -> list[tuple[bool, bool, str]]:
         """Return whether each told condition is active, acknowledged, and its last remark."""
-        found = [
+        states = [
             (
-                one.fields['ActiveState/Id'].Value,
-                one.fields['AckedState/Id'].Value,
-                one.fields['Comment'].Value.Text,
+                condition.fields['ActiveState/Id'].Value,
+                condition.fields['AckedState/Id'].Value,
+                condition.fields['Comment'].Value.Text,
             )
-            for one in self.told
+            for condition in self.told
         ]
         self.told.clear()
-        return found
+        return states
 
 
 def decided(answer: str, reason: str = 'because') -> OperatorDecided:
@@ -60,16 +60,16 @@ def decided(answer: str, reason: str = 'because') -> OperatorDecided:
     )
 
 
-def test_a_hold_tells_the_words_and_the_feedback_of_the_controller_apart() -> None:
+def test_hold_separates_controller_words_from_feedback() -> None:
     scene = Scene()
     feedback = '{"current_sub_task": "GRIP"}'
     scene.show(replace(hold('1'), controller_said='the tip is dry', last_feedback=feedback))
-    (one,) = scene.told
-    fields = {name: one.fields[name].Value for name in ('ControllerSaid', 'LastFeedback')}
+    (condition,) = scene.told
+    fields = {name: condition.fields[name].Value for name in ('ControllerSaid', 'LastFeedback')}
     assert fields == {'ControllerSaid': 'the tip is dry', 'LastFeedback': feedback}
 
 
-def test_an_answer_is_the_last_remark_of_a_hold() -> None:
+def test_answer_becomes_last_remark_of_hold() -> None:
     scene = Scene()
     scene.show(hold())
     scene.show(hold())
@@ -77,11 +77,11 @@ def test_an_answer_is_the_last_remark_of_a_hold() -> None:
     scene.part.hear(decided('retry'))
     scene.part.hear(HoldReleased(hold='1', time=NOW_S))
     scene.show()
-    assert [one.time for one in scene.told] == [NOW_S]
+    assert [condition.time for condition in scene.told] == [NOW_S]
     assert scene.take() == [(False, True, 'retry: because')]
 
 
-def test_who_resumes_a_pause_or_removes_an_item_has_ended_its_hold() -> None:
+def test_resume_or_item_removal_ends_its_hold() -> None:
     scene = Scene()
     scene.show(hold(), hold('2'))
     scene.take()
@@ -100,11 +100,11 @@ def test_who_clears_has_ended_the_emergency() -> None:
     scene.part.hear(OperatorDecided(answer='clear', who='Ben', reason='looked', time=NOW_S))
     scene.part.hear(StopReasonChanged(stop_reason='', time=NOW_S))
     scene.show()
-    assert [one.time for one in scene.told] == [NOW_S]
+    assert [condition.time for condition in scene.told] == [NOW_S]
     assert scene.take() == [(False, True, 'clear: looked')]
 
 
-def test_a_status_that_comes_before_its_events_waits_for_them() -> None:
+def test_early_status_waits_for_its_events() -> None:
     scene = Scene()
     scene.show(hold())
     scene.take()
@@ -118,7 +118,7 @@ def test_a_status_that_comes_before_its_events_waits_for_them() -> None:
     assert scene.take() == []
 
 
-def test_an_end_that_no_event_tells_of_counts_with_the_next_status() -> None:
+def test_unannounced_end_takes_effect_with_next_status() -> None:
     scene = Scene()
     scene.show(hold())
     scene.show()
@@ -137,19 +137,19 @@ def test_remarks_from_anywhere_are_shown() -> None:
     assert scene.take() == [(True, False, 'who has the key?'), (True, True, 'on my way')]
 
 
-def test_other_answers_are_told_and_what_was_acknowledged_stays_so() -> None:
+def test_new_answers_are_reported_and_acknowledgement_stays() -> None:
     scene = Scene()
     scene.show(hold())
     scene.part.hear(decided('acknowledge'))
     scene.take()
     scene.show(hold(answers=('retry', 'abort_job')))
-    (told,) = scene.told
-    assert told.fields['Answers'].Value == ['retry', 'abort_job']
-    assert told.fields['AnswerRoles'].Value == ['operate or engineer', 'engineer']
+    (condition,) = scene.told
+    assert condition.fields['Answers'].Value == ['retry', 'abort_job']
+    assert condition.fields['AnswerRoles'].Value == ['operate or engineer', 'engineer']
     assert scene.take() == [(True, True, 'because')]
 
 
-def test_with_another_journal_all_conditions_end_and_numbers_begin_anew() -> None:
+def test_new_journal_ends_conditions_and_restarts_numbers() -> None:
     scene = Scene()
     scene.show(hold())
     first = scene.told[0].id
@@ -162,18 +162,18 @@ def test_with_another_journal_all_conditions_end_and_numbers_begin_anew() -> Non
     assert scene.take() == [(True, False, '')]
 
 
-def test_a_step_of_the_clock_moves_the_begin_of_a_hold_and_keeps_remarks() -> None:
+def test_clock_step_moves_hold_start_and_keeps_remarks() -> None:
     scene = Scene()
     scene.show(hold(since=NOW_S))
     scene.part.hear(decided('acknowledge'))
     scene.take()
     scene.show(hold(since=NOW_S - 3600.0))
-    (told,) = scene.told
-    assert told.fields['ActiveState/TransitionTime'].Value == moment(NOW_S - 3600.0)
+    (condition,) = scene.told
+    assert condition.fields['ActiveState/TransitionTime'].Value == moment(NOW_S - 3600.0)
     assert scene.take() == [(True, True, 'because')]
 
 
-def test_an_abort_after_a_clear_that_no_status_told_is_another_emergency() -> None:
+def test_abort_after_unreported_clear_is_new_emergency() -> None:
     scene = Scene()
     emergency = status(stop_reason=StopReason.EMERGENCY)
     scene.part.show(emergency)

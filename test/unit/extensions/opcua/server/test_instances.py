@@ -19,13 +19,13 @@ def type_of(space: Space, nodeset: nodesets.Nodeset, number: int) -> ua.NodeId:
 
 async def paths(node: asyncua.Node) -> set[str]:
     """Return the ids of everything below a node."""
-    found = set()
+    ids = set()
     for child in await node.get_children():
-        found |= {str(child.nodeid.Identifier), *await paths(child)}
-    return found
+        ids |= {str(child.nodeid.Identifier), *await paths(child)}
+    return ids
 
 
-def test_an_object_has_its_mandatory_members_and_the_optionals_that_were_named(
+def test_object_has_mandatory_and_named_optional_members(
     in_space: BareSpace,
 ) -> None:
     async def look(space: Space) -> None:
@@ -57,7 +57,7 @@ def test_nested_objects_are_whole(in_space: BareSpace) -> None:
     in_space(look)
 
 
-def test_a_member_has_the_types_and_names_of_its_declaration(in_space: BareSpace) -> None:
+def test_member_matches_types_and_names_of_declaration(in_space: BareSpace) -> None:
     async def look(space: Space) -> None:
         wanted = type_of(space, nodesets.JOB_CONTROL, RECEIVER)
         node = await space.instance(space.cell, wanted, 'Jobs', 'Jobs', optionals=instances.ALL)

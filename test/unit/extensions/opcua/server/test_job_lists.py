@@ -46,16 +46,16 @@ def jobs(ended: int, line: int, queued: int) -> list[JobStatus]:
         ((100, 90, 100), (10, 90, 0)),
     ],
 )
-def test_the_line_is_listed_first_then_the_last_that_ended_then_the_queue(
+def test_line_takes_priority_over_ended_and_queued_jobs(
     there: tuple[int, int, int], taken: tuple[int, int, int]
 ) -> None:
-    found = [job.status.id for job in chosen(map(ListedJob, jobs(*there)))]
-    assert len(found) <= MOST
-    counts = tuple(sum(id_.startswith(kind) for id_ in found) for kind in 'ELQ')
+    ids = [job.status.id for job in chosen(map(ListedJob, jobs(*there)))]
+    assert len(ids) <= MOST
+    counts = tuple(sum(id_.startswith(kind) for id_ in ids) for kind in 'ELQ')
     assert counts == taken
     ended, line, queued = taken
-    assert found[:ended] == [f'E{n}' for n in range(there[0] - ended, there[0])]
-    assert found[ended + line :] == [f'Q{n}' for n in range(queued)]
+    assert ids[:ended] == [f'E{n}' for n in range(there[0] - ended, there[0])]
+    assert ids[ended + line :] == [f'Q{n}' for n in range(queued)]
 
 
 def test_a_list_is_sent_as_its_structures_are(structures: Structures) -> None:

@@ -30,17 +30,17 @@ def test_an_order_is_stored_started_made_and_cleared(script: str, url: str) -> N
         ended = await mes.wait_for('WO-7', 'Ended')
         assert script == ended.JobOrder.WorkMasterID[0].ID
         response = await mes.response('WO-7')
-        found = data(response)
-        assert (found['GoodQuantity'], found['RunsCompleted'], found['JobResult']) == (2, 2, 1)
+        result = data(response)
+        assert (result['GoodQuantity'], result['RunsCompleted'], result['JobResult']) == (2, 2, 1)
         assert response.EndTime > response.StartTime
-        (last,) = await mes.heard_of(lambda one: one.Message.Text.startswith('WO-7 is Ended'))
-        assert data(last.JobResponse) == found
+        (last,) = await mes.heard_of(lambda entry: entry.Message.Text.startswith('WO-7 is Ended'))
+        assert data(last.JobResponse) == result
         assert last.JobState[0].StateNumber == 5
         assert last.JobOrder.JobOrderID == 'WO-7'
-        told = [one.JobState[0].StateText.Text for one in mes.heard]
-        assert told == ['NotAllowedToStart', 'AllowedToStart', 'Running', 'Ended']
+        states = [entry.JobState[0].StateText.Text for entry in mes.heard]
+        assert states == ['NotAllowedToStart', 'AllowedToStart', 'Running', 'Ended']
         shown = await mes.value('JobOrderResults/JobOrderResponseList')
-        assert [data(one) for one in shown if one.JobOrderID == 'WO-7'] == [found]
+        assert [data(entry) for entry in shown if entry.JobOrderID == 'WO-7'] == [result]
         assert await mes.method('Clear', 'WO-7') == DONE
         assert await mes.method('Clear', 'WO-7') == UNKNOWN
         assert await mes.method('Store', order('WO-7', script)) == NOT_ACCEPTED, 'used once'
@@ -70,12 +70,12 @@ def test_an_order_given_twice_is_made_once(script: str, url: str) -> None:
     with_mes(url, look)
 
 
-def test_what_is_wrong_with_an_order_is_a_status_and_an_event(script: str, url: str) -> None:
+def test_wrong_order_returns_status_and_event(script: str, url: str) -> None:
     async def look(mes: Mes) -> None:
         await mes.listen(mes.node('JobOrderControl'))
         unknown = parameter('nonsense', 1, ua.VariantType.Int64)
         twice = parameter('RunsPlanned', 1, ua.VariantType.UInt32)
-        for wrong, status, said in (
+        for wrong, status, words in (
             (order('', script), MALFORMED, 'JobOrderID'),
             (order('a/b', script), MALFORMED, 'slash'),
             (order('X-1', 'no_such_script'), NOT_ACCEPTED, 'no_such_script'),
@@ -87,7 +87,7 @@ def test_what_is_wrong_with_an_order_is_a_status_and_an_event(script: str, url: 
             (order('X-1', script, parameters=[twice]), NOT_ACCEPTED, 'given twice'),
         ):
             assert await mes.method('StoreAndStart', wrong) == status
-            await mes.heard_of(lambda one: said in f'{one.Message.Text} {one.Findings}')  # noqa: B023
+            await mes.heard_of(lambda event: words in f'{event.Message.Text} {event.Findings}')  # noqa: B023
         assert 'X-1' not in await mes.listed()
         for name in (
             'Start',
@@ -102,13 +102,13 @@ def test_what_is_wrong_with_an_order_is_a_status_and_an_event(script: str, url: 
             assert await mes.method(name, 'NO-1') == UNKNOWN
             assert await mes.method(name, '') == MALFORMED
         assert await mes.method('Update', order('NO-1', script)) == UNKNOWN
-        refused = await mes.heard_of(lambda one: one.Method == 'Update')
+        refused = await mes.heard_of(lambda event: event.Method == 'Update')
         assert (refused[0].JobOrderID, refused[0].ReturnStatus) == ('NO-1', UNKNOWN)
 
     with_mes(url, look)
 
 
-def test_arguments_of_other_types_are_named_one_by_one(script: str, url: str) -> None:
+def test_wrong_argument_types_are_named_individually(script: str, url: str) -> None:
     good, mismatch = ua.StatusCodes.Good, ua.StatusCodes.BadTypeMismatch
     id_, comment = ua.Variant('NO-1'), ua.Variant(COMMENT, is_array=True)
     whole = ua.Variant(order('X-2', script), ua.VariantType.ExtensionObject)
@@ -125,10 +125,10 @@ def test_arguments_of_other_types_are_named_one_by_one(script: str, url: str) ->
             ('JobOrderResults/RequestJobResponseByJobOrderState', (id_,), [mismatch]),
             ('PackML/SetUnitMode', (id_,), [mismatch]),
         ):
-            sent = [one if isinstance(one, ua.Variant) else ua.Variant(one) for one in given]
+            sent = [item if isinstance(item, ua.Variant) else ua.Variant(item) for item in given]
             result = await mes.result(path, *sent)
             assert result.StatusCode.value == ua.StatusCodes.BadInvalidArgument, path
-            assert [one.value for one in result.InputArgumentResults] == results, path
+            assert [item.value for item in result.InputArgumentResults] == results, path
         hold = 'PackML/BaseStateMachine/MachineState/ExecuteState/Hold'
         too_many = await mes.result(hold, id_)
         assert too_many.StatusCode.value == ua.StatusCodes.BadTooManyArguments
@@ -137,7 +137,7 @@ def test_arguments_of_other_types_are_named_one_by_one(script: str, url: str) ->
     with_mes(url, look)
 
 
-def test_a_client_may_name_the_method_of_the_type(url: str) -> None:
+def test_client_may_call_method_of_type(url: str) -> None:
     async def look(mes: Mes) -> None:
         uris = await mes.client.get_namespace_array()
         declared = ua.NodeId(7011, uris.index('http://opcfoundation.org/UA/ISA95-JOBCONTROL_V2/'))
@@ -145,12 +145,12 @@ def test_a_client_may_name_the_method_of_the_type(url: str) -> None:
         request.ObjectId, request.MethodId = mes.node('JobOrderControl').nodeid, declared
         request.InputArguments = [ua.Variant('NO-1', ua.VariantType.String), ua.Variant()]
         (result,) = await mes.client.uaclient.call([request])
-        assert [one.Value for one in result.OutputArguments] == [UNKNOWN]
+        assert [output.Value for output in result.OutputArguments] == [UNKNOWN]
 
     with_mes(url, look)
 
 
-def test_an_order_is_changed_and_told_as_it_is(script: str, url: str) -> None:
+def test_changed_order_is_reported_as_given(script: str, url: str) -> None:
     names = [
         parameter('Customers', ['ACME'], ua.VariantType.String),
         parameter('JobName', [ua.LocalizedText('Batch', 'en')], ua.VariantType.LocalizedText),
@@ -168,35 +168,35 @@ def test_an_order_is_changed_and_told_as_it_is(script: str, url: str) -> None:
             parameters=names,
         )
         assert await mes.method('Store', given) == DONE
-        told = (await mes.wait_for('UP-1', 'NotAllowedToStart')).JobOrder
-        assert told.Description == given.Description
-        assert told.Priority == 3
-        assert told.MaterialRequirements == [material]
-        assert {one.ID: one.Value for one in told.JobOrderParameters} == {
-            one.ID: one.Value for one in given.JobOrderParameters
+        stored = (await mes.wait_for('UP-1', 'NotAllowedToStart')).JobOrder
+        assert stored.Description == given.Description
+        assert stored.Priority == 3
+        assert stored.MaterialRequirements == [material]
+        assert {entry.ID: entry.Value for entry in stored.JobOrderParameters} == {
+            entry.ID: entry.Value for entry in given.JobOrderParameters
         }
-        told.JobOrderParameters[0].Value = ua.Variant(6, ua.VariantType.UInt32)
-        told.Priority = 9
+        stored.JobOrderParameters[0].Value = ua.Variant(6, ua.VariantType.UInt32)
+        stored.Priority = 9
         await mes.listen(mes.node('JobOrderResults'))
-        assert await mes.method('Update', told) == DONE
-        (changed,) = await mes.heard_of(lambda one: one.Message.Text == 'UP-1 was changed')
-        assert changed.JobOrder == told
+        assert await mes.method('Update', stored) == DONE
+        (changed,) = await mes.heard_of(lambda entry: entry.Message.Text == 'UP-1 was changed')
+        assert changed.JobOrder == stored
         assert changed.JobState[0].StateText.Text == 'NotAllowedToStart'
-        assert (await mes.listed())['UP-1'].JobOrder == told
+        assert (await mes.listed())['UP-1'].JobOrder == stored
         assert await mes.method('Cancel', 'UP-1') == DONE
 
     with_mes(url, look)
 
 
-def test_every_order_that_ended_is_listed_until_it_is_cleared(script: str, url: str) -> None:
+def test_ended_orders_stay_listed_until_cleared(script: str, url: str) -> None:
     names = [f'END-{number:02}' for number in range(35)]
 
     async def look(mes: Mes) -> None:
         for name in names:
             assert await mes.method('Store', order(name, script)) == DONE
             assert await mes.method('Abort', name) == DONE
-        assert [one for one in await mes.listed() if one in names] == names
-        assert [one for one in await mes.found_in(ABORTED) if one in names] == names
+        assert [job_id for job_id in await mes.listed() if job_id in names] == names
+        assert [job_id for job_id in await mes.found_in(ABORTED) if job_id in names] == names
         for name in (names[0], names[-1]):
             assert await mes.method('Clear', name) == DONE
             assert name not in await mes.listed()

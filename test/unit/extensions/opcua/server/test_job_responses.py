@@ -20,7 +20,7 @@ def test_items_and_events_are_pulled(script: str, url: str) -> None:
         assert await mes.method('StoreAndStart', order('IT-1', script, 3)) == DONE
         await mes.wait_for('IT-1', 'Ended')
         _, (first, is_last, is_whole) = await items(mes, '', 2)
-        assert [json.loads(one)['item'] for one in first] == ['IT-1/1', 'IT-1/2']
+        assert [json.loads(record)['item'] for record in first] == ['IT-1/1', 'IT-1/2']
         assert (is_last, is_whole) == (False, True)
         _, (rest, is_last, _) = await items(mes, 'IT-1/2', 0)
         assert json.loads(rest[0])['how'] == 'packed'
@@ -32,7 +32,7 @@ def test_items_and_events_are_pulled(script: str, url: str) -> None:
         code, outputs = await mes.send('GetEvents', *given, on=cell.nodeid)
         assert code.is_good()
         events, last, history = outputs
-        assert [json.loads(one)['seq'] for one in events] == [1, 2, 3, 4, 5]
+        assert [json.loads(record)['seq'] for record in events] == [1, 2, 3, 4, 5]
         assert last > 5
         assert history
 
@@ -42,21 +42,21 @@ def test_items_and_events_are_pulled(script: str, url: str) -> None:
 def test_events_are_followed_page_by_page(script: str, url: str) -> None:
     async def page(mes: Mes, after: int, *history: str) -> list[Any]:
         given = [ua.Variant(after, ua.VariantType.UInt64), ua.Variant(3, ua.VariantType.UInt32)]
-        given += [ua.Variant(one, ua.VariantType.String) for one in history]
+        given += [ua.Variant(text, ua.VariantType.String) for text in history]
         cell = await mes.node('JobOrderResults').get_parent()
         code, outputs = await mes.send('GetEvents', *given, on=cell.nodeid)
         assert code.is_good()
-        return [[json.loads(one)['seq'] for one in outputs[0]], *outputs[1:]]
+        return [[json.loads(text)['seq'] for text in outputs[0]], *outputs[1:]]
 
     async def look(mes: Mes) -> None:
         assert await mes.method('Store', order('EV-1', script)) == DONE
         assert await mes.method('Cancel', 'EV-1') == DONE
-        found, next_seq, history, is_last = [], 0, '', False
+        seqs, next_seq, history, is_last = [], 0, '', False
         while not is_last:
             events, last, history, next_seq, is_last = await page(mes, next_seq, history)
             assert events[-1] == next_seq
-            found += events
-        assert found == list(range(1, last + 1))
+            seqs += events
+        assert seqs == list(range(1, last + 1))
         assert await page(mes, last, history) == [[], last, history, last, True]
         other, *_ = await page(mes, last, 'another journal')
         assert other == [1, 2, 3], 'it begins with the first event of the journal that there is'
@@ -64,7 +64,7 @@ def test_events_are_followed_page_by_page(script: str, url: str) -> None:
     with_mes(url, look)
 
 
-def test_a_call_for_events_without_a_history_answers_as_before(url: str) -> None:
+def test_events_call_without_history_keeps_old_answer(url: str) -> None:
     async def look(mes: Mes) -> None:
         cell = await mes.node('JobOrderResults').get_parent()
         given = ua.Variant(0, ua.VariantType.UInt64), ua.Variant(2, ua.VariantType.UInt32)
@@ -81,15 +81,15 @@ def test_responses_are_found_by_state(script: str, url: str) -> None:
     async def by_state(mes: Mes, *states: Any) -> tuple[list[str], int]:
         given = ua.Variant(list(states), ua.VariantType.ExtensionObject, is_array=True)
         path = 'JobOrderResults/RequestJobResponseByJobOrderState'
-        _, (found, status) = await mes.send(path, given)
-        return [one.JobOrderID for one in found], status
+        _, (jobs, status) = await mes.send(path, given)
+        return [response.JobOrderID for response in jobs], status
 
     async def look(mes: Mes) -> None:
         assert await mes.method('StoreAndStart', order('BY-1', script)) == DONE
         await mes.wait_for('BY-1', 'Ended')
         ended = ua.ISA95StateDataType(StateNumber=5)
-        found, status = await by_state(mes, ended)
-        assert 'BY-1' in found
+        jobs, status = await by_state(mes, ended)
+        assert 'BY-1' in jobs
         assert status == DONE
         assert await by_state(mes, ua.ISA95StateDataType(StateNumber=3)) == ([], DONE)
         assert await by_state(mes, ua.ISA95StateDataType(StateNumber=77)) == ([], WRONG)
@@ -100,10 +100,10 @@ def test_responses_are_found_by_state(script: str, url: str) -> None:
 
 def test_work_masters_and_limits_are_told(script: str, url: str) -> None:
     async def look(mes: Mes) -> None:
-        masters = {one.ID: one for one in await mes.value('JobOrderControl/WorkMaster')}
+        masters = {entry.ID: entry for entry in await mes.value('JobOrderControl/WorkMaster')}
         assert script in masters
         assert masters['GM-37'].Description.Text.startswith('recipe, version ')
-        assert [one.ID for one in masters['WM-100'].Parameters] == ['label']
+        assert [entry.ID for entry in masters['WM-100'].Parameters] == ['label']
         assert await mes.value('JobOrderControl/MaxDownloadableJobOrders') == 100
         assert 'conveyor' in await mes.value('JobOrderControl/EquipmentID')
         assert await mes.value('JobOrderControl/PersonnelID') == []

@@ -19,7 +19,7 @@ def as_before() -> Iterator[None]:
     gc.unfreeze()
 
 
-def test_the_collector_is_off_during_a_build_and_on_after_it() -> None:
+def test_collector_is_off_only_during_build() -> None:
     with suppress(OSError), building():
         with building():
             assert not gc.isenabled()
@@ -28,7 +28,7 @@ def test_the_collector_is_off_during_a_build_and_on_after_it() -> None:
     assert gc.isenabled()
 
 
-def test_who_ends_first_of_two_builds_leaves_it_as_it_was() -> None:
+def test_first_finished_build_leaves_collector_off() -> None:
     first, second = building(), building()
     first.__enter__()
     second.__enter__()
@@ -38,7 +38,7 @@ def test_who_ends_first_of_two_builds_leaves_it_as_it_was() -> None:
     assert gc.isenabled()
 
 
-def test_what_was_built_is_looked_through_at_the_next_build_alone() -> None:
+def test_built_objects_are_collected_at_next_build() -> None:
     class Built:
         """It refers to itself, so that only the collector can end it."""
 

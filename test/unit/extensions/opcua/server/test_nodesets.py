@@ -37,7 +37,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_those_of_the_package_are_the_ones_that_were_tested(in_space: BareSpace) -> None:
+def test_packaged_nodesets_are_the_tested_ones(in_space: BareSpace) -> None:
     assert in_space.ns == {JOB_CONTROL.uri: 2, PACK_ML.uri: 3}
 
 
@@ -57,7 +57,7 @@ def test_a_package_without_the_file_is_told(monkeypatch: pytest.MonkeyPatch) -> 
         texts_in(None)
 
 
-def test_a_site_takes_its_own_and_is_told_that_they_are_others(
+def test_site_nodesets_are_used_with_warning(
     folder: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     with caplog.at_level(logging.WARNING, 'bt_orchestrator'):

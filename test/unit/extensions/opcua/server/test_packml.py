@@ -52,13 +52,13 @@ def order(scene: Scene, name: str, quantity: int) -> None:
 
 async def states(reader: Reader) -> list[str]:
     """Return the state of each machine; those that are not active say so."""
-    found = []
+    names = []
     for path in (BASE, MACHINE, EXECUTE):
         node = reader.node(f'{path}/CurrentState')
         value = await node.read_data_value(raise_on_bad_status=False)
         is_good = value.StatusCode.is_good()
-        found.append(value.Value.Value.Text if is_good else value.StatusCode.name)
-    return found
+        names.append(value.Value.Value.Text if is_good else value.StatusCode.name)
+    return names
 
 
 async def code(reader: Reader, path: str) -> str:
@@ -107,7 +107,7 @@ def test_a_job_in_the_words_of_packml(scene: Scene) -> None:
         assert getattr(transition, 'ToState/Id') == await reader.value(
             f'{EXECUTE}/CurrentState/Id'
         )
-        last = await reader.wait(f'{EXECUTE}/LastTransition', lambda one: 'Comple' in one.Text)
+        last = await reader.wait(f'{EXECUTE}/LastTransition', lambda value: 'Comple' in value.Text)
         assert last.Text == 'CompletingToComplete'
 
     reading(scene.url, look)
@@ -116,7 +116,7 @@ def test_a_job_in_the_words_of_packml(scene: Scene) -> None:
 async def made_so_far(reader: Reader) -> int:
     """Return how many items all jobs have made."""
     counts = await reader.value('PackML/Admin/ProdProcessedCount')
-    return sum(one.AccCount for one in counts[:1])
+    return sum(count.AccCount for count in counts[:1])
 
 
 def test_commands_reach_the_node_with_who_and_why(scene: Scene) -> None:
@@ -124,7 +124,7 @@ def test_commands_reach_the_node_with_who_and_why(scene: Scene) -> None:
         order(scene, 'WO-2', 4)
         await reader.wait('PackML/Status/StateCurrent', state(6))
         await reader.call(f'{EXECUTE}/Hold')
-        stop = await reader.wait('PackML/Admin/StopReason', lambda one: one.ID == 101)
+        stop = await reader.wait('PackML/Admin/StopReason', lambda reason: reason.ID == 101)
         assert (stop.Category, stop.Trigger) == (1, True)
         assert stop.Message.startswith('hold ')
         await reader.wait('PackML/Status/StateCurrent', state(11))
@@ -137,29 +137,29 @@ def test_commands_reach_the_node_with_who_and_why(scene: Scene) -> None:
 
     reading(scene.url, look)
     with scene.cell.lock:
-        said = [
+        answers = [
             event.answer for event in scene.cell.store.read() if isinstance(event, OperatorDecided)
         ]
-    assert said[-3:] == ['pause', 'pause', 'resume']
+    assert answers[-3:] == ['pause', 'pause', 'resume']
 
 
-def test_a_refused_command_says_why_in_an_event_and_a_variable(scene: Scene) -> None:
+def test_refused_command_explains_in_event_and_variable(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         heard = await Heard.of(reader, 'PackML')
         order(scene, 'WO-0', 1)
-        await reader.wait('Simple/LastJob/ID', lambda one: one == 'WO-0')
+        await reader.wait('Simple/LastJob/ID', lambda job_id: job_id == 'WO-0')
         await reader.wait('PackML/Status/StateCurrent', state(17))
         assert await refused(reader, f'{EXECUTE}/Start', NO_PARAMETERS) == 'BadInvalidState'
-        said = await reader.value('PackML/LastRefusal')
+        refusal = await reader.value('PackML/LastRefusal')
         why = await heard.wait(lambda event: 'start refused' in event.Message.Text)
         assert 'start is for Idle' in why.Message.Text
-        assert said
-        assert said in why.Message.Text
+        assert refusal
+        assert refusal in why.Message.Text
 
     reading(scene.url, look)
 
 
-def test_an_aborted_cell_is_cleared_as_its_belt_was_shown(scene: Scene) -> None:
+def test_aborted_cell_is_cleared_with_shown_belt(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         assert await reader.value('PackML/Belt') == ''
         await reader.call(f'{BASE}/Abort')
@@ -180,7 +180,7 @@ def test_an_aborted_cell_is_cleared_as_its_belt_was_shown(scene: Scene) -> None:
     reading(scene.url, look)
 
 
-def test_a_client_may_name_the_method_of_the_type(scene: Scene) -> None:
+def test_client_may_call_method_of_type(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         namespaces = await reader.client.get_namespace_array()
         packml = namespaces.index('http://opcfoundation.org/UA/PackML/')
@@ -208,7 +208,7 @@ def test_what_the_cell_does_not_have_says_so(scene: Scene) -> None:
     reading(scene.url, look)
 
 
-def test_7_11_the_unit_mode_is_asked_for_at_a_panel_and_left_with_the_belt(scene: Scene) -> None:
+def test_7_11_unit_mode_needs_panel_and_shown_belt(scene: Scene) -> None:
     at_panel = scene.url.replace('stand:', 'panel_stand:')
 
     async def request(reader: Reader, name: str, **given: object) -> str:
@@ -225,7 +225,7 @@ def test_7_11_the_unit_mode_is_asked_for_at_a_panel_and_left_with_the_belt(scene
         assert 'and the line is in remote' in await reader.value('PackML/LastRefusal')
         await request(reader, 'cell.local')
         await reader.call('PackML/SetUnitMode', _mode(3))
-        await reader.wait('PackML/Status/UnitModeCurrent', lambda one: one == 3)
+        await reader.wait('PackML/Status/UnitModeCurrent', lambda mode: mode == 3)
         assert await reader.value('Simple/UnitMode') == 'manual'
         goal = {'component': 'component_3a', 'task': 'TASK_A'}
         assert (
@@ -241,7 +241,7 @@ def test_7_11_the_unit_mode_is_asked_for_at_a_panel_and_left_with_the_belt(scene
         assert 'ProduceAsShown ends manual mode' in await reader.value('PackML/LastRefusal')
         belt = await reader.wait('PackML/Belt', bool)
         await reader.call('PackML/ProduceAsShown', belt, 'looked at it')
-        await reader.wait('PackML/Status/UnitModeCurrent', lambda one: one == 1)
+        await reader.wait('PackML/Status/UnitModeCurrent', lambda mode: mode == 1)
         await request(reader, 'cell.remote')
         await reader.call(f'{MACHINE}/Reset')
         await reader.wait('PackML/Status/StateCurrent', state(4))

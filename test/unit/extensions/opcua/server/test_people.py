@@ -31,13 +31,13 @@ def people(users: Path) -> Iterator[People]:
     made.close()
 
 
-def test_a_user_logs_in_and_has_the_role_of_the_file(people: People) -> None:
+def test_user_logs_in_with_role_from_file(people: People) -> None:
     person = asyncio.run(people.log_in('mes', PASSWORD, '10.0.0.1'))
     assert people.role_of(person) is Role.MES
 
 
 @pytest.mark.parametrize('name', ['mes', 'nobody', ''])
-def test_a_wrong_password_and_an_unknown_name_are_refused_alike(people: People, name: str) -> None:
+def test_wrong_password_and_unknown_name_look_alike(people: People, name: str) -> None:
     with pytest.raises(LoginRefused, match='no user with this name and password'):
         asyncio.run(people.log_in(name, 'another one', '10.0.0.1'))
 
@@ -51,7 +51,7 @@ def test_guesses_have_to_wait(people: People) -> None:
     asyncio.run(people.log_in('mes', PASSWORD, '10.0.0.2'))
 
 
-def test_wrong_passwords_do_not_lock_out_other_users_of_the_address(
+def test_wrong_passwords_do_not_lock_out_others(
     users: Path,
 ) -> None:
     now = 0.0
@@ -64,7 +64,7 @@ def test_wrong_passwords_do_not_lock_out_other_users_of_the_address(
     people.close()
 
 
-def test_a_removed_user_and_another_role_count_at_once(people: People, users: Path) -> None:
+def test_user_and_role_changes_apply_at_once(people: People, users: Path) -> None:
     mes = asyncio.run(people.log_in('mes', PASSWORD, '10.0.0.1'))
     vic = asyncio.run(people.log_in('vic', PASSWORD, '10.0.0.1'))
     write_users(users, {'mes': Role.MES})
@@ -72,7 +72,7 @@ def test_a_removed_user_and_another_role_count_at_once(people: People, users: Pa
     assert people.role_of(mes) is None  # a password that is hashed anew is another one
 
 
-def test_a_file_that_others_may_open_lets_nobody_in(people: People, users: Path) -> None:
+def test_users_file_open_to_others_denies_login(people: People, users: Path) -> None:
     mes = asyncio.run(people.log_in('mes', PASSWORD, '10.0.0.1'))
     users.chmod(0o644)
     assert people.role_of(mes) is None
@@ -80,7 +80,7 @@ def test_a_file_that_others_may_open_lets_nobody_in(people: People, users: Path)
         asyncio.run(people.log_in('mes', PASSWORD, '10.0.0.1'))
 
 
-def test_the_loop_goes_on_while_a_password_is_checked(
+def test_password_check_does_not_block_loop(
     people: People, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def turns_meanwhile() -> int:
@@ -113,7 +113,7 @@ def test_who_calls_is_known_while_they_call() -> None:
         CALLER.get()
 
 
-def test_the_sender_of_a_command_is_the_user_and_names_the_client() -> None:
+def test_command_sender_is_user_and_names_client() -> None:
     with calling(Caller('mes', Role.MES, 'UaExpert at 10.0.0.1')):
         by = calls.by_caller('why', '0123456789abcdef')
     assert (by.who, by.role, by.reason) == ('mes', Role.MES, 'why')
@@ -123,7 +123,7 @@ def test_the_sender_of_a_command_is_the_user_and_names_the_client() -> None:
 
 
 @pytest.mark.parametrize('name', ['x' * 5000, 'a\nb\x1b[31m', '', None])
-def test_what_a_client_calls_itself_can_do_no_harm(name: str | None) -> None:
+def test_client_name_is_made_harmless(name: str | None) -> None:
     client = client_of(name, '[fe80::1234:5678:9abc:def0%eth0]:54321')
     assert client.isprintable()
     with calling(Caller('mes', Role.MES, client)):

@@ -45,7 +45,7 @@ def made(folders: Pki, host: str = '127.0.0.1') -> Own:
     return own(folders, NODE, host)
 
 
-def test_it_is_made_at_the_first_start_and_then_stays(folders: Pki) -> None:
+def test_certificate_is_made_once_and_kept(folders: Pki) -> None:
     first = made(folders)
     assert made(folders).certificate == first.certificate
     assert own(folders, '/line_2/bt_orchestrator', '127.0.0.1').certificate != first.certificate
@@ -63,29 +63,29 @@ def test_the_key_is_for_its_owner_alone(folders: Pki) -> None:
 
 
 def test_it_is_valid_for_ten_years_and_strong(folders: Pki) -> None:
-    found = made(folders)
+    server = made(folders)
     now = datetime.datetime.now(datetime.timezone.utc)
-    assert found.certificate.not_valid_before_utc < now
-    left = found.certificate.not_valid_after_utc - now
+    assert server.certificate.not_valid_before_utc < now
+    left = server.certificate.not_valid_after_utc - now
     assert datetime.timedelta(days=3650) < left < datetime.timedelta(days=3653)
-    assert found.certificate.signature_hash_algorithm is not None
-    assert found.certificate.signature_hash_algorithm.name == 'sha256'
+    assert server.certificate.signature_hash_algorithm is not None
+    assert server.certificate.signature_hash_algorithm.name == 'sha256'
     assert pki.KEY_BITS >= 2048
 
 
-def test_it_names_the_server_and_every_way_to_it(folders: Pki) -> None:
-    found = made(folders, 'line-pc.plant.example')
-    extension = found.certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName)
+def test_certificate_names_server_and_all_addresses(folders: Pki) -> None:
+    server = made(folders, 'line-pc.plant.example')
+    extension = server.certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName)
     names = extension.value.get_values_for_type(x509.DNSName)
     addresses = extension.value.get_values_for_type(x509.IPAddress)
-    assert extension.value.get_values_for_type(x509.UniformResourceIdentifier) == [found.uri]
-    assert found.uri.endswith(':bt_orchestrator:line_1.bt_orchestrator')
+    assert extension.value.get_values_for_type(x509.UniformResourceIdentifier) == [server.uri]
+    assert server.uri.endswith(':bt_orchestrator:line_1.bt_orchestrator')
     assert {'localhost', socket.gethostname(), 'line-pc.plant.example'} <= set(names)
     assert set(pki.host_addresses()) <= set(addresses)
     assert ipaddress.ip_address('127.0.0.1') in addresses
 
 
-def test_it_may_be_used_as_opc_ua_wants_it(folders: Pki) -> None:
+def test_certificate_has_opc_ua_key_usages(folders: Pki) -> None:
     extensions = made(folders).certificate.extensions
     usage = extensions.get_extension_for_class(x509.KeyUsage).value
     assert usage.digital_signature
@@ -96,9 +96,7 @@ def test_it_may_be_used_as_opc_ua_wants_it(folders: Pki) -> None:
     assert ExtendedKeyUsageOID.SERVER_AUTH in purposes
 
 
-def test_the_uri_stays_that_of_the_certificate_when_the_computer_is_renamed(
-    folders: Pki, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_uri_stays_when_computer_is_renamed(folders: Pki, monkeypatch: pytest.MonkeyPatch) -> None:
     first = made(folders)
     monkeypatch.setattr(socket, 'gethostname', lambda: 'renamed')
     assert made(folders).uri == first.uri
@@ -121,7 +119,7 @@ def test_a_key_that_others_may_read_is_refused(folders: Pki) -> None:
 
 
 @pytest.mark.parametrize('which', [0, 1])
-def test_one_without_the_other_is_refused_and_not_made_anew(folders: Pki, which: int) -> None:
+def test_missing_key_or_certificate_is_not_regenerated(folders: Pki, which: int) -> None:
     made(folders)
     gone = files(folders)[which]
     gone.unlink()
@@ -137,7 +135,7 @@ def test_a_damaged_file_is_refused(folders: Pki, which: int) -> None:
 
 
 @pytest.mark.parametrize('which', [0, 1])
-def test_a_pipe_in_its_place_is_not_waited_for(folders: Pki, which: int) -> None:
+def test_pipe_instead_of_file_is_refused_immediately(folders: Pki, which: int) -> None:
     made(folders)
     path = files(folders)[which]
     path.unlink()
@@ -156,7 +154,7 @@ def test_the_key_of_another_is_refused(folders: Pki) -> None:
     ('options', 'said'),
     [({'days': (-10, -1)}, 'has expired on'), ({'uri': ''}, 'has no application URI')],
 )
-def test_a_certificate_of_a_site_has_to_be_one(
+def test_site_certificate_must_be_valid(
     folders: Pki, monkeypatch: pytest.MonkeyPatch, options: dict[str, object], said: str
 ) -> None:
     client_key()  # made before there is no other
@@ -167,7 +165,7 @@ def test_a_certificate_of_a_site_has_to_be_one(
     assert said in refusal(folders)
 
 
-def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
+def test_unwritable_folder_gives_clear_error(tmp_path: Path) -> None:
     (tmp_path / 'pki').write_text('a file')
     with pytest.raises(PkiUnusable, match='pki'):
         own(Pki(tmp_path / 'pki'), NODE, '127.0.0.1')

@@ -44,10 +44,10 @@ def test_users_see_the_plain_values_as_they_change(plain: tuple[StandCell, str])
         assert await reader.value('Simple/State') == 'Stopped'
         assert await reader.value('Simple/LastJob/ID') == ''
         assert cell.queue(WorkOrder(cell.script, 'WO-1', 1)).accepted
-        await reader.wait('Simple/LastJob/ID', lambda told: told == 'WO-1')
-        await reader.wait('Simple/State', lambda told: told == 'Complete')
+        await reader.wait('Simple/LastJob/ID', lambda value: value == 'WO-1')
+        await reader.wait('Simple/State', lambda value: value == 'Complete')
         assert await reader.value('Simple/LastJob/State') == 'Ended'
-        names = {one.Name for one in await names_below(reader, 'Simple')}
+        names = {browse_name.Name for browse_name in await names_below(reader, 'Simple')}
         assert {'State', 'CurrentJob'} <= names
         assert not names & {'SubmitOrder', 'Command', 'AnswerHold'}
 
@@ -55,7 +55,7 @@ def test_users_see_the_plain_values_as_they_change(plain: tuple[StandCell, str])
 
 
 async def names_below(reader: Reader, path: str) -> list[ua.QualifiedName]:
-    return [await one.read_browse_name() for one in await reader.node(path).get_children()]
+    return [await child.read_browse_name() for child in await reader.node(path).get_children()]
 
 
 def test_nobody_changes_anything(plain: tuple[StandCell, str]) -> None:
@@ -91,12 +91,12 @@ def test_nobody_is_let_in_without_a_name(plain: tuple[StandCell, str]) -> None:
 def test_it_is_said_once_why(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.WARNING), opcua_stand(tmp_path, plain=WHY):
         pass
-    said = [one.getMessage() for one in caplog.records if WHY in one.getMessage()]
-    assert said == [f'{WHY}; the server shows values, and takes no commands']
+    messages = [record.getMessage() for record in caplog.records if WHY in record.getMessage()]
+    assert messages == [f'{WHY}; the server shows values, and takes no commands']
 
 
 def test_what_changes_something_is_no_reading() -> None:
-    named = {one for one in services.KNOWN if one not in services.READING}
+    named = {service for service in services.KNOWN if service not in services.READING}
     assert named == services._ids(('Write', 'HistoryRead', 'Call', 'TransferSubscriptions'))
 
 
@@ -106,8 +106,8 @@ def test_no_override_is_imported_for_it() -> None:
         'import sys, bt_orchestrator.extensions.opcua.server.server;'
         'print(*(name for name in sys.modules if ".overrides." in name))'
     )
-    said = subprocess.run(
+    modules = subprocess.run(
         [sys.executable, '-c', program], capture_output=True, text=True, check=True
     ).stdout.split()
     overrides = 'bt_orchestrator.extensions.opcua.server.overrides.'
-    assert set(said) == {overrides + 'security', overrides + 'services'}
+    assert set(modules) == {overrides + 'security', overrides + 'services'}

@@ -48,7 +48,7 @@ class Heard:
 
     def codes(self, path: str) -> list[int]:
         """Return what was told of the quality of a value."""
-        return [code for one, _, code in self.told if one == path]
+        return [code for node_path, _, code in self.told if node_path == path]
 
 
 @pytest.fixture(scope='module')
@@ -59,11 +59,11 @@ def line(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[StandCell, 
 
 
 async def quality(reader: Reader, path: str) -> int:
-    found = await reader.node(path).read_data_value(raise_on_bad_status=False)
-    return int(found.StatusCode.value)
+    value = await reader.node(path).read_data_value(raise_on_bad_status=False)
+    return int(value.StatusCode.value)
 
 
-def test_while_the_node_is_silent_values_are_the_last_usable_ones(
+def test_silent_node_leaves_last_usable_values(
     line: tuple[StandCell, str],
 ) -> None:
     stand, url = line
@@ -76,7 +76,7 @@ def test_while_the_node_is_silent_values_are_the_last_usable_ones(
         assert [await quality(reader, path) for path in EVERYWHERE] == [GOOD] * 3
         before = await reader.node('Simple/State').read_data_value()
         await asyncio.to_thread(stand.switch)
-        await reader.wait('Simple/Connected', lambda one: one is False)
+        await reader.wait('Simple/Connected', lambda connected: connected is False)
         assert [await quality(reader, path) for path in EVERYWHERE] == [UNCERTAIN] * 3
         since = await reader.node('Simple/State').read_data_value(raise_on_bad_status=False)
         assert since.Value == before.Value
@@ -100,11 +100,11 @@ def test_another_journal_is_shown_as_it_is(tmp_path: Path) -> None:
 
         async def look(reader: Reader) -> None:
             await asyncio.to_thread(stand.queue, WorkOrder(stand.script, 'WO-1', 1))
-            await reader.wait('Simple/LastJob/ID', lambda one: one == 'WO-1')
+            await reader.wait('Simple/LastJob/ID', lambda value: value == 'WO-1')
             await asyncio.to_thread(stand.begin_anew, stand.cell)
-            await reader.wait('Simple/LastJob/ID', lambda one: one == '')
+            await reader.wait('Simple/LastJob/ID', lambda value: value == '')
             await asyncio.to_thread(stand.queue, WorkOrder(stand.script, 'WO-1', 2))
-            await reader.wait('Simple/CurrentJob/Planned', lambda one: one == 2)
+            await reader.wait('Simple/CurrentJob/Planned', lambda value: value == 2)
 
         reading(server.address, look)
 

@@ -66,7 +66,7 @@ def test_a_held_job_is_seen_answered_and_ends(scene: Scene) -> None:
         assert await reader.value('Simple/Connected') is True
         assert await reader.value('Simple/CurrentJob/ID') == ''
         assert (await submit(reader, *order('WO-1', 4)))[0] is True
-        await reader.wait('Simple/CurrentJob/ID', lambda one: one == 'WO-1')
+        await reader.wait('Simple/CurrentJob/ID', lambda entry: entry == 'WO-1')
         assert await reader.value('Simple/CurrentJob/Planned') == 4
         hold = await reader.wait('Simple/OldestHold/ID', bool)
         assert await reader.value('Simple/OldestHold/Job') == 'WO-1'
@@ -74,12 +74,12 @@ def test_a_held_job_is_seen_answered_and_ends(scene: Scene) -> None:
         assert (answers[0], answers[-1]) == ('retry', 'abort_job')
         roles = await reader.value('Simple/OldestHold/AnswerRoles')
         assert (roles[0], roles[-1]) == ('operate or engineer', 'engineer')
-        said = await reader.value('Simple/OldestHold/Message')
-        assert 'section 4' in said
-        assert 'aborted' in said
-        await reader.wait('Simple/StopReason', lambda one: one == 'own_fault')
+        message = await reader.value('Simple/OldestHold/Message')
+        assert 'section 4' in message
+        assert 'aborted' in message
+        await reader.wait('Simple/StopReason', lambda entry: entry == 'own_fault')
         assert await reader.value('Simple/StopMessage')
-        await reader.wait('Simple/StandsCause', lambda one: one == 'hold')
+        await reader.wait('Simple/StandsCause', lambda entry: entry == 'hold')
         assert f'hold {hold}' in await reader.value('Simple/StandsReason')
         assert await reader.value('Simple/StandsSince') is not None
         wrong = await reader.call('Simple/AnswerHold', hold, 'wait', '')
@@ -87,22 +87,22 @@ def test_a_held_job_is_seen_answered_and_ends(scene: Scene) -> None:
         assert 'expected one that is possible now (retry, ' in wrong[1]
         done = await reader.call('Simple/AnswerHold', hold, 'retry', 'seen by the camera')
         assert done[0] is True
-        await reader.wait('Simple/LastJob/Good', lambda one: one == 4)
+        await reader.wait('Simple/LastJob/Good', lambda entry: entry == 4)
         assert await reader.value('Simple/LastJob/State') == 'Ended'
         assert await reader.value('Simple/CurrentJob/ID') == ''
         assert await reader.value('Simple/Holds') == 0
 
     reading(scene.url, look)
-    (decided,) = (one for one in scene.events('operator.decided') if one.hold)
+    (decided,) = (entry for entry in scene.events('operator.decided') if entry.hold)
     assert (decided.answer, decided.reason) == ('retry', 'seen by the camera')
     assert decided.origin.startswith('opcua ')
 
 
-def test_every_mistake_of_an_order_is_told_and_nothing_is_sent(scene: Scene) -> None:
+def test_all_order_mistakes_are_listed_before_sending(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
-        found = await submit(reader, 'a/b', '', count(1), texts('speed', 'lot=1', 'lot=2'))
-        assert found[:2] == [False, 'the order was not sent']
-        assert [one.partition(':')[0] for one in found[2]] == [
+        answer = await submit(reader, 'a/b', '', count(1), texts('speed', 'lot=1', 'lot=2'))
+        assert answer[:2] == [False, 'the order was not sent']
+        assert [finding.partition(':')[0] for finding in answer[2]] == [
             'Id', 'Script', 'Parameters', 'Parameters',
         ]  # fmt: skip
 
@@ -119,7 +119,7 @@ def test_what_the_cell_refuses_is_told(scene: Scene) -> None:
         assert 'WO-9' in message
 
     reading(scene.url, look)
-    assert any(one.message and 'WO-9' in one.message for one in scene.events('operator.refused'))
+    assert any(row.message and 'WO-9' in row.message for row in scene.events('operator.refused'))
 
 
 def test_any_request_is_made_by_its_name(scene: Scene) -> None:
@@ -135,7 +135,7 @@ def test_any_request_is_made_by_its_name(scene: Scene) -> None:
             ('job.cancel', 'job: WO-20'),
         ):
             assert (await ask(name, arguments))[0] is True
-        for name, arguments, told in (
+        for name, arguments, expected in (
             ('job.fly', '', "there is no request 'job.fly'"),
             ('job.move', '{job: WO-20}', 'job.move needs position'),
             ('job.move', 'WO-20', 'expected the arguments as a mapping'),
@@ -143,47 +143,47 @@ def test_any_request_is_made_by_its_name(scene: Scene) -> None:
         ):
             accepted, message, _ = await ask(name, arguments)
             assert accepted is False
-            assert told in message
+            assert expected in message
 
     reading(scene.url, look)
-    (updated,) = (one for one in scene.events('operator.decided') if one.answer == 'update')
+    (updated,) = (event for event in scene.events('operator.decided') if event.answer == 'update')
     assert (updated.job, updated.reason) == ('WO-20', 'a test')
 
 
-def test_commands_to_the_cell_and_to_jobs_are_on_record(scene: Scene) -> None:
+def test_cell_and_job_commands_are_recorded(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         assert (await reader.call('Simple/Command', 'Pause', '', ''))[0] is True
-        await reader.wait('Simple/StopReason', lambda one: one == 'operator')
+        await reader.wait('Simple/StopReason', lambda entry: entry == 'operator')
         assert (await submit(reader, *order('WO-4')))[0] is True
-        await reader.wait('Simple/NextJob/ID', lambda one: one == 'WO-4')
+        await reader.wait('Simple/NextJob/ID', lambda entry: entry == 'WO-4')
         done = await reader.call('Simple/Command', 'cancel', 'WO-4', 'the customer said so')
         assert done[0] is True, done
-        await reader.wait('Simple/Queued', lambda one: one == 0)
+        await reader.wait('Simple/Queued', lambda entry: entry == 0)
         assert (await reader.call('Simple/Command', 'resume', '', 'lunch is over'))[0] is True
-        await reader.wait('Simple/StopReason', lambda one: one == '')
+        await reader.wait('Simple/StopReason', lambda entry: entry == '')
 
     reading(scene.url, look)
-    decided = {one.answer: one for one in scene.events('operator.decided')}
+    decided = {entry.answer: entry for entry in scene.events('operator.decided')}
     assert decided['pause'].reason == 'no comment (OPC UA Command)'
     assert (decided['cancel'].job, decided['cancel'].reason) == ('WO-4', 'the customer said so')
 
 
-def test_reasons_of_the_plant_are_offered_in_each_language_of_their_file(scene: Scene) -> None:
+def test_plant_reasons_are_offered_in_every_language(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
-        told = {
+        offered = {
             name: await reader.value(f'Simple/Reasons/{name}') for name in ('Codes', 'de', 'en')
         }
-        assert told['Codes'] == list(REASONS)
-        assert told['de'] == [one.words['de'] for one in REASONS.values()]
-        assert told['en'] == [one.words['en'] for one in REASONS.values()]
+        assert offered['Codes'] == list(REASONS)
+        assert offered['de'] == [reason.words['de'] for reason in REASONS.values()]
+        assert offered['en'] == [reason.words['en'] for reason in REASONS.values()]
         assert await reader.value('Simple/Reasons/Groups') == [
-            one.group for one in REASONS.values()
+            reason.group for reason in REASONS.values()
         ]
 
     reading(scene.url, look)
 
 
-def test_a_method_with_a_code_for_each_that_has_requests_with_one(scene: Scene) -> None:
+def test_coded_requests_have_methods_with_code(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         for name, arguments in (
             ('Command', COMMAND), ('ComponentCommand', COMPONENT_COMMAND),
@@ -191,14 +191,14 @@ def test_a_method_with_a_code_for_each_that_has_requests_with_one(scene: Scene) 
         ):  # fmt: skip
             method = reader.node(f'Simple/{name}WithCode')
             declared = await (await method.get_child('0:InputArguments')).read_value()
-            assert [one.Name for one in declared] == [*(one.name for one in arguments), 'Code']
-        names = [(await one.read_browse_name()).Name for one in await top(reader).get_methods()]
+            assert [item.Name for item in declared] == [*(item.name for item in arguments), 'Code']
+        names = [(await item.read_browse_name()).Name for item in await top(reader).get_methods()]
         assert 'ReleaseScriptWithCode' not in names
 
     reading(scene.url, look)
 
 
-def test_a_code_goes_to_the_cell_and_one_that_nothing_takes_does_not(scene: Scene) -> None:
+def test_code_reaches_cell_or_is_rejected(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         done = await reader.call('Simple/CommandWithCode', 'pause', '', 'lunch', 'LUNCH')
         assert done[0] is True
@@ -214,14 +214,14 @@ def test_a_code_goes_to_the_cell_and_one_that_nothing_takes_does_not(scene: Scen
         assert (accepted, 'keeps no journal' in message) == (False, True)
 
     reading(scene.url, look)
-    assert not any(one.code for one in scene.events('operator.decided'))
+    assert not any(event.code for event in scene.events('operator.decided'))
 
 
 def top(reader: Reader) -> asyncua.Node:
     return reader.node('Simple')
 
 
-def test_a_word_that_is_no_command_is_told_with_those_there_are(scene: Scene) -> None:
+def test_unknown_command_lists_valid_ones(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         accepted, message = await reader.call('Simple/Command', 'faster', '', '')
         assert accepted is False
@@ -249,18 +249,18 @@ def test_arguments_of_another_type_are_refused(
     reading(scene.url, look)
 
 
-def test_everything_is_described_typed_and_only_to_be_read(scene: Scene) -> None:
+def test_variables_are_described_typed_and_read_only(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
-        expected = {f'Simple/{name}': one for name, one in simple.CELL.items()}
+        expected = {f'Simple/{name}': row for name, row in simple.CELL.items()}
         for place in ('CurrentJob', 'NextJob', 'LastJob'):
-            expected |= {f'Simple/{place}/{name}': one for name, one in simple.JOB.items()}
-        expected |= {f'Simple/OldestHold/{name}': one for name, one in simple.HOLD.items()}
-        for path, one in expected.items():
+            expected |= {f'Simple/{place}/{name}': row for name, row in simple.JOB.items()}
+        expected |= {f'Simple/OldestHold/{name}': row for name, row in simple.HOLD.items()}
+        for path, row in expected.items():
             node = reader.node(path)
-            assert (await node.read_description()).Text == one.meaning
-            assert await node.read_data_type() == ua.NodeId(one.type.value)
-            found = (await node.read_data_value()).Value
-            assert (found.VariantType, found.is_array) == (one.type, one.is_list)
+            assert (await node.read_description()).Text == row.meaning
+            assert await node.read_data_type() == ua.NodeId(row.type.value)
+            value = (await node.read_data_value()).Value
+            assert (value.VariantType, value.is_array) == (row.type, row.is_list)
             assert (await node.read_browse_name()).Name == path.rpartition('/')[2]
             assert await node.get_user_access_level() == {ua.AccessLevel.CurrentRead}
         for name, arguments in (
@@ -268,10 +268,10 @@ def test_everything_is_described_typed_and_only_to_be_read(scene: Scene) -> None
         ):  # fmt: skip
             method = reader.node(f'Simple/{name}')
             declared = await (await method.get_child('0:InputArguments')).read_value()
-            assert [one.Name for one in declared] == [one.name for one in arguments]
-            assert [one.Description.Text for one in declared] == [one.meaning for one in arguments]
-            assert [one.ValueRank for one in declared] == [
-                1 if one.is_list else -1 for one in arguments
+            assert [row.Name for row in declared] == [row.name for row in arguments]
+            assert [row.Description.Text for row in declared] == [row.meaning for row in arguments]
+            assert [row.ValueRank for row in declared] == [
+                1 if row.is_list else -1 for row in arguments
             ]
 
     reading(scene.url, look)
@@ -279,10 +279,10 @@ def test_everything_is_described_typed_and_only_to_be_read(scene: Scene) -> None
 
 def test_times_are_those_of_the_cells_clock(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
-        found = await reader.node('Simple/State').read_data_value()
+        value = await reader.node('Simple/State').read_data_value()
         since = await reader.value('Simple/StateSince')
-        assert found.SourceTimestamp >= since
-        assert found.ServerTimestamp is not None
+        assert value.SourceTimestamp >= since
+        assert value.ServerTimestamp is not None
 
     reading(scene.url, look)
 
@@ -295,22 +295,22 @@ def test_the_server_says_what_it_is(scene: Scene) -> None:
         assert status.BuildInfo.ProductName == 'bt_orchestrator'
         assert status.StartTime <= status.CurrentTime
         (cell,) = [
-            one
-            for one in await nodes.objects.get_children()
-            if one.nodeid.NamespaceIndex == reader.idx
+            node
+            for node in await nodes.objects.get_children()
+            if node.nodeid.NamespaceIndex == reader.idx
         ]
         assert (await cell.read_browse_name()).Name == 'reference_cell'
 
     reading(scene.url, look)
 
 
-def test_the_oldest_hold_is_the_first_raised_also_after_a_set_clock() -> None:
+def test_oldest_hold_stays_first_after_clock_step() -> None:
     holds = (hold('1', since=3600.0), hold('2', since=60.0))
     assert dict(simple.values(status(holds=holds)))['OldestHold/ID'] == '1'
 
 
 def test_good_items_are_the_packed_ones_that_conform() -> None:
     shown = job(packed=6, nonconforming=1, good=5, started=6, started_at=NOW_S)
-    told = dict(simple.values(status(jobs=(shown,))))
+    values = dict(simple.values(status(jobs=(shown,))))
     names = ('Packed', 'Good', 'Nonconforming')
-    assert [told[f'CurrentJob/{name}'] for name in names] == [6, 5, 1]
+    assert [values[f'CurrentJob/{name}'] for name in names] == [6, 5, 1]

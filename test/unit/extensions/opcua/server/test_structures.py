@@ -58,13 +58,13 @@ def test_any_details_and_parameters_can_be_sent(
     assert sent(structures.response(response_of(job))).JobOrderID == 'WO-1'
 
 
-def test_counts_and_enumerations_have_the_types_of_the_standard(structures: Structures) -> None:
+def test_counts_and_enumerations_have_standard_types(structures: Structures) -> None:
     status = JobStatus('WO-1', 's', JobWord.ENDED, quantity=2**40, started=3)
     job = ListedJob(status, details={'JobExecutionMode': 2, 'PlannedSetupTime': 5})
-    told = {one.ID: one.Value for one in structures.order(job_order(job)).JobOrderParameters}
-    assert told['JobExecutionMode'].VariantType is ua.VariantType.Int32
-    assert told['PlannedSetupTime'].VariantType is ua.VariantType.Double
-    assert told['RunsPlanned'].VariantType is ua.VariantType.Int64, 'it does not fit into 32 bits'
-    data = {one.ID: one.Value for one in structures.response(response_of(job)).JobResponseData}
+    order = {item.ID: item.Value for item in structures.order(job_order(job)).JobOrderParameters}
+    assert order['JobExecutionMode'].VariantType is ua.VariantType.Int32
+    assert order['PlannedSetupTime'].VariantType is ua.VariantType.Double
+    assert order['RunsPlanned'].VariantType is ua.VariantType.Int64, 'it does not fit into 32 bits'
+    data = {item.ID: item.Value for item in structures.response(response_of(job)).JobResponseData}
     assert data['RunsStarted'].VariantType is ua.VariantType.UInt32
     assert data['JobResult'].VariantType is ua.VariantType.Int32

@@ -51,32 +51,30 @@ def put(folder: Path, found: x509.Certificate, name: str = 'one.der') -> None:
 
 
 @pytest.mark.parametrize('name', ['one.der', 'one.pem', 'One.CRT', 'a b [c].cer'])
-def test_a_certificate_in_the_folder_is_trusted_whatever_it_is_called(
-    pki: Pki, trust: Trust, name: str
-) -> None:
-    found = certificate()
-    put(pki.trusted, found, name)
-    assert trust.check(der(found)) == found
-    assert trust.check(der(found) + der(certificate('its authority'))) == found  # a chain
+def test_trusted_folder_accepts_any_file_name(pki: Pki, trust: Trust, name: str) -> None:
+    cert = certificate()
+    put(pki.trusted, cert, name)
+    assert trust.check(der(cert)) == cert
+    assert trust.check(der(cert) + der(certificate('its authority'))) == cert  # a chain
 
 
-def test_what_is_put_there_or_taken_away_counts_at_once(pki: Pki, trust: Trust) -> None:
-    found = certificate()
-    assert 'is not trusted' in refusal(trust, found)
-    put(pki.trusted, found)
-    trust.check(der(found))
+def test_trusted_folder_changes_apply_at_once(pki: Pki, trust: Trust) -> None:
+    cert = certificate()
+    assert 'is not trusted' in refusal(trust, cert)
+    put(pki.trusted, cert)
+    trust.check(der(cert))
     (pki.trusted / 'one.der').unlink()
-    assert 'is not trusted' in refusal(trust, found)
+    assert 'is not trusted' in refusal(trust, cert)
 
 
-def test_a_file_that_is_none_keeps_no_others_out(pki: Pki, trust: Trust) -> None:
+def test_unusable_files_do_not_block_trusted_ones(pki: Pki, trust: Trust) -> None:
     (pki.trusted / 'bad.der').write_bytes(b'nothing')
     os.mkfifo(pki.trusted / 'pipe.der')
     (pki.trusted / 'endless.der').symlink_to('/dev/zero')
     (pki.trusted / 'readme.txt').write_text('put certificates here')
-    found = certificate()
-    put(pki.trusted, found)
-    trust.check(der(found))
+    cert = certificate()
+    put(pki.trusted, cert)
+    trust.check(der(cert))
 
 
 # --- what is refused whoever trusts it ----------------------------------------------------------
@@ -93,12 +91,12 @@ def test_what_is_no_certificate_is_refused(trust: Trust) -> None:
 def test_a_certificate_out_of_its_time_is_refused(
     pki: Pki, trust: Trust, days: tuple[int, int]
 ) -> None:
-    found = certificate(days=days)
-    put(pki.trusted, found)
-    assert 'it needs a new certificate, or a clock is wrong' in refusal(trust, found)
+    cert = certificate(days=days)
+    put(pki.trusted, cert)
+    assert 'it needs a new certificate, or a clock is wrong' in refusal(trust, cert)
 
 
-def test_a_short_key_another_algorithm_and_a_missing_uri_are_refused(trust: Trust) -> None:
+def test_short_key_curve_and_missing_uri_are_refused(trust: Trust) -> None:
     short = rsa.generate_private_key(public_exponent=65537, key_size=1024)
     assert 'no RSA key of 2048 to 4096 bits' in refusal(trust, certificate(key=short))
     assert 'has no application URI' in refusal(trust, certificate(uri=''))
@@ -117,17 +115,17 @@ def test_a_short_key_another_algorithm_and_a_missing_uri_are_refused(trust: Trus
 # --- what was refused ---------------------------------------------------------------------------
 
 
-def test_a_refused_certificate_is_kept_once_and_for_people(trust: Trust) -> None:
-    found = certificate('../../UaExpert@pc\n')
+def test_refused_certificate_is_kept_once(trust: Trust) -> None:
+    cert = certificate('../../UaExpert@pc\n')
     for _ in range(3):
-        said = refusal(trust, found)
+        message = refusal(trust, cert)
     (kept,) = trust.rejected()
-    assert kept.certificate == found
+    assert kept.certificate == cert
     assert kept.uri == 'urn:test:client'
-    assert f'opcua trust --pki {kept.path.parents[2]} {thumbprint(found)[:8]}' in said
-    assert '\n' not in said
-    assert trust.trust(thumbprint(found)[:8].upper()).certificate == found
-    trust.check(der(found))
+    assert f'opcua trust --pki {kept.path.parents[2]} {thumbprint(cert)[:8]}' in message
+    assert '\n' not in message
+    assert trust.trust(thumbprint(cert)[:8].upper()).certificate == cert
+    trust.check(der(cert))
 
 
 def test_whoever_sends_many_fills_no_disk(trust: Trust, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -137,7 +135,7 @@ def test_whoever_sends_many_fills_no_disk(trust: Trust, monkeypatch: pytest.Monk
     assert len(trust.rejected()) == 3
 
 
-def test_a_flood_of_certificates_does_not_push_out_the_one_of_before(trust: Trust) -> None:
+def test_certificate_flood_keeps_earlier_one(trust: Trust) -> None:
     honest = certificate('the MES')
     refusal(trust, honest)
     for number in range(2 * module.MOST_REJECTED):
@@ -149,10 +147,10 @@ def test_a_thumbprint_has_to_be_of_one(trust: Trust) -> None:
     with pytest.raises(NoSuchCertificate, match='there are: none'):
         trust.trust('ab')
     made = [certificate(f'client {number}') for number in range(17)]  # two begin alike
-    for one in made:
-        refusal(trust, one)
-    first = [thumbprint(one)[0] for one in made]
-    twice = next(one for one in first if first.count(one) > 1)
+    for entry in made:
+        refusal(trust, entry)
+    first = [thumbprint(entry)[0] for entry in made]
+    twice = next(entry for entry in first if first.count(entry) > 1)
     with pytest.raises(NoSuchCertificate, match='give more of it'):
         trust.trust(twice)
     with pytest.raises(NoSuchCertificate):
@@ -178,45 +176,43 @@ def revocations(pki: Pki, *revoked: x509.Certificate) -> None:
         .last_update(now)
         .next_update(now + datetime.timedelta(days=1))
     )
-    for one in revoked:
+    for cert in revoked:
         builder = builder.add_revoked_certificate(
             x509.RevokedCertificateBuilder()
-            .serial_number(one.serial_number).revocation_date(now).build()
+            .serial_number(cert.serial_number).revocation_date(now).build()
         )  # fmt: skip
     made = builder.sign(_AUTHORITY_KEY, hashes.SHA256())
     (pki.revocations[0] / 'list.crl').write_bytes(made.public_bytes(Encoding.DER))
 
 
-def test_whom_a_trusted_authority_has_signed_is_trusted_until_it_is_taken_back(
-    pki: Pki, trust: Trust
-) -> None:
+def test_authority_certificates_are_trusted_until_revoked(pki: Pki, trust: Trust) -> None:
     above = authority()
-    found, other = certificate('found', issuer=above), certificate('other', issuer=above)
+    cert, other = certificate('found', issuer=above), certificate('other', issuer=above)
     put(pki.trusted, above[0])
-    assert 'has no revocation list in trusted/crl or issuers/crl' in refusal(trust, found)
+    assert 'has no revocation list in trusted/crl or issuers/crl' in refusal(trust, cert)
     revocations(pki)
-    trust.check(der(found))
+    trust.check(der(cert))
     (pki.revocations[0] / 'list.crl').unlink()
-    revocations(pki, found)
-    assert 'was taken back by its authority' in refusal(trust, found)
+    revocations(pki, cert)
+    assert 'was taken back by its authority' in refusal(trust, cert)
     trust.check(der(other))
 
 
 def test_an_issuer_alone_is_not_trusted(pki: Pki, trust: Trust) -> None:
     above = authority()
-    found = certificate('found', issuer=above)
+    cert = certificate('found', issuer=above)
     put(pki.issuers, above[0])
     revocations(pki)
-    assert 'is not trusted' in refusal(trust, found)
-    put(pki.trusted, found)
-    trust.check(der(found))
+    assert 'is not trusted' in refusal(trust, cert)
+    put(pki.trusted, cert)
+    trust.check(der(cert))
 
 
 def test_who_is_no_authority_signs_for_nobody(pki: Pki, trust: Trust) -> None:
     client = certificate('a client')
     put(pki.trusted, client)
-    found = certificate('found', issuer=(client, client_key()))
-    assert 'is not trusted' in refusal(trust, found)
+    cert = certificate('found', issuer=(client, client_key()))
+    assert 'is not trusted' in refusal(trust, cert)
 
 
 def test_the_name_of_an_authority_is_no_proof(pki: Pki, trust: Trust) -> None:

@@ -57,16 +57,16 @@ class Scene(NamedTuple):
 def scene(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
     store = MemoryStore()
     with opcua_stand(tmp_path_factory.mktemp('scene'), store=store) as (cell, server):
-        found = Scene(cell, store, server.address)
+        setup = Scene(cell, store, server.address)
 
         async def at_rest() -> None:
-            async with found.user('eve') as reader:
+            async with setup.user('eve') as reader:
                 assert cell.queue(WorkOrder(cell.script, ORDERED, 1)).accepted
-                await reader.wait('Simple/LastJob/ID', lambda one: one == ORDERED)
-                await reader.wait('Simple/State', lambda one: one == 'Complete')
+                await reader.wait('Simple/LastJob/ID', lambda value: value == ORDERED)
+                await reader.wait('Simple/State', lambda value: value == 'Complete')
 
         asyncio.run(at_rest())
-        yield found
+        yield setup
 
 
 async def methods_below(node: asyncua.Node) -> AsyncIterator[tuple[asyncua.Node, asyncua.Node]]:
@@ -76,8 +76,8 @@ async def methods_below(node: asyncua.Node) -> AsyncIterator[tuple[asyncua.Node,
         if kind is ua.NodeClass.Method:
             yield node, below
         elif kind is ua.NodeClass.Object:
-            async for found in methods_below(below):
-                yield found
+            async for pair in methods_below(below):
+                yield pair
 
 
 async def given_for(client: asyncua.Client, method: asyncua.Node) -> list[ua.Variant]:
@@ -86,7 +86,7 @@ async def given_for(client: asyncua.Client, method: asyncua.Node) -> list[ua.Var
         inputs = await (await method.get_child('0:InputArguments')).read_value()
     except ua.UaStatusCodeError:
         return []
-    return [await _given(client, one) for one in inputs]
+    return [await _given(client, argument) for argument in inputs]
 
 
 async def _given(client: asyncua.Client, argument: ua.Argument) -> ua.Variant:
@@ -115,15 +115,15 @@ async def called(reader: Reader, above: asyncua.Node, method: asyncua.Node, *giv
     return int(result.StatusCode.value)
 
 
-def test_no_method_does_anything_for_who_may_only_look(scene: Scene) -> None:
+def test_viewer_cannot_act_with_any_method(scene: Scene) -> None:
     async def work() -> None:
         tried = []
         async with scene.user('vic') as reader:
             before = scene.events
             (cell,) = [
-                one
-                for one in await reader.client.nodes.objects.get_children()
-                if one.nodeid.NamespaceIndex == reader.idx
+                entry
+                for entry in await reader.client.nodes.objects.get_children()
+                if entry.nodeid.NamespaceIndex == reader.idx
             ]
             async for above, method in methods_below(cell):
                 code = await called(reader, above, method, *await given_for(reader.client, method))
@@ -131,7 +131,7 @@ def test_no_method_does_anything_for_who_may_only_look(scene: Scene) -> None:
                 # What tells is good; what commands is denied, or has no such arguments.
                 assert scene.events == before, f'{tried[-1]} did something ({code:x})'
         assert {'SubmitOrder', 'Command', 'AnswerHold'} <= set(tried)
-        assert {one.name for one in REQUESTS} <= set(tried)
+        assert {entry.name for entry in REQUESTS} <= set(tried)
         assert len(tried) > 15, tried
 
     asyncio.run(work())
@@ -144,7 +144,7 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize('name', USERS)
-def test_a_command_is_denied_exactly_to_whom_the_table_denies_it(scene: Scene, name: str) -> None:
+def test_commands_are_denied_as_table_says(scene: Scene, name: str) -> None:
     async def work() -> None:
         async with scene.user(name) as reader:
             above, method = reader.node('Simple'), reader.node('Simple/Command')
@@ -152,17 +152,15 @@ def test_a_command_is_denied_exactly_to_whom_the_table_denies_it(scene: Scene, n
                 if ROLES[name] in request.roles:
                     continue
                 before = scene.events
-                given = (ua.Variant(one) for one in (request.word, job, 'because'))
+                given = (ua.Variant(value) for value in (request.word, job, 'because'))
                 assert await called(reader, above, method, *given) == DENIED, request.name
                 assert scene.events == before
 
     asyncio.run(work())
 
 
-@pytest.mark.parametrize('method', REQUESTS, ids=lambda one: one.name)
-def test_the_methods_of_isa_95_are_for_the_roles_of_their_requests(
-    scene: Scene, method: Any
-) -> None:
+@pytest.mark.parametrize('method', REQUESTS, ids=lambda entry: entry.name)
+def test_isa_95_methods_follow_roles_of_requests(scene: Scene, method: Any) -> None:
     async def work() -> None:
         for name, role in USERS.items():
             if role in REQUESTS[method].roles:
@@ -196,7 +194,7 @@ def test_7_8_1_every_request_is_as_the_hand_written_table(tmp_path: Path) -> Non
         readers: dict[str, Reader] = {}
 
         async def log_in(stack: AsyncExitStack) -> None:
-            for name in (*USERS, *(f'panel_{one}' for one in USERS)):
+            for name in (*USERS, *(f'panel_{value}' for value in USERS)):
                 url = with_login(f'opc.tcp://{address}', name)
                 client = await stack.enter_async_context(client_of(url))
                 readers[name] = await Reader.of(client)
@@ -207,8 +205,8 @@ def test_7_8_1_every_request_is_as_the_hand_written_table(tmp_path: Path) -> Non
 
         def hand_over(control: str) -> None:
             if cell.node.running.engine.state.control.value != control:
-                said = asked(f'cell.{control}', {}, Role.ENGINEER, True)
-                assert said.startswith(f'the line is in {control}'), said
+                answer = asked(f'cell.{control}', {}, Role.ENGINEER, True)
+                assert answer.startswith(f'the line is in {control}'), answer
 
         def lose() -> None:
             with cell.lock:
@@ -220,26 +218,26 @@ def test_7_8_1_every_request_is_as_the_hand_written_table(tmp_path: Path) -> Non
             loop.run_until_complete(log_in(stack))
             assert list(differences(asked, hand_over, lose)) == []
             hand_over('local')
-            control = readers['vic'].wait('Simple/Control', lambda one: one == 'local')
+            control = readers['vic'].wait('Simple/Control', lambda value: value == 'local')
             loop.run_until_complete(control)
         finally:
             loop.run_until_complete(stack.aclose())
             loop.close()
 
 
-def test_the_journal_says_who_how_that_is_known_and_from_where(scene: Scene) -> None:
+def test_journal_records_user_proof_and_origin(scene: Scene) -> None:
     async def work() -> None:
         async with scene.user('ann') as reader:
             last = scene.events[-1].seq
             await reader.call('Simple/Command', 'stop', '', 'lunch')
-        (found,) = [
-            one
-            for one in scene.events
-            if one.seq > last and isinstance(one, (OperatorDecided, OperatorRefused))
+        (decision,) = [
+            event
+            for event in scene.events
+            if event.seq > last and isinstance(event, (OperatorDecided, OperatorRefused))
         ]
-        assert (found.who, found.role, found.known) == ('ann', 'operate', 'opc ua user')
-        assert found.reason == 'lunch'
-        assert found.origin.startswith('opcua ')
-        assert found.origin.endswith(' at 127.0.0.1')
+        assert (decision.who, decision.role, decision.known) == ('ann', 'operate', 'opc ua user')
+        assert decision.reason == 'lunch'
+        assert decision.origin.startswith('opcua ')
+        assert decision.origin.endswith(' at 127.0.0.1')
 
     asyncio.run(work())

@@ -33,13 +33,13 @@ def access(*words: str) -> Access:
     return access_of(parser.parse_args(words))
 
 
-def test_without_options_this_computer_looks_and_nobody_is_trusted(tmp_path: Path) -> None:
-    found = access('--users', str(tmp_path / 'none.yaml'))
-    assert found == Access(tmp_path / 'none.yaml', port=PAGE.port)
-    assert found.idle_s == IDLE_S
+def test_default_access_is_local_view_only(tmp_path: Path) -> None:
+    defaults = access('--users', str(tmp_path / 'none.yaml'))
+    assert defaults == Access(tmp_path / 'none.yaml', port=PAGE.port)
+    assert defaults.idle_s == IDLE_S
 
 
-def test_who_is_trusted_is_the_user_of_the_program(tmp_path: Path) -> None:
+def test_trusted_computer_acts_as_program_user(tmp_path: Path) -> None:
     assert access('--trust-this-computer').local_user == getpass.getuser()
 
 
@@ -65,7 +65,7 @@ def plant(*words: object) -> Plant | None:
     return plant_of(parser.parse_args([*map(str, words)]))
 
 
-def test_a_shift_has_its_hours_and_with_a_cell_file_its_pace(
+def test_shift_has_hours_and_pace_from_cell(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(bootstrap, 'installed_types', FakeActionTypes)
@@ -75,9 +75,9 @@ def test_a_shift_has_its_hours_and_with_a_cell_file_its_pace(
     assert plant('--cell', REFERENCE_CELL) is None
     hours = Plant(Shifts({'early': Shift('early', Hours(360, 840))}), None)
     assert plant('--shifts', shifts) == hours
-    found = plant('--shifts', shifts, '--cell', REFERENCE_CELL)
-    assert found is not None
-    assert found.cell == read_cell(REFERENCE_CELL, FakeActionTypes())
+    paced = plant('--shifts', shifts, '--cell', REFERENCE_CELL)
+    assert paced is not None
+    assert paced.cell == read_cell(REFERENCE_CELL, FakeActionTypes())
 
 
 @pytest.mark.parametrize(
@@ -90,7 +90,7 @@ def test_a_shift_has_its_hours_and_with_a_cell_file_its_pace(
         (['--port', '70000'], 'expected a port'),
     ],
 )
-def test_what_would_let_in_anybody_or_shows_nothing_does_not_start(
+def test_unsafe_or_empty_options_do_not_start(
     words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert status_of('page', *words) in (1, 2)
@@ -113,7 +113,7 @@ def test_packages_that_are_missing_are_named(
     assert f'uvicorn cannot be imported; {how}' in capsys.readouterr().err
 
 
-def test_what_others_wrote_is_no_line_of_the_log(capsys: pytest.CaptureFixture[str]) -> None:
+def test_foreign_text_stays_in_one_log_line(capsys: pytest.CaptureFixture[str]) -> None:
     with server_log(ROOM):
         logging.getLogger(f'{ROOM}.people').info('%s', 'eve\n2026 INFO ann logged in\x1b[2J')
     logging.getLogger(f'{ROOM}.people').info('later')
@@ -125,8 +125,8 @@ def test_a_port_in_use_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None
     with socket.create_server(('127.0.0.1', 0)) as other:
         port = other.getsockname()[1]
         assert main(['page', '--port', str(port)]) == 1
-    said = capsys.readouterr().err
-    assert said == (
+    error = capsys.readouterr().err
+    assert error == (
         f'bt-orchestrator page: error: port {port} of 127.0.0.1 is in use by another program; '
         'name another --port\n'
     )

@@ -37,7 +37,7 @@ def test_on_this_computer_nothing_is_needed_for_looking(tmp_path: Path) -> None:
     assert access.looks_freely
 
 
-def test_a_damaged_file_of_users_is_told_at_the_start(tmp_path: Path) -> None:
+def test_damaged_users_file_is_reported_at_start(tmp_path: Path) -> None:
     damaged = tmp_path / 'users.yaml'
     damaged.write_text('users: [ann')
     damaged.chmod(0o600)
@@ -63,7 +63,7 @@ def test_a_proxy_in_place_of_tls(users: Path, tmp_path: Path) -> None:
     assert 'no users in' in refusal(users=tmp_path / 'none.yaml', proxy_header='X-User')
 
 
-def test_what_a_proxy_passes_on_comes_from_this_computer_as_well(users: Path) -> None:
+def test_proxy_header_disables_free_local_view(users: Path) -> None:
     assert not Access(users, proxy_header='X-User').looks_freely
 
 

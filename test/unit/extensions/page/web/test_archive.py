@@ -118,8 +118,8 @@ def test_jobs_come_newest_first_by_pages(ask: Ask) -> None:
 
 
 def test_an_item_has_every_attempt_and_who_decided(ask: Ask) -> None:
-    found = ask(lambda look: item_record(look, 'J/1'))
-    tries = [(one['task'], one['attempt'], one['outcome']) for one in found['tasks']]
+    record = ask(lambda look: item_record(look, 'J/1'))
+    tries = [(task['task'], task['attempt'], task['outcome']) for task in record['tasks']]
     assert tries == [
         ('place', 1, 'succeeded'),
         ('work', 1, 'failed'),
@@ -127,31 +127,31 @@ def test_an_item_has_every_attempt_and_who_decided(ask: Ask) -> None:
         ('also', 1, 'succeeded'),
         ('pack', 1, 'succeeded'),
     ]
-    failed = found['tasks'][1]
+    failed = record['tasks'][1]
     assert (failed['section'], failed['component'], failed['name']) == (2, 'a2', 'TASK_A')
     assert (failed['seconds'], failed['reason']) == (1.0, 'aborted')
     assert failed['args'] == {'special_argument_1': 'lot'}
-    (decision,) = found['decisions']
+    (decision,) = record['decisions']
     assert (decision['who'], decision['what'], decision['reason']) == (
         'Ann',
         'retry',
         'it looked so',
     )
-    assert (found['script'], found['how']) == ('test', 'packed')
+    assert (record['script'], record['how']) == ('test', 'packed')
 
 
-def test_a_task_that_was_skipped_stands_there_with_its_reason(ask: Ask) -> None:
-    found = ask(lambda look: item_record(look, 'J/2'))
-    skipped = next(one for one in found['tasks'] if one['outcome'] == 'skipped')
+def test_skipped_task_is_listed_with_reason(ask: Ask) -> None:
+    record = ask(lambda look: item_record(look, 'J/2'))
+    skipped = next(task for task in record['tasks'] if task['outcome'] == 'skipped')
     assert skipped['task'] == 'work'
     assert 'Ann decided skip' in skipped['reason']
 
 
-def test_who_took_an_item_off_the_belt_is_told(run: VirtualRun, ask: Ask) -> None:
+def test_manual_removal_is_recorded_with_decision(run: VirtualRun, ask: Ask) -> None:
     (gone,) = run.all('item.removed', how='by_hand')
-    found = ask(lambda look: item_record(look, gone['item']))
-    assert found['how'] == 'by_hand'
-    assert [one['what'] for one in found['decisions']][-1] == 'remove_item'
+    record = ask(lambda look: item_record(look, gone['item']))
+    assert record['how'] == 'by_hand'
+    assert [decision['what'] for decision in record['decisions']][-1] == 'remove_item'
 
 
 def test_nothing_is_made_up_about_what_never_was(ask: Ask) -> None:
@@ -162,23 +162,23 @@ def test_nothing_is_made_up_about_what_never_was(ask: Ask) -> None:
 def test_the_history_of_a_section(run: VirtualRun, ask: Ask) -> None:
     described = description_of(run.state.cell, TYPES)
     end = run.records[-1]['time']
-    found = ask(lambda look: history_of(look, Subject(section=2), end, described))
-    cycles = found['cycles']
+    history = ask(lambda look: history_of(look, Subject(section=2), end, described))
+    cycles = history['cycles']
     done = run.all('cycle.completed', section=2)
-    assert [one['item'] for one in cycles] == [one['item'] for one in reversed(done)]
-    assert found['tasks']['b2.TASK_A']['nominal_s'] == 3.0
-    assert found['tasks']['b2.TASK_A']['lately_s'] == 3.0
-    assert [one['reason'] for one in found['failures']] == ['aborted', 'aborted']
-    assert sum(found['time_in'].values()) == pytest.approx(end - run.records[0]['time'], abs=1.0)
-    works = sum(one['seconds'] for cycle in cycles for one in cycle['tasks'])
-    assert found['time_in']['works'] == pytest.approx(works)
+    assert [entry['item'] for entry in cycles] == [entry['item'] for entry in reversed(done)]
+    assert history['tasks']['b2.TASK_A']['nominal_s'] == 3.0
+    assert history['tasks']['b2.TASK_A']['lately_s'] == 3.0
+    assert [entry['reason'] for entry in history['failures']] == ['aborted', 'aborted']
+    assert sum(history['time_in'].values()) == pytest.approx(end - run.records[0]['time'], abs=1.0)
+    works = sum(entry['seconds'] for cycle in cycles for entry in cycle['tasks'])
+    assert history['time_in']['works'] == pytest.approx(works)
 
 
 def test_the_history_of_a_component(run: VirtualRun, ask: Ask) -> None:
-    found = ask(lambda look: history_of(look, Subject(component='a2'), 1000.0, None))
-    assert {one['component'] for cycle in found['cycles'] for one in cycle['tasks']} == {'a2'}
-    assert len(found['failures']) == len(run.all('task.failed'))
-    assert list(found['tasks']) == ['TASK_A']
+    history = ask(lambda look: history_of(look, Subject(component='a2'), 1000.0, None))
+    assert {task['component'] for cycle in history['cycles'] for task in cycle['tasks']} == {'a2'}
+    assert len(history['failures']) == len(run.all('task.failed'))
+    assert list(history['tasks']) == ['TASK_A']
 
 
 def test_events_by_pages_in_both_directions(run: VirtualRun, ask: Ask) -> None:
@@ -198,17 +198,17 @@ def test_damage_is_told_and_the_rest_is_shown(
     store = SqliteStore(copy)
     store.append(list(run.store.read()))
     store.close()
-    (gone,) = (one['seq'] for one in run.all('task.failed', item='J/1'))
+    (gone,) = (entry['seq'] for entry in run.all('task.failed', item='J/1'))
     with sqlite3.connect(copy) as database:
         database.execute('DELETE FROM events WHERE seq = ?', (gone,))
     database.close()
-    found = of_journal(copy)(lambda look: item_record(look, 'J/1'))
-    (damage,) = found['damage']
+    record = of_journal(copy)(lambda look: item_record(look, 'J/1'))
+    (damage,) = record['damage']
     assert f'event {gone}' in damage
-    assert [one['outcome'] for one in found['tasks']].count('running') == 1, 'its end is lost'
+    assert [entry['outcome'] for entry in record['tasks']].count('running') == 1, 'its end is lost'
 
 
-def test_a_journal_that_cannot_be_read_is_an_error_of_its_own(tmp_path: Path) -> None:
+def test_unreadable_journal_raises_its_own_error(tmp_path: Path) -> None:
     with pytest.raises(JournalUnusable):
         of_journal(tmp_path / 'none')(lambda look: look.extent)
 
@@ -227,13 +227,13 @@ def test_a_journal_of_another_node_is_told(journal: Path) -> None:
     assert 'the node has other: give the page the journal' in asyncio.run(why('other'))
 
 
-def test_a_job_and_its_items_took_the_time_that_passed(run: VirtualRun, tmp_path: Path) -> None:
+def test_job_and_item_durations_ignore_clock_steps(run: VirtualRun, tmp_path: Path) -> None:
     def seconds(events: list[Event]) -> dict[str, float]:
-        path = tmp_path / f'{hash(tuple(one.time for one in events))}.sqlite3'
+        path = tmp_path / f'{hash(tuple(entry.time for entry in events))}.sqlite3'
         with closing(SqliteStore(path)) as store:
             store.append(events)
-            found = of_journal(path)(lambda look: job_with_items(look, 'J'))
-        return {one['id']: one['seconds'] for one in (found['job'], *found['items'])}
+            record = of_journal(path)(lambda look: job_with_items(look, 'J'))
+        return {entry['id']: entry['seconds'] for entry in (record['job'], *record['items'])}
 
     events = list(run.store.read())
     as_it_was = seconds(events)
@@ -242,16 +242,16 @@ def test_a_job_and_its_items_took_the_time_that_passed(run: VirtualRun, tmp_path
         assert seconds(stepped(events, [(20, by_s)])) == pytest.approx(as_it_was)
 
 
-def test_alarms_are_those_of_the_journal_in_each_language(ask: Ask, run: VirtualRun) -> None:
-    raised = [one for one in run.store.read() if isinstance(one, HoldRaised)]
-    found = ask(lambda look: alarms_page(look, Choice()))
-    holds = [one for one in found['alarms'] if one['kind'] == 'hold']
-    assert [one['raised'] for one in holds] == [one.time for one in reversed(raised)]
-    aborted = [one for one in holds if one['reason'] == 'aborted']
-    assert [one['answer'] for one in aborted] == ['skip', 'retry']
-    assert {one['component'] for one in aborted} == {'a2'}
+def test_alarms_match_journal_in_every_language(ask: Ask, run: VirtualRun) -> None:
+    raised = [entry for entry in run.store.read() if isinstance(entry, HoldRaised)]
+    page = ask(lambda look: alarms_page(look, Choice()))
+    holds = [entry for entry in page['alarms'] if entry['kind'] == 'hold']
+    assert [entry['raised'] for entry in holds] == [entry.time for entry in reversed(raised)]
+    aborted = [entry for entry in holds if entry['reason'] == 'aborted']
+    assert [entry['answer'] for entry in aborted] == ['skip', 'retry']
+    assert {entry['component'] for entry in aborted} == {'a2'}
     assert set(aborted[0]['said']) == {'en', 'de'}
-    assert {'kind': 'hold', 'about': 'a2', 'reason': 'aborted', 'times': 2} in found['counts']
+    assert {'kind': 'hold', 'about': 'a2', 'reason': 'aborted', 'times': 2} in page['counts']
     assert not ask(lambda look: alarms_page(look, Choice(is_open=True)))['alarms']
     of_a2 = ask(lambda look: alarms_page(look, Choice('hold', 'a2')))
     assert (len(of_a2['alarms']), of_a2['is_cut']) == (2, False)

@@ -26,16 +26,16 @@ def read(text: bytes | None) -> dict[str, Any]:
     """Return the object in a message."""
     assert text is not None
     (data,) = (line for line in text.decode().splitlines() if line.startswith('data: '))
-    found: dict[str, Any] = json.loads(data.removeprefix('data: '))
-    return found
+    message: dict[str, Any] = json.loads(data.removeprefix('data: '))
+    return message
 
 
 class TestParts:
     def test_a_new_reader_gets_all(self) -> None:
         board = board_with()
         board.put({'cell': {'state': 'Idle'}, 'job/1': {}})
-        found = read(board.next_parts(Cursor('one', 0)))
-        assert found == {'version': 1, 'set': {'cell': {'state': 'Idle'}, 'job/1': {}}, 'gone': []}
+        parts = read(board.next_parts(Cursor('one', 0)))
+        assert parts == {'version': 1, 'set': {'cell': {'state': 'Idle'}, 'job/1': {}}, 'gone': []}
 
     def test_only_what_changed_comes_again(self) -> None:
         board, cursor = board_with(), Cursor('one', 0)
@@ -52,7 +52,7 @@ class TestParts:
         board.put({'cell': {'state': 'Idle'}})
         assert board.next_parts(cursor) is None
 
-    def test_what_went_is_told_to_those_who_had_it(self) -> None:
+    def test_gone_parts_are_sent_to_their_readers(self) -> None:
         board, cursor = board_with(), Cursor('one', 0)
         board.put({'hold/1': {}, 'cell': {}})
         board.next_parts(cursor)
@@ -72,15 +72,15 @@ class TestParts:
             'gone': [],
         }
 
-    def test_a_reader_that_missed_a_version_still_hears_what_went(self) -> None:
+    def test_late_reader_still_hears_gone_parts(self) -> None:
         board, cursor = board_with(), Cursor('one', 0)
         board.put({'hold/1': {}, 'cell': {}})
         board.next_parts(cursor)
         board.put({'cell': {}})
         board.forget_gone(cursor.version)
         board.put({'cell': {'n': 1}})
-        found = read(board.next_parts(cursor))
-        assert (found['set'], found['gone']) == ({'cell': {'n': 1}}, ['hold/1'])
+        parts = read(board.next_parts(cursor))
+        assert (parts['set'], parts['gone']) == ({'cell': {'n': 1}}, ['hold/1'])
 
     def test_it_is_encoded_once_for_all_readers(self) -> None:
         board = board_with()
@@ -118,9 +118,9 @@ class TestEvents:
         board.begin('two', 0)
         board.ring.add(Happened(JobHeld(seq=1, job='K')))
         board.ring.add(Happened(JobHeld(seq=2, job='K')))
-        found = read(board.next_events(Cursor('two', 0)))
-        assert found['history'] == 'two'
-        assert {record['job'] for record in found['records']} == {'K'}
+        message = read(board.next_events(Cursor('two', 0)))
+        assert message['history'] == 'two'
+        assert {record['job'] for record in message['records']} == {'K'}
 
     def test_a_loss_is_told_and_passed(self) -> None:
         board, cursor = board_with(1), Cursor('one', 1)
@@ -130,7 +130,7 @@ class TestEvents:
 
 
 class TestStart:
-    def test_a_new_reader_begins_with_what_the_parts_tell_of(self) -> None:
+    def test_new_reader_starts_where_parts_end(self) -> None:
         board = board_with(8, before=7)
         board.status = replace(status(), seq=9, history='one')
         assert board.start('', None) == Cursor('one', 9)
@@ -155,9 +155,7 @@ class TestStart:
         ('', Known.ROS, None),
     ],
 )
-def test_a_decision_comes_with_its_name_as_it_is_shown(
-    who: str, known: Known, named: str | None
-) -> None:
+def test_decision_carries_its_displayed_name(who: str, known: Known, named: str | None) -> None:
     board, cursor = board_with(), Cursor('one', 0)
     decided = OperatorDecided(seq=1, who=who, reason='r', known=known.value, answer='retry')
     board.ring.add(Happened(decided))

@@ -32,7 +32,7 @@ def served(cells: PlantCells | None) -> Any:
     return asyncio.run(ask())
 
 
-def test_each_cell_comes_with_all_that_the_database_tells() -> None:
+def test_cells_carry_all_database_fields() -> None:
     assert served(lambda: [LINE]) == {'has_plant': True, 'cells': [LINE._asdict()]}
 
 
@@ -41,7 +41,7 @@ def test_a_page_without_a_plant_says_so() -> None:
 
 
 @pytest.mark.parametrize('address', ['javascript:alert(1)', 'data:text/html,x', ''])
-def test_a_link_leads_to_a_page_and_runs_no_script(address: str) -> None:
+def test_unsafe_page_links_are_dropped(address: str) -> None:
     (cell,) = served(lambda: [LINE._replace(page=address)])['cells']
     assert cell['page'] == ''
 
@@ -50,9 +50,9 @@ def test_a_database_that_is_away_is_told() -> None:
     def away() -> Sequence[PlantCell]:
         raise JournalUnusable('the database is away')
 
-    with pytest.raises(Problem, match='the database is away') as found:
+    with pytest.raises(Problem, match='the database is away') as problem:
         served(away)
-    assert found.value.status == 503
+    assert problem.value.status == 503
 
 
 def test_the_database_of_a_plant_needs_an_extension(monkeypatch: pytest.MonkeyPatch) -> None:

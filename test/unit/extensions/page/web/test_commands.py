@@ -53,9 +53,9 @@ def body_of(request: Request, **more: Any) -> tuple[str, dict[str, Any]]:
     subject = SUBJECTS.get(request.about, '')
     about = {request.subject.name: subject} if request.subject else {}
     needed = {
-        one.name: VALUES[one.kind]
-        for one in request.parameters
-        if one.is_required and one is not request.subject
+        parameter.name: VALUES[parameter.kind]
+        for parameter in request.parameters
+        if parameter.is_required and parameter is not request.subject
     }
     path = f'/api/requests/{request.name}'
     return path, {**about, **needed, 'reason': 'a test', 'ticket': new_ticket(), **more}
@@ -66,7 +66,7 @@ def post(browser: Browser, request: Request, **more: Any) -> Answered:
 
 
 def add(browser: Browser, *orders: str, **more: Any) -> Answered:
-    plain = [{'order': one, 'script': 'small', 'quantity': 1} for one in orders]
+    plain = [{'order': order, 'script': 'small', 'quantity': 1} for order in orders]
     return browser.post('/api/queue/add', {'orders': plain, **more})
 
 
@@ -75,9 +75,7 @@ def add(browser: Browser, *orders: str, **more: Any) -> Answered:
 
 @every_request
 @pytest.mark.parametrize('name', ROLES)
-def test_a_request_is_for_the_roles_of_the_table(
-    bench: CellBench, request_: Request, name: str
-) -> None:
+def test_requests_obey_roles_of_table(bench: CellBench, request_: Request, name: str) -> None:
     browser, before = bench.logged_in(name), len(bench.journal)
     path, body = body_of(request_, who='the boss', role='engineer')
     body.pop('role')
@@ -99,18 +97,18 @@ def test_a_request_is_for_the_roles_of_the_table(
     assert answer.json['who'] == name
 
 
-def test_a_refusal_is_said_in_each_language_and_after_it_was_lost_as_well(
+def test_refusal_is_kept_in_every_language(
     bench: CellBench,
 ) -> None:
     viewer, ann = bench.logged_in('vic'), bench.logged_in('ann')
     path, body = body_of(REQUESTS['job.next'], job='WO-9')
     answer = ann.post(path, body)
-    said = {
+    texts = {
         'en': 'WO-9 is not there; in the queue: nothing',
         'de': 'WO-9 ist nicht da; in der Warteschlange: nichts',
     }
-    assert (answer.status, answer.message, answer.json['said']) == (409, said['en'], said)
-    assert ann.get(f'/api/tickets/{body["ticket"]}').json['said'] == said
+    assert (answer.status, answer.message, answer.json['said']) == (409, texts['en'], texts)
+    assert ann.get(f'/api/tickets/{body["ticket"]}').json['said'] == texts
     refused = post(viewer, REQUESTS['cell.start'])
     assert refused.json['said']['de'] == (
         '„Start“ ist nur für Bediener oder Techniker, und vic hat die Rolle Zuschauer (Anmeldung '
@@ -125,7 +123,7 @@ def test_an_argument_that_no_request_has_is_refused(bench: CellBench, request_: 
     assert 'found height' in wrong.message
 
 
-def test_a_name_that_the_table_does_not_have_is_refused(bench: CellBench) -> None:
+def test_unknown_request_name_is_refused(bench: CellBench) -> None:
     answer = bench.logged_in('eve').post('/api/requests/cell.fly', {'reason': 'a test'})
     assert answer.status == 422
     assert answer.message.startswith('name is one of cell.reset, ')
@@ -141,7 +139,7 @@ WRONG = (
 
 
 @every_request
-def test_what_does_not_come_from_the_page_is_refused(bench: CellBench, request_: Request) -> None:
+def test_requests_not_from_page_are_refused(bench: CellBench, request_: Request) -> None:
     before = len(bench.journal)
     for name in ROLES:
         browser = bench.logged_in(name)
@@ -176,7 +174,7 @@ def test_a_locked_session_is_for_emergencies(bench: CellBench, request_: Request
 
 
 @every_request
-def test_a_reason_is_asked_for_as_the_table_says(bench: CellBench, request_: Request) -> None:
+def test_reason_is_required_as_table_says(bench: CellBench, request_: Request) -> None:
     browser = bench.logged_in('eve')
     answer = post(browser, request_, reason='  ')
     if request_.why is Why.FIRST:
@@ -187,7 +185,7 @@ def test_a_reason_is_asked_for_as_the_table_says(bench: CellBench, request_: Req
 
 
 def test_the_emergencies_are_abort_pause_and_stop() -> None:
-    assert {one.name for one in TABLE if one.why is Why.AFTERWARDS} == {
+    assert {request.name for request in TABLE if request.why is Why.AFTERWARDS} == {
         'cell.abort',
         'cell.pause',
         'cell.stop',
@@ -196,9 +194,7 @@ def test_the_emergencies_are_abort_pause_and_stop() -> None:
 
 
 @every_request
-def test_while_the_node_is_silent_only_an_emergency_is_sent(
-    bench: CellBench, request_: Request
-) -> None:
+def test_silent_node_gets_only_emergency_commands(bench: CellBench, request_: Request) -> None:
     browser = bench.logged_in('eve')
     bench.doors.is_silent = True
     bench.doors.loses_answers = True
@@ -216,7 +212,7 @@ def test_an_unknown_argument_is_refused(bench: CellBench, request_: Request) -> 
     assert not bench.doors.asked
 
 
-def test_a_trusted_computer_is_on_record_as_a_claim(tmp_path: Path) -> None:
+def test_trusted_computer_is_recorded_as_claim(tmp_path: Path) -> None:
     bench = CellBench(tmp_path, local_user='pat')
     assert bench.browser().post('/api/cell/abort', {}).status == 200
     recorded = bench.commands[-1]
@@ -224,7 +220,7 @@ def test_a_trusted_computer_is_on_record_as_a_claim(tmp_path: Path) -> None:
     bench.close()
 
 
-def test_a_role_that_the_node_does_not_count_is_told(bench: CellBench) -> None:
+def test_role_ignored_by_node_is_reported(bench: CellBench) -> None:
     """As over ROS, to a node without trust_local_doors."""
     browser = bench.logged_in('ann')
     real = bench.doors.ask
@@ -274,7 +270,7 @@ def test_a_role_that_the_node_does_not_count_is_told(bench: CellBench) -> None:
         ('/api/queue/add', {'orders': [{'order': 'WO-1', 'scrap': 1}]}, 'scrap'),
     ],
 )
-def test_what_does_not_fit_is_told_and_not_asked(
+def test_invalid_input_is_reported_and_not_sent(
     bench: CellBench, path: str, body: dict[str, Any], message: str
 ) -> None:
     answer = bench.logged_in('eve').post(path, body)
@@ -291,7 +287,7 @@ def test_an_mes_gives_a_job_no_other_script(bench: CellBench) -> None:
     assert 'job.update with script is for the role engineer' in answer.message
 
 
-def test_orders_are_queued_and_a_script_that_is_not_there_is_told(bench: CellBench) -> None:
+def test_orders_are_queued_and_missing_script_reported(bench: CellBench) -> None:
     browser = bench.logged_in('mes')
     assert add(browser, 'WO-1', 'WO-2', held=True).json['accepted']
     assert [job.id for job in bench.node.running.overview.status(0.0).jobs] == ['WO-1', 'WO-2']
@@ -301,7 +297,7 @@ def test_orders_are_queued_and_a_script_that_is_not_there_is_told(bench: CellBen
     assert refused.json['recorded']['seq'] == bench.commands[-1].seq
 
 
-def test_the_same_order_again_is_refused_by_its_id(bench: CellBench) -> None:
+def test_repeated_order_id_is_refused(bench: CellBench) -> None:
     browser = bench.logged_in('mes')
     assert add(browser, 'WO-1', held=True).status == 200
     again = add(browser, 'WO-1', held=True)
@@ -312,7 +308,7 @@ def test_the_same_order_again_is_refused_by_its_id(bench: CellBench) -> None:
 # --- tickets ------------------------------------------------------------------------------------
 
 
-def test_the_same_ticket_again_is_answered_alike_and_not_done_twice(bench: CellBench) -> None:
+def test_repeated_ticket_is_answered_without_second_execution(bench: CellBench) -> None:
     browser, ticket = bench.logged_in('ann'), new_ticket()
     first = browser.post('/api/cell/abort', {'ticket': ticket})
     again = browser.post('/api/cell/abort', {'ticket': ticket})
@@ -340,7 +336,7 @@ def test_the_same_ticket_at_the_same_time(bench: CellBench) -> None:
     assert len(bench.doors.asked) == 1
 
 
-def test_a_ticket_is_of_one_command_and_one_person(bench: CellBench) -> None:
+def test_ticket_belongs_to_one_command_and_person(bench: CellBench) -> None:
     ticket = new_ticket()
     assert bench.logged_in('ann').post('/api/cell/abort', {'ticket': ticket}).status == 200
     other = bench.logged_in('ann').post('/api/cell/stop', {'ticket': ticket})
@@ -353,26 +349,26 @@ def test_without_a_ticket_the_page_makes_one(bench: CellBench) -> None:
     browser = bench.logged_in('ann')
     tickets = {browser.post('/api/cell/abort', {}).json['ticket'] for _ in range(2)}
     assert len(tickets) == 2
-    assert all(browser.get(f'/api/tickets/{one}').json['found'] for one in tickets)
+    assert all(browser.get(f'/api/tickets/{ticket}').json['found'] for ticket in tickets)
 
 
-def test_an_answer_that_was_lost_is_found_in_the_journal(bench: CellBench) -> None:
+def test_lost_answer_is_found_in_journal(bench: CellBench) -> None:
     browser, ticket = bench.logged_in('ann'), new_ticket()
     bench.doors.loses_answers = True
     lost = browser.post('/api/cell/abort', {'ticket': ticket, 'reason': 'smoke'})
     assert (lost.status, lost.json['is_unknown'], lost.json['ticket']) == (503, True, ticket)
     assert 'whether it was carried out is not known' in lost.message
     bench.doors.loses_answers = False
-    found = browser.get(f'/api/tickets/{ticket}').json
-    assert (found['found'], found['accepted'], found['who']) == (True, True, 'ann')
-    assert found['seq'] == bench.commands[-1].seq
-    assert found['message'] == 'ann decided abort'
+    result = browser.get(f'/api/tickets/{ticket}').json
+    assert (result['found'], result['accepted'], result['who']) == (True, True, 'ann')
+    assert result['seq'] == bench.commands[-1].seq
+    assert result['message'] == 'ann decided abort'
     again = browser.post('/api/cell/abort', {'ticket': ticket, 'reason': 'smoke'})
-    assert (again.status, again.json['seq']) == (200, found['seq'])
+    assert (again.status, again.json['seq']) == (200, result['seq'])
     assert len(bench.doors.asked) == 1, 'it was not done twice'
 
 
-def test_a_command_that_never_arrived_is_not_found_and_goes_again_later(bench: CellBench) -> None:
+def test_undelivered_command_is_repeated_later(bench: CellBench) -> None:
     browser, ticket = bench.logged_in('ann'), new_ticket()
     browser.post('/api/cell/pause', {})
     bench.node.switch_off()
@@ -390,21 +386,21 @@ def test_a_command_that_never_arrived_is_not_found_and_goes_again_later(bench: C
     assert browser.post('/api/cell/abort', {'ticket': ticket}).status == 200
     assert browser.post('/api/cell/abort', {'ticket': ticket}).status == 200
     assert len(bench.doors.asked) == 3, 'once'
-    assert len([one for one in bench.commands if ticket in one.origin]) == 1
+    assert len([command for command in bench.commands if ticket in command.origin]) == 1
 
 
-def test_after_a_restart_of_the_page_the_journal_tells(bench: CellBench) -> None:
+def test_journal_answers_tickets_after_page_restart(bench: CellBench) -> None:
     browser, done, refused = bench.logged_in('mes'), new_ticket(), new_ticket()
     assert add(browser, 'WO-1', 'WO-2', ticket=done, held=True).status == 200
     assert add(browser, 'WO-1', ticket=refused).status == 409
     bench.restart_page()
     browser = bench.logged_in('mes')
-    found = browser.get(f'/api/tickets/{done}').json
-    assert (found['found'], found['accepted']) == (True, True)
-    assert found['message'] == 'mes decided add: WO-1; mes decided add: WO-2'
-    found = browser.get(f'/api/tickets/{refused}').json
-    assert (found['found'], found['accepted']) == (True, False)
-    assert 'WO-1' in found['message']
+    result = browser.get(f'/api/tickets/{done}').json
+    assert (result['found'], result['accepted']) == (True, True)
+    assert result['message'] == 'mes decided add: WO-1; mes decided add: WO-2'
+    result = browser.get(f'/api/tickets/{refused}').json
+    assert (result['found'], result['accepted']) == (True, False)
+    assert 'WO-1' in result['message']
     before = len(bench.journal)
     assert add(browser, 'WO-1', 'WO-2', ticket=done, held=True).status == 200
     assert add(browser, 'WO-1', ticket=refused).status == 409

@@ -71,7 +71,7 @@ def run() -> VirtualRun:
 
 @pytest.fixture
 def bench(run: VirtualRun, tmp_path: Path) -> Iterator[Bench]:
-    bench = Bench(tmp_path, Forgotten('', 0, [Happened(one) for one in run.store.read()]))
+    bench = Bench(tmp_path, Forgotten('', 0, [Happened(event) for event in run.store.read()]))
     yield bench
     bench.close()
 
@@ -97,19 +97,19 @@ def test_the_other_file_has_the_whole_record(bench: Bench) -> None:
         2,
         ['WO-ä/1', 'WO-ä/2'],
     )
-    assert [one['reason'] for one in job['failures']] == ['aborted']
+    assert [failure['reason'] for failure in job['failures']] == ['aborted']
 
 
-def test_items_that_are_not_kept_are_no_empty_file(bench: Bench) -> None:
+def test_missing_items_give_no_empty_file(bench: Bench) -> None:
     browser = bench.browser()
     gone = browser.get('/api/jobs/OLD/items.csv')
     assert (gone.status, 'not kept any more' in gone.message) == (410, True)
     assert browser.get('/api/jobs/X/items.csv').status == 404
 
 
-def test_a_file_that_lacks_something_says_so_in_its_name(run: VirtualRun, tmp_path: Path) -> None:
+def test_incomplete_file_is_named_incomplete(run: VirtualRun, tmp_path: Path) -> None:
     events = list(run.store.read())
-    kept = [Happened(one) for one in events[:-3]]
+    kept = [Happened(event) for event in events[:-3]]
     bench = Bench(tmp_path, HeardRecords('', 0, [*kept, Lost(events[-3].seq, events[-1].seq)]))
     answer = bench.browser().get('/api/jobs/WO-%C3%A4/items.csv')
     assert 'items-incomplete.csv' in answer.headers['content-disposition']
@@ -132,7 +132,7 @@ def test_the_record_of_an_item_is_a_document(bench: Bench) -> None:
     ('zone', 'words'),
     [('Asia/Tokyo', 'of Asia/Tokyo (UTC+09:00).'), ('Moon/Base', 'of this computer, UTC')],
 )
-def test_a_record_is_in_the_zone_of_its_reader(bench: Bench, zone: str, words: str) -> None:
+def test_record_uses_time_zone_of_reader(bench: Bench, zone: str, words: str) -> None:
     answer = bench.browser().get(f'/api/items/WO-%C3%A4/1/record.html?zone={zone}')
     assert f'Times are those {words}' in answer.body.decode()
 
@@ -140,7 +140,7 @@ def test_a_record_is_in_the_zone_of_its_reader(bench: Bench, zone: str, words: s
 @examples(5, 300)
 @given(drawn_steps())
 def test_a_clock_that_is_set_changes_no_duration(run: VirtualRun, steps: Steps) -> None:
-    events = [from_record(one) for one in run.records]
+    events = [from_record(record) for record in run.records]
     assert taken_s(stepped(events, steps)) == pytest.approx(taken_s(events), abs=0.0011)
 
 

@@ -25,11 +25,11 @@ def words(run: VirtualRun) -> set[str]:
 
 
 def offer(part: dict[str, Any], word: str) -> Any:
-    (found,) = (one for one in part['offers'] if one['word'] == word)
-    return found
+    (wanted,) = (candidate for candidate in part['offers'] if candidate['word'] == word)
+    return wanted
 
 
-def test_a_working_cell_offers_what_stops_it_and_nothing_to_resume() -> None:
+def test_working_cell_offers_only_stops() -> None:
     run = Line(3).begin(quantity=3)
     run.go(until=2.0)
     assert words(run) == {
@@ -38,20 +38,20 @@ def test_a_working_cell_offers_what_stops_it_and_nothing_to_resume() -> None:
     }
 
 
-def test_a_pause_is_resumed_by_the_cell_or_by_its_own_name() -> None:
+def test_pause_is_resumed_by_cell_or_hold() -> None:
     run = Line(3).begin()
     run.go(until=2.0)
     run.pause()
     parts = page_parts(run)
     assert 'resume' in words(run)
-    assert [one['name'] for one in offer(parts['cell'], 'resume')['parameters']] == ['everyones']
+    assert [item['name'] for item in offer(parts['cell'], 'resume')['parameters']] == ['everyones']
     (hold,) = parts['cell']['holds']
     resume = offer(parts[f'hold/{hold}'], 'resume')
     assert (resume['path'], resume['body']) == ('/api/requests/cell.resume', {'hold': hold})
-    assert [one['name'] for one in resume['parameters']] == ['code']
+    assert [item['name'] for item in resume['parameters']] == ['code']
 
 
-def test_the_answers_of_a_hold_carry_their_path_and_words() -> None:
+def test_hold_answers_carry_path_and_words() -> None:
     run = Line(3, faults={'a2': 'TASK_A=abort'}).begin()
     run.go()
     parts = page_parts(run)
@@ -61,24 +61,24 @@ def test_the_answers_of_a_hold_carry_their_path_and_words() -> None:
     done = offer(part, 'mark_done')
     assert done['path'] == '/api/requests/hold.mark_done'
     assert done['body'] == {'hold': hold}
-    assert [one['name'] for one in done['parameters']] == ['results', 'code']
+    assert [parameter['name'] for parameter in done['parameters']] == ['results', 'code']
     reject = offer(part, 'reject')
     assert (reject['is_confirmed'], reject['why']) == (True, 'first')
     assert reject['roles'] == ['operate', 'engineer']
     assert 'resume' not in words(run), 'a hold of a task is no pause'
 
 
-def test_results_are_asked_for_only_with_the_task_of_an_item() -> None:
+def test_results_are_asked_only_for_item_tasks() -> None:
     text = 'initialization: [{id: warm, @a1.PREPARE}]\n' + with_section(2, '[{id: work, @a2}]')
     run = Line(3, faults={'a1': 'PREPARE=abort'}).begin(text)
     run.go()
     parts = page_parts(run)
     (hold,) = parts['cell']['holds']
     asked = offer(parts[f'hold/{hold}'], 'mark_done')['parameters']
-    assert [one['name'] for one in asked] == ['code']
+    assert [parameter['name'] for parameter in asked] == ['code']
 
 
-def test_again_is_offered_where_the_task_is_in_a_repeat() -> None:
+def test_again_is_offered_inside_repeat() -> None:
     judged = '{id: weigh, @a2, fails_unless: "${results.weigh.item_present}"}'
     run = Line(3, faults={'a2': '#1=abort'}).begin(with_section(2, f'- repeat: [{judged}]'))
     run.go()
@@ -113,7 +113,7 @@ def _as_it_is(run: VirtualRun) -> Any:
     return AsShown(run.state.seq)
 
 
-def test_clear_waits_until_it_is_known_whether_the_belt_has_moved() -> None:
+def test_clear_waits_until_belt_position_is_known() -> None:
     run = Line(3).begin()
     run.go(until=1.5)
     assert page_parts(run)['belt']['moving']
@@ -125,7 +125,7 @@ def test_clear_waits_until_it_is_known_whether_the_belt_has_moved() -> None:
     assert 'clear' in words(run)
 
 
-def test_nothing_is_reset_or_started_where_nothing_is_to_be_done() -> None:
+def test_complete_cell_offers_no_reset_or_start() -> None:
     run = Line(3).run()
     assert run.state.packml.value == 'Complete'
     assert words(run) == {'pause', 'stop', 'abort', 'local'}
@@ -134,14 +134,14 @@ def test_nothing_is_reset_or_started_where_nothing_is_to_be_done() -> None:
     assert 'reset' in words(run)
 
 
-def test_a_requested_stop_can_be_taken_back_and_not_asked_for_twice() -> None:
+def test_requested_stop_offers_only_its_withdrawal() -> None:
 
     run = Line(3).begin(quantity=3)
     run.go(until=2.0)
     run.ask(StopAfter('item', engineer('Ann')))
-    found = words(run)
-    assert 'stop_after_never' in found
-    assert 'stop_after_item' not in found
+    choices = words(run)
+    assert 'stop_after_never' in choices
+    assert 'stop_after_item' not in choices
     assert offer(page_parts(run)['cell'], 'stop_after_never')['body'] == {}
 
 
@@ -161,15 +161,15 @@ def test_jobs_offer_what_their_state_allows() -> None:
     assert set(offered(parts['job/K'])) == queued, 'the first of the queue is next already'
     assert set(offered(parts['job/L'])) == queued | {'job.next'}
     assert offer(parts['job/L'], 'next')['body'] == {'job': 'L'}
-    assert [one['name'] for one in offer(parts['job/L'], 'move')['parameters']] == ['position']
-    update = {one['name']: one['roles'] for one in offer(parts['job/L'], 'update')['parameters']}
+    assert [arg['name'] for arg in offer(parts['job/L'], 'move')['parameters']] == ['position']
+    update = {arg['name']: arg['roles'] for arg in offer(parts['job/L'], 'update')['parameters']}
     assert update['script'] == ['engineer']
     assert update['quantity'] == ['mes', 'engineer']
     run.control('pause', 'J')
     assert 'job.resume' in offered(page_parts(run)['job/J'])
 
 
-def test_a_job_by_recipe_that_lacks_a_component_can_be_requeued() -> None:
+def test_recipe_job_lacking_component_can_be_requeued() -> None:
     line, box = Line(3), RecipeChoice(('BOX',))
     run = VirtualRun(line.cell, line.types)
     script = line.script(THREE)
@@ -179,14 +179,14 @@ def test_a_job_by_recipe_that_lacks_a_component_can_be_requeued() -> None:
     assert run.service('a2', out=True).accepted
     part = page_parts(run)['job/J']
     assert offer(part, 'requeue')['body'] == {'job': 'J'}
-    assert [one['name'] for one in offer(part, 'requeue')['parameters']] == ['order']
+    assert [parameter['name'] for parameter in offer(part, 'requeue')['parameters']] == ['order']
     assert offer(part, 'requeue')['foresee']['name'] == 'job.requeue'
     assert 'job.requeue' not in offered(page_parts(run)['job/K']), 'it has not started'
     run.control('stop', 'J')
     assert 'job.requeue' not in offered(page_parts(run)['job/J'])
 
 
-def test_a_job_made_without_a_component_can_be_requeued_once_it_is_back() -> None:
+def test_job_can_be_requeued_when_component_returns() -> None:
     line, box = Line(3), RecipeChoice(('BOX',))
     run = VirtualRun(line.cell, line.types)
     assert run.ask(AddJobs((Job('J', line.script(THREE), 5, recipe=box),))).accepted
@@ -195,11 +195,11 @@ def test_a_job_made_without_a_component_can_be_requeued_once_it_is_back() -> Non
 
     def names(anew: MadeAnew, *away: str) -> list[object]:
         components = tuple(
-            replace(one, out_of_service_since=1.0 if one.name in away else None)
-            for one in status.components
+            replace(entry, out_of_service_since=1.0 if entry.name in away else None)
+            for entry in status.components
         )
         job = replace(status.jobs[0], anew=anew)
-        return [one['name'] for one in job_offers(job, replace(status, components=components))]
+        return [entry['name'] for entry in job_offers(job, replace(status, components=components))]
 
     def changed_by(anew: MadeAnew, *away: str) -> object:
         job = replace(status.jobs[0], anew=anew, unavailable=away)
@@ -214,7 +214,7 @@ def test_a_job_made_without_a_component_can_be_requeued_once_it_is_back() -> Non
     assert 'job.requeue' not in names(MadeAnew(back=('a2',))), 'it has it already'
 
 
-def test_a_job_is_not_resumed_while_a_person_has_stopped_the_whole_cell() -> None:
+def test_job_cannot_resume_while_cell_is_paused() -> None:
     run = Line(3).begin(quantity=3)
     run.go(until=2.0)
     run.pause()
@@ -223,7 +223,7 @@ def test_a_job_is_not_resumed_while_a_person_has_stopped_the_whole_cell() -> Non
     assert not run.control('resume', 'J').accepted
 
 
-def test_an_item_in_a_slot_can_be_taken_off_once() -> None:
+def test_item_can_be_removed_only_once() -> None:
     run = Line(3, seconds={'a2': 20.0}).begin()
     run.go(until=5.0)
     (remove,) = page_parts(run)['section/2']['offers']
@@ -236,7 +236,7 @@ def test_an_item_in_a_slot_can_be_taken_off_once() -> None:
     assert page_parts(run)['section/2']['offers'] == []
 
 
-def test_without_a_journal_only_the_goals_can_be_cancelled() -> None:
+def test_journal_failure_leaves_only_abort() -> None:
     from dataclasses import replace
 
     from fakes.page_parts import status_of
@@ -246,15 +246,15 @@ def test_without_a_journal_only_the_goals_can_be_cancelled() -> None:
     run = Line(3).begin()
     run.go(until=1.0)
     status = replace(status_of(run), commands=('abort',), journal_failure='the disk is full')
-    assert [one['word'] for one in cell_offers(status)] == ['abort']
+    assert [entry['word'] for entry in cell_offers(status)] == ['abort']
 
 
-def test_what_changes_the_ends_of_jobs_can_be_asked_about_before() -> None:
+def test_offers_that_change_ends_can_be_foreseen() -> None:
     run = Line(3).begin(quantity=3)
     run.submit('later', Line(3).script(THREE), 2)
     run.go(until=2.0)
     parts = page_parts(run)
-    foreseen = {one['name']: one['foresee'] for one in parts['job/later']['offers']}
+    foreseen = {item['name']: item['foresee'] for item in parts['job/later']['offers']}
     assert foreseen['job.hold'] == {'name': 'job.hold', 'arguments': {'job': 'later'}}
     assert None not in foreseen.values()
     add = parts['cell']['add']
@@ -262,5 +262,5 @@ def test_what_changes_the_ends_of_jobs_can_be_asked_about_before() -> None:
     assert add['foresee'] == {'name': 'queue.add', 'arguments': {}}
     assert offer(parts['cell'], 'abort')['foresee'] is None
     run.go()
-    (ended,) = (one for one in page_parts(run)['job/later']['offers'] if one['word'] == 'clear')
+    (ended,) = (item for item in page_parts(run)['job/later']['offers'] if item['word'] == 'clear')
     assert ended['foresee'] is None, 'it changes only the list'

@@ -101,7 +101,7 @@ def readers(server: PageServer) -> int:
 
 
 class TestStream:
-    def test_it_begins_with_everything_and_goes_on_with_each_event(self, scene: Scene) -> None:
+    def test_stream_starts_complete_and_follows_events(self, scene: Scene) -> None:
         with scene.page() as server, SseClient(server.port) as reader:
             begin = reader.first('begin').data
             assert begin['node'] == '/bt_orchestrator'
@@ -140,18 +140,16 @@ class TestStream:
             with SseClient(server.port, after=message.id) as reader:
                 assert reader.seqs(last + 30)[:30] == list(range(last + 1, last + 31))
 
-    def test_a_browser_remembers_where_it_began_although_nothing_happened(
-        self, scene: Scene
-    ) -> None:
+    def test_browser_gets_start_id_without_events(self, scene: Scene) -> None:
         with scene.page() as server, SseClient(server.port) as reader:
             begin = reader.first('begin')
             assert begin.id == f'{begin.data["history"]}:{begin.data["after"]}'
 
-    def test_what_the_page_has_not_seen_is_fetched_from_the_node(self, scene: Scene) -> None:
+    def test_events_unseen_by_page_come_from_node(self, scene: Scene) -> None:
         scene.work('WO-1', 'WO-2')
         with scene.page() as server, SseClient(server.port) as reader:
             history = reader.first('begin').data['history']
-            reader.until(lambda one: one.kind == 'happened')
+            reader.until(lambda event: event.kind == 'happened')
         seen = scene.last_seq()
         assert seen > 5
         with (
@@ -197,11 +195,11 @@ class TestStream:
             )
 
     @pytest.mark.parametrize('after', ['7', 'x:', ':7', 'x:-1', 'x:1e3', f'x:{"9" * 50}', '%00:1'])
-    def test_a_place_that_is_none_is_as_no_place(self, scene: Scene, after: str) -> None:
+    def test_invalid_place_starts_at_latest_event(self, scene: Scene, after: str) -> None:
         with scene.page() as server, SseClient(server.port, after=after) as reader:
             assert reader.first('begin').data['after'] == scene.last_seq()
 
-    def test_a_node_that_is_not_there_is_waited_for(self, scene: Scene) -> None:
+    def test_stream_waits_for_absent_node(self, scene: Scene) -> None:
         scene.cell.switch()
         with scene.page() as server, SseClient(server.port) as reader:
             assert reader.response.status == 200
@@ -211,18 +209,18 @@ class TestStream:
             scene.cell.switch()
             reader.first('begin')
 
-    def test_a_node_that_is_killed_falls_silent_and_comes_back(self, scene: Scene) -> None:
+    def test_killed_node_falls_silent_and_returns(self, scene: Scene) -> None:
         with scene.page() as server, SseClient(server.port) as reader:
             begin = reader.first('begin').data
             scene.cell.switch()
-            reader.until(lambda one: one.kind == 'beat' and one.data['silent_s'] >= 3)
+            reader.until(lambda event: event.kind == 'beat' and event.data['silent_s'] >= 3)
             scene.cell.switch()
             scene.work('WO-1')
             first = begin['after'] + 1
             assert reader.seqs(first + 9)[:10] == list(range(first, first + 10))
-            reader.until(lambda one: one.kind == 'beat' and one.data['silent_s'] < 3)
+            reader.until(lambda event: event.kind == 'beat' and event.data['silent_s'] < 3)
 
-    def test_the_sixty_fifth_reader_is_told_that_there_is_no_room(
+    def test_reader_beyond_limit_gets_full_message(
         self, scene: Scene, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(stream_module, 'MOST_READERS', 2)
@@ -263,9 +261,9 @@ class TestStuckReaders:
 
             def only_the_good_one() -> bool:
                 nonlocal last
-                found = good.seqs(0)
-                assert found[0] == last + 1, 'it misses nothing'
-                last = found[-1]
+                seqs = good.seqs(0)
+                assert seqs[0] == last + 1, 'it misses nothing'
+                last = seqs[-1]
                 return readers(server) == 1
 
             scene.wait_until(only_the_good_one, 'they are sent away')
@@ -310,25 +308,25 @@ class TestEnd:
 
 def _threads_of_page(before: set[threading.Thread]) -> list[threading.Thread]:
     new = set(threading.enumerate()) - before
-    return [one for one in new if one.name.startswith('page: ')]
+    return [thread for thread in new if thread.name.startswith('page: ')]
 
 
 class TestServer:
     def test_it_says_how_it_is(self, scene: Scene) -> None:
         with scene.page() as server:
             scene.wait_until(lambda: get(server, '/healthz')[1]['heard'], 'the node is heard')
-            status, found = get(server, '/healthz')
-        assert (status, found['node'], found['readers']) == (200, '/bt_orchestrator', 0)
-        assert found['silent_s'] >= 0
+            status, health = get(server, '/healthz')
+        assert (status, health['node'], health['readers']) == (200, '/bt_orchestrator', 0)
+        assert health['silent_s'] >= 0
 
     def test_a_machine_gets_the_whole_status_at_once(self, scene: Scene) -> None:
         with scene.page() as server:
             scene.wait_until(lambda: get(server, '/api/cell')[0] == 200, 'the node is heard')
             scene.wait_until(lambda: get(server, '/api/cell')[1]['description'], 'a description')
-            _, found = get(server, '/api/cell')
-        assert found['node'] == '/bt_orchestrator'
-        assert found['description']['sections'] == len(found['status']['sections']) == 5
-        assert found['status']['holds'] == [], 'what equals its default is there too'
+            _, cell = get(server, '/api/cell')
+        assert cell['node'] == '/bt_orchestrator'
+        assert cell['description']['sections'] == len(cell['status']['sections']) == 5
+        assert cell['status']['holds'] == [], 'what equals its default is there too'
 
     def test_a_port_in_use_is_a_sentence(self, scene: Scene) -> None:
         with socket.create_server(('127.0.0.1', 0)) as other:
@@ -355,7 +353,7 @@ class TestServer:
             scene.wait_until(lambda: len(opened) == 2, 'a door for questions')
         assert set(opened) == {'page: following', 'page: asking'}
 
-    def test_who_connects_and_asks_for_nothing_is_sent_away(
+    def test_silent_connection_is_closed(
         self, scene: Scene, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(server_module, 'FIRST_WITHIN_S', 0.5)
@@ -373,7 +371,7 @@ class TestServer:
 
         def connections() -> int:
             gc.collect()
-            return sum(isinstance(one, server_module.Protocol) for one in gc.get_objects())
+            return sum(isinstance(item, server_module.Protocol) for item in gc.get_objects())
 
         with scene.page() as server:
             for _ in range(20):
@@ -389,7 +387,7 @@ class TestServer:
             assert response.headers['cache-control'] == 'no-cache'
             connection.close()
 
-    def test_why_it_cannot_go_on_is_raised_where_it_was_started(self) -> None:
+    def test_fatal_error_is_raised_to_starter(self) -> None:
         def no_door(meanwhile: Callable[[], object]) -> Any:
             raise RuntimeError('there is no network')
 

@@ -57,15 +57,15 @@ def test_7_8_1_every_request_is_as_the_hand_written_table(bench: CellBench) -> N
     assert list(differences(asked, hand_over, lambda: lose(bench.node))) == []
 
 
-def test_7_11_7_a_sign_of_life_goes_on_without_a_ticket_and_is_refused_elsewhere(
+def test_7_11_7_sign_of_life_needs_panel_but_no_ticket(
     bench: CellBench,
 ) -> None:
     panel, here = bench.logged_in('eve', address=PANEL), bench.logged_in('eve')
     assert posted(panel, 'cell.local').status == 200
     assert posted(panel, 'cell.manual').status == 200
     before = len(bench.commands)
-    told = panel.post('/api/at_panel', {})
-    assert (told.status, told.json['accepted'], told.message) == (200, True, 'heard')
+    answer = panel.post('/api/at_panel', {})
+    assert (answer.status, answer.json['accepted'], answer.message) == (200, True, 'heard')
     assert len(bench.commands) == before
     refused = here.post('/api/at_panel', {})
     assert (refused.status, 'which is in local' in refused.message) == (409, True)
@@ -73,10 +73,10 @@ def test_7_11_7_a_sign_of_life_goes_on_without_a_ticket_and_is_refused_elsewhere
     assert viewer.post('/api/at_panel', {}).status == 403
 
 
-def test_7_8_3_a_panel_is_one_at_once_and_no_longer_than_it_is_named(bench: CellBench) -> None:
+def test_7_8_3_panel_naming_applies_at_once(bench: CellBench) -> None:
     here, there = bench.logged_in('ann'), bench.logged_in('ann', address=PANEL)
     assert posted(here, 'cell.local').status == 200
-    assert [one.get('/api/me').json['is_panel'] for one in (here, there)] == [False, True]
+    assert [browser.get('/api/me').json['is_panel'] for browser in (here, there)] == [False, True]
     refused = posted(here, 'cell.remote')
     assert (refused.status, 'which is in local' in refused.message) == (409, True)
     UsersFile(bench.users).change_panel('user', 'ann', named=True)
@@ -97,11 +97,11 @@ def test_7_8_3_a_trusted_computer_is_no_panel(tmp_path: Path) -> None:
     bench.close()
 
 
-def test_7_8_3_the_address_of_a_proxy_makes_no_panel_of_its_users(tmp_path: Path) -> None:
+def test_7_8_3_proxy_address_makes_users_no_panel(tmp_path: Path) -> None:
     bench = PeopleBench(tmp_path, proxy_header='X-User', proxy_addresses=('127.0.0.1',))
     users = UsersFile(bench.users)
     users.change_panel('address', '127.0.0.1', named=True)
     users.change_panel('user', 'eve', named=True)
-    told = {name: bench.browser().get('/api/me', X_User=name).json for name in ('ann', 'eve')}
-    assert {name: one['is_panel'] for name, one in told.items()} == {'ann': False, 'eve': True}
+    shown = {name: bench.browser().get('/api/me', X_User=name).json for name in ('ann', 'eve')}
+    assert {name: me['is_panel'] for name, me in shown.items()} == {'ann': False, 'eve': True}
     bench.close()

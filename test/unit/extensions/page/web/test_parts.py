@@ -42,14 +42,14 @@ def check_parts(run: VirtualRun) -> None:
     assert parts == page_parts(run), 'two looks at one moment'
     cell = parts['cell']
     assert (cell['state'], cell['since']) == (status.state.value, status.state_since)
-    assert cell['sections'] == [one.number for one in status.sections]
+    assert cell['sections'] == [row.number for row in status.sections]
     assert cell['holds'] == [hold.id for hold in status.holds], 'as they were raised'
     assert cell['jobs'] == [job.id for job in status.jobs]
     assert parts['now']['seq'] == status.seq
     assert parts['belt']['moving'] == status.belt.moving
     for section in status.sections:
         part = parts[f'section/{section.number}']
-        assert {wait['words'] for wait in part['waits']} == {str(one) for one in section.waits}
+        assert {wait['words'] for wait in part['waits']} == {str(row) for row in section.waits}
         is_ordinary = [wait['is_ordinary'] for wait in part['waits']]
         assert is_ordinary == sorted(is_ordinary), 'what is not normal goes first'
         at_work = {task['id'] for task in part['tasks'] if task['mark'] == 'running'}
@@ -58,7 +58,7 @@ def check_parts(run: VirtualRun) -> None:
         ended = {task['id']: task['mark'] for task in part['tasks'] if task['mark'] in over}
         left = section.finished.passed if section.finished and not section.item else ()
         assert ended == {task.id: task.end.value for task in (*section.passed, *left)}
-        done = part['finished'] and {one['id']: one['mark'] for one in part['finished']['tasks']}
+        done = part['finished'] and {row['id']: row['mark'] for row in part['finished']['tasks']}
         assert (done or {}) == done_in_this_beat(run, section.number)
         slot = part['slot']
         assert (slot and slot['id']) == (section.slot and section.slot.id)
@@ -78,19 +78,19 @@ def done_in_this_beat(run: VirtualRun, section: int) -> dict[str, str]:
             ended, since = {}, []
         if record['event'] == 'cycle.completed' and record['section'] == section:
             ended = {
-                one['task']: _ENDS[one['event']]
-                for one in run.records[: record['seq']]
-                if one.get('item') == record['item']
-                and one.get('section') == section
-                and one['event'] in _ENDS
+                entry['task']: _ENDS[entry['event']]
+                for entry in run.records[: record['seq']]
+                if entry.get('item') == record['item']
+                and entry.get('section') == section
+                and entry['event'] in _ENDS
             }
-    return ended if any(one.slot for one in run.state.sections.values()) else {}
+    return ended if any(entry.slot for entry in run.state.sections.values()) else {}
 
 
 _ENDS = {'task.succeeded': 'done', 'task.skipped': 'skipped', 'task.marked_done': 'marked_done'}
 
 
-def test_a_section_that_waits_for_the_belt_keeps_its_tasks_done() -> None:
+def test_waiting_section_keeps_finished_tasks() -> None:
     run = Line(seconds={'a1': 4.0}).begin(THREE, 3).go(until=7.5)
     assert marks(page_parts(run), 2) == [('work', 'done')]
     assert page_parts(run)['section/2']['finished']['item'] == 'J/1'
@@ -99,7 +99,7 @@ def test_a_section_that_waits_for_the_belt_keeps_its_tasks_done() -> None:
     assert marks(page_parts(run), 2) == [('work', 'running')]
 
 
-def test_a_cycle_ahead_and_the_finished_one_are_both_shown() -> None:
+def test_next_and_finished_cycle_are_both_shown() -> None:
     pick = '{id: pick, @b1, requires_conveyor: false}'
     text = with_section(1, f'[{pick}, {{id: place, @a1, qty_change: 1}}]')
     run = Line(seconds={'a2': 9.0}).begin(text, 3).go(until=8.0)
@@ -107,11 +107,11 @@ def test_a_cycle_ahead_and_the_finished_one_are_both_shown() -> None:
     assert marks(page_parts(run), 1) == [('pick', 'done'), ('place', 'waiting')]
     assert part['item']['id'] == 'J/3'
     assert part['finished']['item'] == part['slot']['id'] == 'J/2'
-    assert {one['mark'] for one in part['finished']['tasks']} == {'done'}
+    assert {task['mark'] for task in part['finished']['tasks']} == {'done'}
 
 
 @pytest.mark.parametrize('sections', [3, 5, 9])
-def test_each_part_says_what_the_status_says_all_along_a_run(sections: int) -> None:
+def test_parts_match_status_throughout_run(sections: int) -> None:
     run = Line(sections).begin(LISTED, 4)
     while not run.ended:
         check_parts(run)
@@ -136,12 +136,12 @@ def test_two_jobs_with_two_scripts_share_the_line() -> None:
     assert lists == {('work',), ('turn', 'left', 'right', 'after', 'late')}
 
 
-def test_the_list_of_a_section_has_step_and_track_of_each_task() -> None:
+def test_section_tasks_have_step_and_track() -> None:
     run = Line(3).begin(LISTED)
     run.go(until=4.5)
     tasks = page_parts(run)['section/2']['tasks']
-    found = [(task['id'], task['step'], task['track'], task['mark']) for task in tasks]
-    assert found == [
+    rows = [(task['id'], task['step'], task['track'], task['mark']) for task in tasks]
+    assert rows == [
         ('turn', 1, 1, 'done'),
         ('left', 2, 1, 'running'),
         ('right', 2, 2, 'running'),
@@ -154,7 +154,7 @@ def test_the_list_of_a_section_has_step_and_track_of_each_task() -> None:
     assert [task['requires_conveyor'] for task in tasks] == [True, True, True, True, False]
 
 
-def test_a_section_without_a_cycle_shows_the_list_of_the_next_job() -> None:
+def test_section_without_cycle_shows_next_job() -> None:
     run = Line(3).begin(LISTED)
     run.go(until=0.5)
     assert marks(page_parts(run), 2) == [
@@ -162,7 +162,7 @@ def test_a_section_without_a_cycle_shows_the_list_of_the_next_job() -> None:
     ]
 
 
-def test_a_held_task_says_why_and_its_hold_what_can_be_answered() -> None:
+def test_held_task_shows_reason_and_answers() -> None:
     run = Line(3, faults={'a2': 'TASK_A=abort'}).begin()
     run.go()
     parts = page_parts(run)
@@ -178,7 +178,7 @@ def test_a_held_task_says_why_and_its_hold_what_can_be_answered() -> None:
     assert parts['cell']['state_kind'] == 'trouble'
 
 
-def test_a_task_that_waits_says_for_what_as_data() -> None:
+def test_waiting_task_names_its_cause_as_data() -> None:
     run = Line(3, seconds={'a1': 9.0}).begin(THREE, 3)
     run.go(until=1.0)
     assert run.service('a2', out=True).accepted
@@ -203,7 +203,7 @@ def test_initialization_tasks_stand_with_their_job() -> None:
     assert {task['mark'] for task in parts['job/K']['tasks']} == {'new'}
 
 
-def test_nothing_changes_in_a_part_while_only_time_goes_by() -> None:
+def test_passing_time_changes_only_now_part() -> None:
     run = Line(3, seconds={'a1': 50.0}).begin(THREE, 3)
     run.go(until=1.0)
     before = page_parts(run)
@@ -213,7 +213,7 @@ def test_nothing_changes_in_a_part_while_only_time_goes_by() -> None:
     assert {key for key in after if before.get(key) != after[key]} == {'now'}
 
 
-def test_a_task_is_late_once_it_takes_half_again_as_long_as_expected() -> None:
+def test_task_is_late_above_150_percent() -> None:
     run = Line(3, seconds={'a1': 50.0}).begin(THREE, 3)
     run.go(until=1.0)
     (running,) = status_of(run).sections[0].running
@@ -226,8 +226,8 @@ def late_after(run: VirtualRun, elapsed_s: float) -> list[str]:
     """Return the tasks that are shown as late so long after the run began."""
     later = replace(status_of(run), stamp=elapsed_s)
     parts: Any = parts_of(later, description_of(run.state.cell, TYPES), scripts_of(run), NODE)
-    tasks = [one for key in parts for one in parts[key].get('tasks', ())]
-    return [one['id'] for one in tasks if one['is_late']]
+    tasks = [task for key in parts for task in parts[key].get('tasks', ())]
+    return [task['id'] for task in tasks if task['is_late']]
 
 
 @pytest.mark.parametrize(
@@ -242,19 +242,19 @@ def late_after(run: VirtualRun, elapsed_s: float) -> list[str]:
         (50.0, 200.0, ENDED, 0, False),
     ],
 )
-def test_a_job_is_late_by_its_expected_end_or_by_now(
+def test_job_lateness_uses_expected_end_or_now(
     due: float | None, ends_in: float | None, state: JobWord, late_s: float, is_overdue: bool
 ) -> None:
-    told = replace(status_of(Line().begin(LISTED, 1)), stamp=100.0)
-    (job,) = told.jobs
+    status = replace(status_of(Line().begin(LISTED, 1)), stamp=100.0)
+    (job,) = status.jobs
     job = replace(job, due=due, expected_end_s=ends_in, state=state)
-    parts: Any = parts_of(replace(told, jobs=(job,)), CellDescription('', 0, ''), {}, NODE)[
+    parts: Any = parts_of(replace(status, jobs=(job,)), CellDescription('', 0, ''), {}, NODE)[
         f'job/{job.id}'
     ]
     assert (parts['late_s'], parts['is_overdue']) == (late_s, is_overdue)
 
 
-def test_a_status_of_which_no_script_is_known_still_has_its_parts() -> None:
+def test_unknown_script_still_gives_all_parts() -> None:
     from bt_orchestrator.engine.runtime.overview import description_of
     from bt_orchestrator.extensions.page.web.parts import parts_of
 
@@ -275,7 +275,7 @@ def test_a_status_of_which_no_script_is_known_still_has_its_parts() -> None:
         ('', 'TASK_A', 'TASK_A'),
     ],
 )
-def test_a_task_is_named_as_its_script_names_it(task: str, name: str, label: str) -> None:
+def test_task_label_follows_script_name(task: str, name: str, label: str) -> None:
     assert task_label(task, name) == label
 
 
@@ -283,33 +283,33 @@ def test_a_wait_names_its_hold_in_each_language() -> None:
     run = Line(3, faults={'a2': '#1=abort'}).begin(THREE, 3)
     run.go()
     parts = page_parts(run)
-    said = [wait['said'] for wait in parts['section/1']['waits'] if wait['kind'] == 'hold']
-    assert said == [
+    sentences = [wait['said'] for wait in parts['section/1']['waits'] if wait['kind'] == 'hold']
+    assert sentences == [
         {
             'en': 'waiting for an answer to hold 1 (work: the controller gave up)',
             'de': 'wartet auf Antwort auf Störung 1 (work: der Controller hat abgebrochen)',
         }
     ]
     links = [link for chain in parts['why']['chains'] for link in chain['links']]
-    assert said[0] in [link['said'] for link in links]
+    assert sentences[0] in [link['said'] for link in links]
 
 
-def test_holds_are_listed_as_they_were_raised_also_after_a_set_clock() -> None:
+def test_holds_keep_order_after_clock_step() -> None:
     run = Line().begin(LISTED, 1)
-    told = replace(status_of(run), holds=(hold('1', since=3600.0), hold('2', since=60.0)))
-    parts: Any = parts_of(told, description_of(run.state.cell, TYPES), scripts_of(run), NODE)
+    status = replace(status_of(run), holds=(hold('1', since=3600.0), hold('2', since=60.0)))
+    parts: Any = parts_of(status, description_of(run.state.cell, TYPES), scripts_of(run), NODE)
     assert parts['cell']['holds'] == ['1', '2']
 
 
 def test_a_contest_is_said_in_each_language() -> None:
     run = Line(3).begin(THREE, 3).go(until=1.0)
     run.state.contests['a2'] = Contest(servers=('/here', '/there'))
-    said = page_parts(run)['component/a2']['contested_said']
-    assert said['en'].startswith('2 servers of /a2/do: /here, /there')
-    assert said['de'].startswith('2 Server für /a2/do: /here, /there')
+    sentences = page_parts(run)['component/a2']['contested_said']
+    assert sentences['en'].startswith('2 servers of /a2/do: /here, /there')
+    assert sentences['de'].startswith('2 Server für /a2/do: /here, /there')
 
 
-def test_why_the_safety_input_is_not_ready_is_said_in_each_language() -> None:
+def test_unready_safety_input_is_explained_in_every_language() -> None:
     run = Line().begin(quantity=1).go(until=1.0)
     run.state.unsafe = sentence('unsafe_unpublished')
     cell = page_parts(run)['cell']
@@ -325,9 +325,9 @@ def test_leader_and_standbys_are_told_in_each_language() -> None:
         status_of(run), leadership=Leadership('m1', 4, 7, (StandbyStatus('m2', 5, '', 91), blind))
     )
     parts: Any = parts_of(status, description_of(run.state.cell, TYPES), scripts_of(run), NODE)
-    told = parts['cell']['leadership']
-    assert (told['host'], told['process'], told['epoch']) == ('m1', 4, 7)
-    ready, other = told['standbys']
+    leader = parts['cell']['leadership']
+    assert (leader['host'], leader['process'], leader['epoch']) == ('m1', 4, 7)
+    ready, other = leader['standbys']
     assert (ready['host'], set(ready['said'].values())) == ('m2', {''})
     assert other['said']['en'] == 'it does not see the servers of /a2/do'
     assert other['said']['de'] == 'er sieht die Server von /a2/do nicht'

@@ -104,18 +104,18 @@ PATHS = (
 )
 
 
-def test_a_page_with_a_journal_and_one_without_tell_the_same(served: Served) -> None:
-    with served.page(with_journal=True) as one, served.page(with_journal=False) as other:
+def test_page_answers_equally_without_journal(served: Served) -> None:
+    with served.page(with_journal=True) as archive, served.page(with_journal=False) as other:
         for path in PATHS:
-            found, heard = get(one, path), get(other, path)
-            assert found[0] == 200, path
+            stored, heard = get(archive, path), get(other, path)
+            assert stored[0] == 200, path
             assert heard[1]['is_whole'], path
-            assert 'give the page the journal that the node writes' in found[1]['why_not']
-            for answer in (found[1], heard[1]):
+            assert 'give the page the journal that the node writes' in stored[1]['why_not']
+            for answer in (stored[1], heard[1]):
                 del answer['is_whole'], answer['why_not']
                 answer.pop('time_in', None)  # up to now
                 answer.pop('history', None)  # the file is a copy
-            assert found == heard, path
+            assert stored == heard, path
 
 
 @pytest.mark.parametrize(
@@ -140,9 +140,9 @@ def test_what_is_not_there_is_said(served: Served, path: str, status: int, words
     with served.page(with_journal=True) as server:
         get(server, '/api/scripts')
         assert get(server, '/api/tree')[0] == 200  # the cell is known from here on
-        found = get(server, path)
-    assert found[0] == status
-    assert words in found[1]['message']
+        answer = get(server, path)
+    assert answer[0] == status
+    assert words in answer[1]['message']
 
 
 def test_a_journal_that_is_gone_is_said(served: Served, tmp_path: Path) -> None:
@@ -157,7 +157,7 @@ def test_a_journal_that_is_gone_is_said(served: Served, tmp_path: Path) -> None:
 def test_scripts_and_a_drawing_that_is_sent_once(served: Served) -> None:
     with served.page(with_journal=True) as server:
         _, listed = get(server, '/api/scripts')
-        names = {one['name'] for one in listed}
+        names = {entry['name'] for entry in listed}
         assert served.cell.script in names
         _, events = get(server, '/api/events?kinds=script.loaded')
         digest = events['records'][0]['digest']
@@ -173,7 +173,7 @@ def test_scripts_and_a_drawing_that_is_sent_once(served: Served) -> None:
         assert fetched(server, f'{path}?live=1')[2]['etag'] != headers['etag']
 
 
-def test_the_tree_is_told_whole_once_and_then_only_its_version(served: Served) -> None:
+def test_tree_is_sent_whole_only_once(served: Served) -> None:
     with served.page(with_journal=False) as server:
         status, first = get(server, '/api/tree')
         assert status == 200
@@ -181,7 +181,7 @@ def test_the_tree_is_told_whole_once_and_then_only_its_version(served: Served) -
         assert get(server, f'/api/tree?after={first["version"]}')[1]['tree'] is None
 
 
-def test_a_page_without_news_does_not_claim_an_empty_past(
+def test_page_without_news_claims_no_empty_past(
     tmp_path: Path,
 ) -> None:
     served = Served(tmp_path)
@@ -189,9 +189,9 @@ def test_a_page_without_news_does_not_claim_an_empty_past(
     access = Access(Path('no users'), '127.0.0.1', 0)
     server = PageServer(WebPage(served.cell.node.name, served.cell.open_door, access))
     with server.running():
-        found = get(server, '/api/jobs')
+        answer = get(server, '/api/jobs')
     words = 'nothing was heard of /bt_orchestrator yet'
-    assert found == (503, {'message': words, 'said': {'de': words, 'en': words}})
+    assert answer == (503, {'message': words, 'said': {'de': words, 'en': words}})
 
 
 def test_the_whole_status_of_now(served: Served) -> None:

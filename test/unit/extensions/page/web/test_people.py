@@ -35,14 +35,14 @@ def bench(tmp_path: Path, benches: list[PeopleBench]) -> PeopleBench:
 
 
 def who(browser: Browser) -> str:
-    found: str = browser.get('/api/me').json['name']
-    return found
+    name: str = browser.get('/api/me').json['name']
+    return name
 
 
 # --- login ----------------------------------------------------------------------------------
 
 
-def test_a_login_begins_a_session_in_a_cookie_that_scripts_cannot_read(bench: PeopleBench) -> None:
+def test_login_sets_cookie_hidden_from_scripts(bench: PeopleBench) -> None:
     browser = bench.browser()
     answer = log_in(browser, 'ann')
     assert answer.json['name'] == 'ann'
@@ -65,11 +65,11 @@ def test_under_tls_the_cookie_stays_there(tmp_path: Path, benches: list[PeopleBe
 def test_what_one_may_comes_from_the_table(bench: PeopleBench) -> None:
     for name, role in ROLES.items():
         may = bench.logged_in(name).get('/api/me').json['may']
-        assert may == {one.name: role in one.roles for one in TABLE}
+        assert may == {request.name: role in request.roles for request in TABLE}
     assert not any(bench.browser().get('/api/me').json['may'].values())
 
 
-def test_a_wrong_password_and_an_unknown_name_are_refused_alike(bench: PeopleBench) -> None:
+def test_wrong_password_and_unknown_name_look_alike(bench: PeopleBench) -> None:
     wrong = log_in(bench.browser(), 'ann', 'another one')
     unknown = log_in(bench.browser(), 'nobody')
     assert (wrong.status, wrong.body) == (unknown.status, unknown.body)
@@ -95,7 +95,7 @@ def test_guesses_must_wait(bench: PeopleBench) -> None:
     assert log_in(browser, 'ann').status == 200
 
 
-def test_guesses_at_one_time_are_counted_as_they_begin(bench: PeopleBench) -> None:
+def test_simultaneous_guesses_are_counted_at_once(bench: PeopleBench) -> None:
     browser = bench.browser()
 
     async def at_once() -> list[int]:
@@ -132,7 +132,7 @@ def test_logout_ends_it_for_good(bench: PeopleBench) -> None:
 
 def test_one_user_has_so_many_sessions(bench: PeopleBench) -> None:
     browsers = [bench.logged_in('ann') for _ in range(MOST_OF_ONE + 1)]
-    assert [who(one) for one in browsers] == ['', *['ann'] * MOST_OF_ONE]
+    assert [who(browser) for browser in browsers] == ['', *['ann'] * MOST_OF_ONE]
 
 
 # --- the end, and the lock ------------------------------------------------------------------
@@ -156,7 +156,7 @@ def test_a_session_that_nobody_uses_locks(bench: PeopleBench) -> None:
     assert (locked['is_locked'], locked['name']) == (True, 'ann')
 
 
-def test_looking_does_not_keep_it_open_but_somebody_does(bench: PeopleBench) -> None:
+def test_only_user_activity_keeps_session_open(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     bench.now += IDLE_S - 1
     browser.get('/api/look')
@@ -175,7 +175,7 @@ def test_whatever_is_posted_keeps_it_open(bench: PeopleBench) -> None:
     assert browser.get('/api/me').json['idle_s'] == IDLE_S
 
 
-def test_a_locked_session_is_unlocked_by_the_password_alone(bench: PeopleBench) -> None:
+def test_password_alone_unlocks_session(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     assert browser.post('/api/lock').json['is_locked']
     refused = browser.post('/api/unlock', {'password': 'another one'})
@@ -184,7 +184,7 @@ def test_a_locked_session_is_unlocked_by_the_password_alone(bench: PeopleBench) 
     assert not browser.post('/api/unlock', {'password': PASSWORD}).json['is_locked']
 
 
-def test_wrong_passwords_end_a_locked_session_and_keep_nobody_else_out(bench: PeopleBench) -> None:
+def test_wrong_passwords_end_only_the_locked_session(bench: PeopleBench) -> None:
     browser, other = bench.logged_in('ann'), bench.logged_in('ann')
     browser.post('/api/lock')
     for _ in range(MOST_UNLOCKS):
@@ -258,9 +258,7 @@ class TestBehindAProxy:
         )
         return benches[0]
 
-    def test_the_header_says_who_it_is_and_the_file_with_which_role(
-        self, bench: PeopleBench
-    ) -> None:
+    def test_header_gives_user_and_file_gives_role(self, bench: PeopleBench) -> None:
         browser = bench.browser(headers={'x-remote-user': 'ann'})
         me_now = browser.get('/api/me').json
         assert (me_now['name'], me_now['role'], me_now['how']) == ('ann', 'operate', 'proxy')
@@ -301,16 +299,14 @@ class TestBehindAProxy:
 # --- the guards -----------------------------------------------------------------------------
 
 
-def test_looking_is_free_on_this_computer_and_commands_need_a_login(bench: PeopleBench) -> None:
+def test_local_view_is_free_but_commands_need_login(bench: PeopleBench) -> None:
     assert bench.browser().get('/api/look').status == 200
     refused = bench.browser().post('/api/echo', {'a': 1})
     assert (refused.status, refused.json['why']) == (401, 'login')
     assert bench.logged_in('vic').post('/api/echo', {'a': 1}).json == {'body': {'a': 1}}
 
 
-def test_elsewhere_only_the_way_to_the_login_is_free(
-    tmp_path: Path, benches: list[PeopleBench]
-) -> None:
+def test_remote_access_needs_login_first(tmp_path: Path, benches: list[PeopleBench]) -> None:
     bench = PeopleBench(tmp_path, host='0.0.0.0', certificate=tmp_path, key=tmp_path)
     benches.append(bench)
     browser = bench.browser(host='10.0.0.1:8080', scheme='https', address='10.0.0.9')
@@ -380,7 +376,7 @@ def test_bodies(bench: PeopleBench, body: bytes, status: int) -> None:
     assert status == 200 or answer.message
 
 
-def test_a_body_that_does_not_come_is_not_waited_for(
+def test_missing_request_body_times_out(
     bench: PeopleBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(endpoint, 'BODY_S', 0.01)

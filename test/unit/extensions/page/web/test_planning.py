@@ -153,16 +153,16 @@ class Bench:
 
 @pytest.fixture
 def bench() -> Iterator[Bench]:
-    with closing(Bench()) as one:
-        yield one
+    with closing(Bench()) as new_bench:
+        yield new_bench
 
 
-def test_a_proposed_order_comes_with_the_offer_that_applies_it(bench: Bench) -> None:
+def test_proposed_order_carries_its_offer(bench: Bench) -> None:
     bench.queue.queued = QUEUE_SHOWN + 2
     answer = bench.browser.post('/api/queue/propose', {})
     assert answer.status == 200
-    found = answer.json
-    first, second = found['jobs']
+    proposal = answer.json
+    first, second = proposal['jobs']
     assert first == {
         'job': 'B',
         'place': 2,
@@ -174,23 +174,23 @@ def test_a_proposed_order_comes_with_the_offer_that_applies_it(bench: Bench) -> 
         'new_ends': 1020.0,
     }
     assert (second['ends'], second['new_ends']) == (1020.0, None)
-    assert (found['late_s'], found['new_late_s'], found['is_best']) == (10.0, 0.0, True)
-    assert found['unknown'] == {
+    assert (proposal['late_s'], proposal['new_late_s'], proposal['is_best']) == (10.0, 0.0, True)
+    assert proposal['unknown'] == {
         'A': {
             'en': 'A is held in the queue',
             'de': 'A ist in der Warteschlange zurückgehalten',
         }
     }
-    assert found['left_out'] == 2
-    offer, order = found['offer'], {'jobs': ['B', 'A'], 'queue_digest': 'd1ge57'}
+    assert proposal['left_out'] == 2
+    offer, order = proposal['offer'], {'jobs': ['B', 'A'], 'queue_digest': 'd1ge57'}
     assert offer['path'] == '/api/requests/queue.arrange'
     assert (offer['body'], offer['parameters']) == (order, [])
     assert offer['foresee'] == {'name': 'queue.arrange', 'arguments': order}
     assert offer['roles'] == ['operate', 'engineer']
 
 
-def test_a_queue_that_stands_best_as_it_is_has_no_offer(bench: Bench) -> None:
-    jobs = [one._replace(new_place=one.place) for one in reversed(PROPOSAL.jobs)]
+def test_best_queue_order_has_no_offer(bench: Bench) -> None:
+    jobs = [job._replace(new_place=job.place) for job in reversed(PROPOSAL.jobs)]
     bench.planned.proposal = PROPOSAL._replace(jobs=jobs)
     assert bench.browser.post('/api/queue/propose', {}).json['offer'] is None
     bench.planned.why_not = 'the state cannot be told'
@@ -201,18 +201,18 @@ def test_ends_are_told_as_times(bench: Bench) -> None:
     answer = bench.what_if({'name': 'job.next', 'arguments': {'job': 'B'}})
     assert answer.status == 200
     assert answer.json.pop('computed_s') >= 0
-    found = answer.json
-    assert found['before'] == [{'job': 'A', 'ends': 1010.0}, {'job': 'B', 'ends': None}]
-    assert found['after'] == [{'job': 'A', 'ends': 1010.0}]
+    forecast = answer.json
+    assert forecast['before'] == [{'job': 'A', 'ends': 1010.0}, {'job': 'B', 'ends': None}]
+    assert forecast['after'] == [{'job': 'A', 'ends': 1010.0}]
     late = {'due': 1008.0, 'is_late': True, 'was_late': True}
     timely = {'due': None, 'is_late': False, 'was_late': False}
-    assert found['jobs'] == [
+    assert forecast['jobs'] == [
         {'job': 'A', 'change': 'same', 'before': 1010.0, 'after': 1010.0, 'by_s': 0.0, **late},
         {'job': 'B', 'change': 'gone', 'before': None, 'by_s': None, **timely},
     ]
-    assert found['refusals'] == ['job.next: no']
-    assert found['refusals_said'] == [{'de': 'no', 'en': 'no'}]
-    assert found['left_out'] == 0
+    assert forecast['refusals'] == ['job.next: no']
+    assert forecast['refusals_said'] == [{'de': 'no', 'en': 'no'}]
+    assert forecast['left_out'] == 0
     ((asked,),) = bench.planned.asked
     assert (asked.request.name, dict(asked.arguments)) == ('job.next', {'job': 'B'})
     assert asked.sender.reason, 'a request that needs a reason is not refused for that'
@@ -342,7 +342,7 @@ def test_planning_ends_with_the_page(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize(('lot', 'is_fine'), [('5', True), (None, False)])
-def test_the_process_reads_an_order_and_asks_the_engine(
+def test_planning_process_reads_order_and_asks_engine(
     tmp_path: Path, lot: str | None, *, is_fine: bool
 ) -> None:
     """The one test here with the process itself."""
@@ -352,6 +352,6 @@ def test_the_process_reads_an_order_and_asks_the_engine(
     order = {**ORDER, 'params': {} if lot is None else {'lot': lot}}
     with closing(PlanningProcess([tmp_path])) as planning:
         assert planning.check(moment, order).accepted is is_fine
-        assert [one.field for one in planning.check(moment, order).wrong] == (
+        assert [mistake.field for mistake in planning.check(moment, order).wrong] == (
             [] if is_fine else ['params.lot']
         )

@@ -52,9 +52,9 @@ def read(path: str, body: dict[str, object]) -> tuple[Request, dict[str, object]
     """Read a request as the routes do."""
     scope = {'type': 'http', 'method': 'GET', 'path': path, 'headers': []}
     for pattern in PLACES:
-        match, found = Route(pattern, lambda _: None).matches(scope)
+        match, child_scope = Route(pattern, lambda _: None).matches(scope)
         if match is not Match.NONE:
-            given = {**body, **found['path_params']}
+            given = {**body, **child_scope['path_params']}
             return request_at(pattern, given), given
     raise AssertionError(f'no route has the path {path}')
 
@@ -71,7 +71,7 @@ def test_paths_of_earlier_versions_stay(name: str, posted: tuple[str, dict[str, 
     assert given == subject
 
 
-@pytest.mark.parametrize('request_', TABLE, ids=lambda one: one.name)
+@pytest.mark.parametrize('request_', TABLE, ids=lambda entry: entry.name)
 def test_every_request_has_a_path_of_its_own(request_: Request) -> None:
     request, given = read(f'/api/requests/{request_.name}', {'job': 'WO-2'})
     assert (request, given) == (request_, {'job': 'WO-2'})

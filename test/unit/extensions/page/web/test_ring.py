@@ -18,7 +18,7 @@ def filled(*seqs: int, before: int = 0) -> Ring:
 def told(found: Lost | list[Happened]) -> object:
     if isinstance(found, Lost):
         return (found.first, found.last)
-    return [one.event.seq for one in found]
+    return [fact.event.seq for fact in found]
 
 
 def test_an_empty_ring_begins_where_it_was_told() -> None:

@@ -68,14 +68,14 @@ def test_scripts_of_the_folders_with_their_parameters(run: VirtualRun, tmp_path:
     assert (grams['name'], grams['default'], grams['is_required']) == ('grams', 2.5, False)
 
 
-def test_a_file_is_read_again_when_it_has_changed(run: VirtualRun, tmp_path: Path) -> None:
+def test_changed_script_file_is_read_again(run: VirtualRun, tmp_path: Path) -> None:
     file = tmp_path / 'one.yaml'
     file.write_text(expanded(f'script: one{THREE}'))
     known = shelf(run, tmp_path)
     assert asyncio.run(known.listed())[0]['parameters'] == []
     file.write_text(expanded(f'script: one{WITH_PARAMS}{THREE}'))
     os.utime(file, (1.0, 1.0))
-    assert [one['name'] for one in asyncio.run(known.listed())[0]['parameters']] == [
+    assert [parameter['name'] for parameter in asyncio.run(known.listed())[0]['parameters']] == [
         'lot',
         'grams',
     ]
@@ -90,10 +90,10 @@ def test_scripts_of_jobs_are_listed_with_their_digest(run: VirtualRun, tmp_path:
     assert (listed['name'], listed['digest']) == ('heard', digest(script))
 
 
-def test_a_script_of_long_ago_is_found_in_the_journal(run: VirtualRun, tmp_path: Path) -> None:
-    found = shelf(run, tmp_path)
-    assert asyncio.run(found.script(digest(run.job().job.script))) == run.job().job.script
-    assert asyncio.run(found.script('0123')) is None
+def test_old_script_is_found_in_journal(run: VirtualRun, tmp_path: Path) -> None:
+    scripts = shelf(run, tmp_path)
+    assert asyncio.run(scripts.script(digest(run.job().job.script))) == run.job().job.script
+    assert asyncio.run(scripts.script('0123')) is None
 
 
 def drawn(drawings: Drawings, run: VirtualRun, status: CellStatus | None) -> Drawn:
@@ -101,7 +101,7 @@ def drawn(drawings: Drawings, run: VirtualRun, status: CellStatus | None) -> Dra
     return asyncio.run(drawings.drawn(digest(script), script, run.state.cell, status))
 
 
-def test_a_drawing_has_another_tag_only_when_it_is_another_one(run: VirtualRun) -> None:
+def test_drawing_tag_changes_only_with_drawing(run: VirtualRun) -> None:
     drawings = Drawings()
     plain = drawn(drawings, run, None)
     assert ET.fromstring(plain.svg.decode().partition('\n')[2]).tag.endswith('svg')
@@ -141,28 +141,26 @@ def able(cell: Cell) -> Cell:
         replace(first, capabilities={'glue': Capability('glue', 'TASK_A')}),
         replace(second, capabilities={name: Capability(name, 'T') for name in ('tape', 'look')}),
     ]
-    return replace(cell, components={one.name: one for one in [*able, *others]})
+    return replace(cell, components={component.name: component for component in [*able, *others]})
 
 
-def test_recipes_with_their_versions_and_what_can_be_bound(
-    run: VirtualRun, tmp_path: Path
-) -> None:
+def test_recipes_list_versions_and_bindable_components(run: VirtualRun, tmp_path: Path) -> None:
     (tmp_path / 'p.yaml').write_text(RECIPE.format(1))
     known = Known()
     known.cell = able(run.state.cell)
     recipes = shelf(run, tmp_path, known, recipes=tmp_path)
-    (one,) = asyncio.run(recipes.recipes())
-    (version,) = one['versions']
-    assert (one['name'], version['version']) == ('P-1', 1)
+    (recipe,) = asyncio.run(recipes.recipes())
+    (version,) = recipe['versions']
+    assert (recipe['name'], version['version']) == ('P-1', 1)
     assert [field['name'] for field in version['parameters']] == ['lot']
     able_to_glue = list(known.cell.components)[:2]
     assert version['bind'] == [{'operation': 'glue', 'components': able_to_glue}]
     (tmp_path / 'p_2.yaml').write_text(RECIPE.format(2))
-    (one,) = asyncio.run(recipes.recipes())
-    assert [version['version'] for version in one['versions']] == [1, 2]
+    (recipe,) = asyncio.run(recipes.recipes())
+    assert [version['version'] for version in recipe['versions']] == [1, 2]
 
 
-def test_while_the_cell_is_not_known_nothing_can_be_bound(run: VirtualRun, tmp_path: Path) -> None:
+def test_unknown_cell_offers_no_component_to_bind(run: VirtualRun, tmp_path: Path) -> None:
     (tmp_path / 'p.yaml').write_text(RECIPE.format(1))
-    (one,) = asyncio.run(shelf(run, tmp_path, recipes=tmp_path).recipes())
-    assert one['versions'][0]['bind'] == []
+    (recipe,) = asyncio.run(shelf(run, tmp_path, recipes=tmp_path).recipes())
+    assert recipe['versions'][0]['bind'] == []

@@ -45,7 +45,7 @@ PLANT = Plant(parse_shifts(SHIFTS, 'shifts.yaml'), LINE.cell)
 
 def journal(clock: str) -> MemoryRecords:
     store = MemoryStore('day')
-    store.append([one for one in the_day().events if one.time <= at(clock)])
+    store.append([event for event in the_day().events if event.time <= at(clock)])
     return MemoryRecords(store)
 
 
@@ -112,7 +112,7 @@ def report(clock: str, records: Records) -> dict[str, Any]:
     return account_plain(account(Reading(journal('23:00')), live.account.period, LINE.cell))
 
 
-def test_the_part_says_that_the_shift_is_read_until_the_first_look_ends(
+def test_part_shows_reading_until_first_look_ends(
     bench: ShiftBench,
 ) -> None:
     assert bench.watch.parts() == {
@@ -131,7 +131,7 @@ def test_the_part_has_the_numbers_of_the_report(bench: ShiftBench) -> None:
     part, expected = bench.look(), report('12:05', journal('12:05'))
     assert {name: part[name] for name in expected['oee']} == expected['oee']
     assert (part['produced'], part['good']) == (518, 500)
-    assert {one['loss']: one['seconds'] for one in part['losses']} == {
+    assert {entry['loss']: entry['seconds'] for entry in part['losses']} == {
         loss: seconds for loss, seconds in expected['losses'].items() if abs(seconds) >= 0.05
     }
     assert (part['shift'], part['day'], part['runs']) == ('early', '2026-05-18', True)
@@ -141,7 +141,7 @@ def test_the_part_has_the_numbers_of_the_report(bench: ShiftBench) -> None:
     assert (part['why_not'], part['damaged'], part['next']) == ('', 0, None)
 
 
-def test_after_the_shift_it_says_when_the_next_one_begins(
+def test_ended_shift_names_begin_of_next_shift(
     bench: ShiftBench, clock: Callable[[str], None]
 ) -> None:
     clock('20:00')
@@ -155,16 +155,16 @@ def test_a_clock_that_was_set_is_said(bench: ShiftBench) -> None:
     part = bench.look()
     assert (part['clock_set'], part['breaks']) == ([], [])
     day = Day()
-    day.events = [one for one in the_day().events if one.time <= at('12:00')]
+    day.events = [event for event in the_day().events if event.time <= at('12:00')]
     day.note('11:59:10', ClockStepped(seconds=-50.0))
     bench.journal = day.records
     step = {'seconds': -50.0, 'before': at('12:00'), 'after': at('11:59:10')}
     assert bench.look()['clock_set'] == [step]
 
 
-def test_a_stop_is_told_by_the_clock_of_now(bench: ShiftBench) -> None:
+def test_stop_begin_follows_the_current_clock(bench: ShiftBench) -> None:
     day = Day()
-    day.events = [one for one in the_day().events if one.time <= at('12:00')]
+    day.events = [event for event in the_day().events if event.time <= at('12:00')]
     day.note('12:01:10', ClockStepped(seconds=-50.0))
     bench.journal = day.records
     stopped = bench.look()['stopped']
@@ -222,7 +222,7 @@ def test_the_account_and_its_document(bench: ShiftBench) -> None:
     assert answer.headers['content-disposition'] == named
 
 
-def test_the_shift_by_product_job_and_component_is_what_the_report_says(
+def test_shift_by_product_job_component_matches_report(
     bench: ShiftBench,
 ) -> None:
     bench.look()
@@ -253,7 +253,7 @@ def test_the_last_days_are_a_document(bench: ShiftBench) -> None:
     assert (answer.status, 'it has none at all' in answer.json['message']) == (503, True)
 
 
-def test_documents_are_in_the_language_that_is_asked_for(bench: ShiftBench) -> None:
+def test_documents_use_the_requested_language(bench: ShiftBench) -> None:
     bench.look()
     browser = bench.browser()
     days = browser.get('/api/shift/days.html?language=de').body.decode()
@@ -265,9 +265,7 @@ def test_documents_are_in_the_language_that_is_asked_for(bench: ShiftBench) -> N
     assert (refused.status, 'de or en' in refused.json['message']) == (422, True)
 
 
-def test_the_targets_of_the_plant_are_beside_the_figures(
-    start: Start, clock: Callable[[str], None]
-) -> None:
+def test_plant_targets_stand_beside_figures(start: Start, clock: Callable[[str], None]) -> None:
     clock('12:05')
     shifts = parse_shifts(f'{SHIFTS}target: {{oee: 0.75}}\n', 'shifts.yaml')
     bench = start(Plant(shifts, LINE.cell))
@@ -292,50 +290,48 @@ def test_without_a_file_of_shifts_there_is_nothing(start: Start) -> None:
 def samples(bench: ShiftBench) -> dict[str, float]:
     text = bench.browser().get('/metrics').body.decode()
     assert text.endswith('\n# EOF\n')
-    lines = [one for one in text.splitlines() if not one.startswith('#')]
-    typed = {one.split()[2] for one in text.splitlines() if one.startswith('# TYPE')}
-    assert {one.partition('{')[0] for one in lines} <= typed
-    assert len({one.rpartition(' ')[0] for one in lines}) == len(lines), 'a sample stands twice'
-    return {one.rpartition(' ')[0]: float(one.rpartition(' ')[2]) for one in lines}
+    lines = [line for line in text.splitlines() if not line.startswith('#')]
+    typed = {line.split()[2] for line in text.splitlines() if line.startswith('# TYPE')}
+    assert {line.partition('{')[0] for line in lines} <= typed
+    assert len({line.rpartition(' ')[0] for line in lines}) == len(lines), 'a sample stands twice'
+    return {line.rpartition(' ')[0]: float(line.rpartition(' ')[2]) for line in lines}
 
 
 def test_metrics_are_the_numbers_of_the_account(bench: ShiftBench) -> None:
     bench.look()
     bench.status = status(cell='test "line"', queued=3)
-    found = samples(bench)
+    metrics = samples(bench)
     of = 'cell="test \\"line\\"",shift="early"'
     expected = report('12:05', journal('12:05'))
     for name, value in expected['oee'].items():
-        assert found[f'bt_orchestrator_shift_{name}_ratio{{{of}}}'] == value
+        assert metrics[f'bt_orchestrator_shift_{name}_ratio{{{of}}}'] == value
     for loss in Loss:
-        lost = found[f'bt_orchestrator_shift_lost_seconds{{{of},loss="{loss.value}"}}']
+        lost = metrics[f'bt_orchestrator_shift_lost_seconds{{{of},loss="{loss.value}"}}']
         assert lost == expected['losses'].get(loss.value, 0)
     made = {
-        kind: found[f'bt_orchestrator_shift_items{{{of},outcome="{kind}"}}']
+        kind: metrics[f'bt_orchestrator_shift_items{{{of},outcome="{kind}"}}']
         for kind in ('good', 'nonconforming', 'rejected', 'by_hand')
     }
     assert made == {'good': 500, 'nonconforming': 6, 'rejected': 10, 'by_hand': 2}
     cell = 'cell="test \\"line\\""'
-    assert found[f'bt_orchestrator_jobs_queued{{{cell}}}'] == 3
-    assert found[f'bt_orchestrator_holds{{{cell}}}'] == len(bench.status.holds)
-    states = [value for name, value in found.items() if 'cell_state' in name]
+    assert metrics[f'bt_orchestrator_jobs_queued{{{cell}}}'] == 3
+    assert metrics[f'bt_orchestrator_holds{{{cell}}}'] == len(bench.status.holds)
+    states = [value for name, value in metrics.items() if 'cell_state' in name]
     assert (len(states), sum(states)) == (17, 1)
-    assert found[f'bt_orchestrator_shift_runs{{{of}}}'] == 1
+    assert metrics[f'bt_orchestrator_shift_runs{{{of}}}'] == 1
 
 
-def test_without_a_pace_what_needs_one_is_left_out(
-    start: Start, clock: Callable[[str], None]
-) -> None:
+def test_without_pace_oee_metrics_are_left_out(start: Start, clock: Callable[[str], None]) -> None:
     clock('12:05')
     bench = start(Plant(PLANT.shifts, None))
     part = bench.look()
     assert (part['oee'], part['performance'], part['has_pace']) == (None, None, False)
-    found = samples(bench)
-    assert not any('oee' in name or '"slow"' in name for name in found)
-    assert any('availability' in name for name in found)
+    metrics = samples(bench)
+    assert not any('oee' in name or '"slow"' in name for name in metrics)
+    assert any('availability' in name for name in metrics)
 
 
-def test_the_form_is_the_one_that_is_asked_for(bench: ShiftBench) -> None:
+def test_metrics_format_follows_accept_header(bench: ShiftBench) -> None:
     browser = bench.browser()
     assert browser.get('/metrics').headers['content-type'].startswith('text/plain; version=0.0.4')
     accept = 'application/openmetrics-text;version=1.0.0,text/plain;q=0.5'
@@ -344,7 +340,7 @@ def test_the_form_is_the_one_that_is_asked_for(bench: ShiftBench) -> None:
     assert answer.headers['cache-control'] == 'no-store'
 
 
-def test_where_others_reach_the_page_metrics_need_what_looking_needs(start: Start) -> None:
+def test_exposed_page_requires_view_role_for_metrics(start: Start) -> None:
     bench = start(host='127.0.0.1', proxy_header='X-User')
     assert bench.browser().get('/metrics').status == 401
     assert bench.browser().get('/metrics', x_user='nobody').status == 401

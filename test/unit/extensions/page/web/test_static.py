@@ -23,7 +23,7 @@ def test_nothing_is_fetched_from_elsewhere() -> None:
             assert not re.search(r'https?://|@import|url\(', text), path
 
 
-def test_every_module_is_reachable_from_the_page_and_every_import_exists() -> None:
+def test_all_modules_are_reachable_and_all_imports_exist() -> None:
     reached: set[Path] = set()
     waiting = [STATIC / 'app.js']
     while waiting:
@@ -37,8 +37,8 @@ def test_every_module_is_reachable_from_the_page_and_every_import_exists() -> No
 
 def test_imports_of_modules_never_point_up() -> None:
     for path in modules():
-        for one in _imports(path):
-            assert _level(one) <= _level(path), f'{path.name} imports {one.name}'
+        for imported in _imports(path):
+            assert _level(imported) <= _level(path), f'{path.name} imports {imported.name}'
 
 
 def test_every_style_is_used_by_the_page() -> None:
@@ -55,7 +55,7 @@ def test_a_class_is_styled_in_one_file() -> None:
     assert {name: files for name, files in owners.items() if len(files) > 1} == {}
 
 
-def test_the_policy_of_the_page_finds_no_inline_style_or_script() -> None:
+def test_page_has_no_inline_style_or_script() -> None:
     index = (STATIC / 'index.html').read_text(encoding='utf-8')
     assert not re.search(r'<style|\sstyle=|\son\w+=|<script(?![^>]*\ssrc=)', index)
     for path in modules():
@@ -63,11 +63,11 @@ def test_the_policy_of_the_page_finds_no_inline_style_or_script() -> None:
         assert not re.search(r'innerHTML|outerHTML|insertAdjacentHTML|[{,]\s*style:', text), path
 
 
-def test_no_module_knows_by_itself_which_jobs_are_over() -> None:
+def test_modules_do_not_list_finished_job_states() -> None:
     for path in modules():
         text = path.read_text(encoding='utf-8')
-        found = [one.value for one in OVER if re.search(rf'[\'"]{one.value}[\'"]', text)]
-        assert not found, path
+        literals = [state.value for state in OVER if re.search(rf'[\'"]{state.value}[\'"]', text)]
+        assert not literals, path
 
 
 def test_modules_are_short() -> None:
@@ -82,6 +82,6 @@ def _level(path: Path) -> int:
 
 def _imports(path: Path) -> list[Path]:
     text = path.read_text(encoding='utf-8')
-    own = [(path.parent / one).resolve() for one in _IMPORT.findall(text)]
-    workers = [STATIC / one.removeprefix('/static/') for one in _WORKER.findall(text)]
+    own = [(path.parent / name).resolve() for name in _IMPORT.findall(text)]
+    workers = [STATIC / name.removeprefix('/static/') for name in _WORKER.findall(text)]
     return own + workers

@@ -83,8 +83,8 @@ class Reader:
 
     @property
     def seqs(self) -> list[int]:
-        told = [data for kind, data in self.got if kind == 'happened']
-        return [record['seq'] for data in told for record in data['records']]
+        messages = [data for kind, data in self.got if kind == 'happened']
+        return [record['seq'] for data in messages for record in data['records']]
 
 
 def run(work: Callable[[Scene], Awaitable[None]]) -> None:
@@ -119,7 +119,7 @@ def test_who_leaves_during_a_fetch_leaves_nothing_behind() -> None:
     run(work)
 
 
-def test_what_was_fetched_of_another_history_is_not_told() -> None:
+def test_events_fetched_from_old_history_are_dropped() -> None:
     async def work(scene: Scene) -> None:
         reader = Reader(scene, 'one:6')
         await reader.until(lambda: scene.doors.asked)

@@ -26,7 +26,7 @@ def test_both_languages_have_the_same_keys() -> None:
     assert words('en').keys() == words('de').keys()
 
 
-def test_places_in_the_text_are_the_same_in_both_languages() -> None:
+def test_placeholders_match_in_both_languages() -> None:
     for key, text in words('en').items():
         assert _places(text) == _places(words('de')[key]), key
 
@@ -35,8 +35,8 @@ def test_every_key_that_is_asked_for_exists() -> None:
     known = words('en')
     for path, key in keys_asked_for():
         stem = key.removesuffix('${')
-        found = any(one.startswith(stem) for one in known) if key.endswith('${') else key in known
-        assert found, f'{path.name} asks for {key}'
+        hit = any(word.startswith(stem) for word in known) if key.endswith('${') else key in known
+        assert hit, f'{path.name} asks for {key}'
 
 
 def test_every_key_is_used() -> None:
@@ -50,9 +50,9 @@ def test_every_key_is_used() -> None:
     assert unused == []
 
 
-def test_the_words_of_drawings_stand_there_by_their_english() -> None:
-    found = words('en').items()
-    known = {key.removeprefix(DRAWING): text for key, text in found if key.startswith(DRAWING)}
+def test_drawing_texts_are_keyed_by_their_english() -> None:
+    pairs = words('en').items()
+    known = {key.removeprefix(DRAWING): text for key, text in pairs if key.startswith(DRAWING)}
     assert known == {key: key for key in known}
     assert known.keys() == {*_said(), *_tables()}
 
@@ -74,15 +74,15 @@ def _tables() -> Iterator[str]:
     yield from (line.FLAG_IS, line.FLAG_SET, line.FLAG_TAKEN)
 
 
-def test_requests_have_words_in_all_languages_and_the_effect_of_the_table() -> None:
+def test_requests_have_texts_in_all_languages() -> None:
     english = words('en')
     for language in LANGUAGES:
         known = words(language)
         for name, request in REQUESTS.items():
             assert {f'word.{name}', f'effect.{name}'} <= known.keys()
-            for one in request.parameters:
-                if one is not request.subject:
-                    assert f'parameter.{name}.{one.name}' in known
+            for parameter in request.parameters:
+                if parameter is not request.subject:
+                    assert f'parameter.{name}.{parameter.name}' in known
     assert {name: english[f'effect.{name}'] for name in REQUESTS} == {
         name: request.effect for name, request in REQUESTS.items()
     }
@@ -98,13 +98,13 @@ def test_states_reasons_roles_and_waits_have_words() -> None:
     assert {f'reason.{reason}' for reason in reasons} <= known
 
 
-def test_sentences_of_the_node_stand_there_as_in_its_own_catalogue() -> None:
+def test_node_sentences_match_the_node_catalogue() -> None:
     english = {key: text for key, text in words('en').items() if key.startswith('message.')}
     assert english.pop('message.or') == 'or'
     assert english == {f'message.{kind}': text for kind, text in SENTENCES.items()}
 
 
-def test_english_has_no_german_letters_and_german_no_english_sentence() -> None:
+def test_english_and_german_texts_are_not_mixed() -> None:
     assert not [key for key, text in words('en').items() if re.search('[äöüß]', str(text))]
     same = [key for key, text in words('en').items() if ' ' in str(text)]
     assert [key for key in same if words('de')[key] == words('en')[key] and _is_prose(key)] == []
@@ -117,7 +117,7 @@ def test_languages_are_those_of_the_modules() -> None:
 
 def _places(text: object) -> set[str]:
     if isinstance(text, dict):
-        return {place for one in text.values() for place in _places(one)}
+        return {place for value in text.values() for place in _places(value)}
     return set(re.findall(r'\{(\w+)\}', str(text)))
 
 

@@ -60,17 +60,17 @@ def test_a_tree_as_json() -> None:
 def test_a_tree_in_the_words_of_a_language() -> None:
     german = wordings()['de']
     message = partial(german.twig_message, waits={'waiting for a; b': 'wartet auf a; b'})
-    said = plain_branch(
+    branch = plain_branch(
         Branch('retry up to 1 time', Outcome.RUNNING, 'waiting for a; b', True, (LEAF,)),
         german.twig,
         message,
     )
-    assert (said['name'], said['message']) == ('bis zu 1 neuer Versuch', 'wartet auf a; b')
-    (leaf,) = said['children']
+    assert (branch['name'], branch['message']) == ('bis zu 1 neuer Versuch', 'wartet auf a; b')
+    (leaf,) = branch['children']
     assert (leaf['name'], leaf['message']) == ('TASK_A', 'läuft bei /a')
 
 
-def test_the_first_look_opens_the_watch_and_the_next_ones_keep_it() -> None:
+def test_first_look_opens_watch_that_others_reuse() -> None:
     async def look() -> None:
         door = Door()
         watch = TreeWatch(door.do)
@@ -88,7 +88,7 @@ def test_the_first_look_opens_the_watch_and_the_next_ones_keep_it() -> None:
     asyncio.run(look())
 
 
-def test_the_watch_is_closed_some_time_after_the_last_look(
+def test_watch_closes_some_time_after_last_look(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(tree_watch, 'KEPT_OPEN_S', 0.0)

@@ -91,18 +91,18 @@ CHANGES: list[list[tuple[str, dict[str, object]]]] = [
 
 
 @pytest.mark.parametrize('change', CHANGES)
-def test_the_ends_before_and_after_are_those_of_real_runs(
+def test_predicted_ends_match_real_runs(
     tmp_path: Path, change: list[tuple[str, dict[str, object]]]
 ) -> None:
     cell = Cell(tmp_path)
-    found = cell.predicted(*change)
-    assert found['refusals'] == []
-    assert _ends(found['before']) == pytest.approx(Cell(tmp_path).ends())
+    prediction = cell.predicted(*change)
+    assert prediction['refusals'] == []
+    assert _ends(prediction['before']) == pytest.approx(Cell(tmp_path).ends())
     for name, given in change:
         assert cell.ask(name, **given)
     ends = cell.ends()
-    assert _ends(found['after']) == pytest.approx(ends)
-    assert ends != pytest.approx(_ends(found['before'])), 'the change makes a difference'
+    assert _ends(prediction['after']) == pytest.approx(ends)
+    assert ends != pytest.approx(_ends(prediction['before'])), 'the change makes a difference'
 
 
 def _ends(jobs: Sequence[Mapping[str, Any]]) -> dict[str, float]:

@@ -34,8 +34,8 @@ class Bench(PeopleBench):
             run.submit(job, line.script(THREE), 2)
             run.go()
         events = list(run.store.read())
-        (begin,) = (one['seq'] for one in run.all('job.queued', job='NEW'))
-        kept = [Happened(one) for one in events if one.seq >= begin]
+        (begin,) = (event['seq'] for event in run.all('job.queued', job='NEW'))
+        kept = [Happened(event) for event in events if event.seq >= begin]
         records = HeardRecords('', begin - 1, kept)
         self._archive = Archive(cast('Any', None), lambda: records)
         super().__init__(folder)
@@ -57,13 +57,13 @@ def bench(tmp_path: Path) -> Iterator[Bench]:
 
 @pytest.mark.parametrize('path', ['/api/jobs/NEW', '/api/items/NEW/1'])
 def test_what_begins_after_the_removed_events_is_whole(bench: Bench, path: str) -> None:
-    found = bench.browser().get(path).json
-    assert (found['is_whole'], found['why_not']) == (True, '')
-    assert 'has_beginning' not in found
+    answer = bench.browser().get(path).json
+    assert (answer['is_whole'], answer['why_not']) == (True, '')
+    assert 'has_beginning' not in answer
 
 
 @pytest.mark.parametrize('path', ['/api/jobs', '/api/events', '/api/sections/2/history'])
-def test_what_may_have_begun_before_them_says_what_is_missing(bench: Bench, path: str) -> None:
-    found = bench.browser().get(path).json
-    assert not found['is_whole']
-    assert 'not in the journal any more' in found['why_not']
+def test_history_with_removed_beginning_is_marked_incomplete(bench: Bench, path: str) -> None:
+    answer = bench.browser().get(path).json
+    assert not answer['is_whole']
+    assert 'not in the journal any more' in answer['why_not']

@@ -125,18 +125,18 @@ def test_every_route_is_described_and_nothing_else(whole: Whole, document: Any) 
 
 def test_the_description_holds_together(document: Any) -> None:
     assert document['openapi'] == '3.1.0'
-    operations = [one for path in document['paths'].values() for one in path.values()]
-    names = [one['operationId'] for one in operations]
+    operations = [entry for path in document['paths'].values() for entry in path.values()]
+    names = [entry['operationId'] for entry in operations]
     assert len(set(names)) == len(names)
     for path, methods in document['paths'].items():
         for operation in methods.values():
-            named = {one['name'] for one in operation['parameters'] if one['in'] == 'path'}
+            named = {entry['name'] for entry in operation['parameters'] if entry['in'] == 'path'}
             assert named == set(re.findall(r'{(\w+)}', path))
             assert operation['summary']
             assert not operation['summary'].endswith('.')
 
 
-def test_bodies_are_json_schemas_and_every_request_fits_its_own(document: Any) -> None:
+def test_request_bodies_fit_their_json_schemas(document: Any) -> None:
     schemas = {
         path: methods['post']['requestBody']['content']['application/json']['schema']
         for path, methods in document['paths'].items()
@@ -149,16 +149,16 @@ def test_bodies_are_json_schemas_and_every_request_fits_its_own(document: Any) -
         schema = schemas[ANY]
         body = {request.subject.name: 'x'} if request.subject is not None else {}
         needed = {
-            one.name: NEEDED[one.name]
-            for one in request.parameters
-            if one.is_required and one.name not in body
+            parameter.name: NEEDED[parameter.name]
+            for parameter in request.parameters
+            if parameter.is_required and parameter.name not in body
         }
         jsonschema.validate({**body, **needed, 'reason': 'r', 'ticket': '0' * 16}, schema)
-        offered = {one.name for one in request.parameters}
+        offered = {parameter.name for parameter in request.parameters}
         assert offered <= schema['properties'].keys(), request.name
 
 
-def test_nobody_looks_without_a_login_where_others_reach_the_page(whole: Whole) -> None:
+def test_exposed_page_refuses_all_access_without_login(whole: Whole) -> None:
     for endpoint in whole.endpoints:
         if endpoint.path in FREE_PATHS:
             continue
@@ -194,7 +194,7 @@ def test_no_endpoint_falls_over_strange_input(whole: Whole) -> None:
 # --- over TLS -----------------------------------------------------------------------------------
 
 
-def test_the_page_speaks_tls_with_a_certificate_of_its_own(tmp_path: Path) -> None:
+def test_page_serves_tls_with_its_own_certificate(tmp_path: Path) -> None:
     certificate, key = make_certificate(tmp_path)
     users = write_users(tmp_path / 'users.yaml', {'ann': Role.OPERATE})
     cell = StandCell(tmp_path, MemoryStore(), faults=[])
@@ -221,7 +221,7 @@ def test_the_page_speaks_tls_with_a_certificate_of_its_own(tmp_path: Path) -> No
 # --- while a stream is open ---------------------------------------------------------------------
 
 
-def test_a_stream_ends_when_its_reader_is_no_user_any_more(tmp_path: Path) -> None:
+def test_stream_ends_when_its_user_is_removed(tmp_path: Path) -> None:
     users = write_users(tmp_path / 'users.yaml', {'ann': Role.VIEW, 'eve': Role.VIEW})
     cell = StandCell(tmp_path, MemoryStore(), faults=[])
     access = Access(users, '127.0.0.1', 0, proxy_header='X-User')

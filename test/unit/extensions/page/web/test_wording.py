@@ -43,7 +43,7 @@ SAID = 'cleared the jam'
 """The remark of a person."""
 
 
-def test_english_is_that_of_the_code_without_words_of_programs() -> None:
+def test_english_wording_drops_program_terms() -> None:
     english = wordings()['en']
     text = 'waiting for section 2 to finish with WO-1/5'
     assert english.wait(Wait(text, WaitKind.TURN, sections=(2,))) == text
@@ -66,17 +66,17 @@ def test_a_wait_for_several_holds_names_all(language: str, words: str) -> None:
     assert wordings()[language].wait(wait) == words
 
 
-def test_a_drawing_has_the_same_parts_in_each_language() -> None:
+def test_drawing_has_same_parts_in_each_language() -> None:
     line = long_line()
     run = line.begin(LONG)
     run.go(until=2.5)
     script, drawings = run.job().job.script, Drawings()
 
     async def drawn(language: str, *, is_bare: bool = False) -> str:
-        found = await drawings.drawn(
+        drawing = await drawings.drawn(
             digest(script), script, line.cell, status_of(run), language, is_bare=is_bare
         )
-        return found.svg.decode()
+        return drawing.svg.decode()
 
     english, german = (asyncio.run(drawn(language)) for language in ('en', 'de'))
     assert english == asyncio.run(drawn('en')), 'another language was kept in its place'
@@ -88,12 +88,12 @@ def test_a_drawing_has_the_same_parts_in_each_language() -> None:
 
 @pytest.mark.parametrize('kind', WaitKind)
 def test_each_wait_is_said(kind: WaitKind) -> None:
-    said = GERMAN.wait(Wait('waiting', kind, 'a', (1, 2, 3, 4, 5), 'weld'))
-    assert '{' not in said
-    assert 'waiting' not in said
+    text = GERMAN.wait(Wait('waiting', kind, 'a', (1, 2, 3, 4, 5), 'weld'))
+    assert '{' not in text
+    assert 'waiting' not in text
 
 
-def test_a_wait_says_the_state_of_the_cell_and_how_many_sections_more() -> None:
+def test_wait_names_cell_state_and_counts_sections() -> None:
     complete = Wait('the cell is Complete', WaitKind.CELL_STATE, 'Complete')
     assert GERMAN.wait(complete) == 'die Zelle ist: Alle Aufträge fertig'
     assert GERMAN.wait(Wait('x', WaitKind.CELL_STATE, 'item')) == 'die Linie fährt leer und stoppt'
@@ -101,7 +101,7 @@ def test_a_wait_says_the_state_of_the_cell_and_how_many_sections_more() -> None:
     assert GERMAN.wait(many) == 'wartet auf Station 1, Station 2, Station 3, 2 weitere'
 
 
-def test_states_marks_and_failures_are_said_and_what_a_server_said_stays() -> None:
+def test_states_and_failures_are_german_server_text_stays() -> None:
     for state in PackmlState:
         assert GERMAN.state(state) != state.value
     for mark in Mark:
@@ -114,13 +114,13 @@ def test_states_marks_and_failures_are_said_and_what_a_server_said_stays() -> No
     assert GERMAN.passed('as somebody said') == 'as somebody said'
 
 
-def test_messages_of_the_engine_are_german_on_a_german_page() -> None:
+def test_engine_messages_are_german_on_german_page() -> None:
     restarted = sentence('unfinished', jobs=1, goals=2)
     assert GERMAN.message(restarted) == 'unfertige Aufträge: 1, laufende Ziele: 2'
     late = sentence('no_end', seconds=5, cause='timeout')
-    said = GERMAN.failure('in_doubt', f'{late}; arm is blocked')
-    assert 'kein Ende binnen 5 s' in said
-    assert 'arm is blocked' in said
+    text = GERMAN.failure('in_doubt', f'{late}; arm is blocked')
+    assert 'kein Ende binnen 5 s' in text
+    assert 'arm is blocked' in text
     why = 'no reject or abort_job: it is not known whether J/1 was placed in section 2'
     known = 'kein reject oder abort_job: es ist nicht bekannt, ob J/1 in Station 2 eingelegt wurde'
     assert GERMAN.message(why) == known
@@ -149,15 +149,13 @@ UNSAFE = [
 
 
 @pytest.mark.parametrize(('english', 'german'), UNSAFE)
-def test_each_reason_of_the_safety_input_is_said_alone_and_in_a_sentence(
-    english: str, german: str
-) -> None:
+def test_safety_reasons_are_german_alone_and_in_sentences(english: str, german: str) -> None:
     whole = f'the safety input is not ready: {english}'
-    said = f'der Sicherheitseingang ist nicht bereit: {german}'
-    assert (GERMAN.message(english), GERMAN.message(whole)) == (german, said)
+    text = f'der Sicherheitseingang ist nicht bereit: {german}'
+    assert (GERMAN.message(english), GERMAN.message(whole)) == (german, text)
     assert wordings()['en'].message(whole) == whole
-    assert GERMAN.wait(Wait(whole, WaitKind.CELL_STATE, 'Execute')) == said
-    assert GERMAN.report(f'safety ({whole})') == f'der Sicherheitseingang fiel aus ({said})'
+    assert GERMAN.wait(Wait(whole, WaitKind.CELL_STATE, 'Execute')) == text
+    assert GERMAN.report(f'safety ({whole})') == f'der Sicherheitseingang fiel aus ({text})'
 
 
 REFUSALS = [
@@ -337,17 +335,17 @@ ANSWERS = [
 
 
 @pytest.mark.parametrize(('english', 'german'), [*REFUSALS, *ANSWERS])
-def test_answers_are_german_with_the_words_of_the_buttons(english: str, german: str) -> None:
+def test_answers_are_german_with_button_labels(english: str, german: str) -> None:
     assert GERMAN.message(english) == german
 
 
 def test_refusals_name_the_buttons_of_an_english_page() -> None:
-    message, said = 'cell.reset needs a reason', '“Reset” needs a reason'
+    message, text = 'cell.reset needs a reason', '“Reset” needs a reason'
     rest = ', for the record; nothing was done'
-    assert wordings()['en'].message(f'{message}{rest}') == f'{said}{rest}'
+    assert wordings()['en'].message(f'{message}{rest}') == f'{text}{rest}'
 
 
-def test_reasons_of_unknown_ends_are_german_each_in_its_sentence() -> None:
+def test_reasons_of_unknown_ends_are_german() -> None:
     line = Line()
     run = line.begin(THREE, 3)
     run.submit('K', line.script(THREE), 2)
@@ -399,8 +397,8 @@ def test_mistakes_of_an_order_are_german() -> None:
     }
     wrong = bound(order, script, action_types(line.cell, line.types))
     assert not isinstance(wrong, Job)
-    said = {one.field: GERMAN.message(f'{one.what}; {one.hint}') for one in wrong}
-    assert said == {
+    texts = {mistake.field: GERMAN.message(f'{mistake.what}; {mistake.hint}') for mistake in wrong}
+    assert texts == {
         'quantity': '`quantity` muss mindestens 1 sein, nicht die Zahl 0; zum Beispiel '
         '`quantity: 12` schreiben',
         'due': 'das späteste Ende liegt vor dem Beginn; ist eine der Zeiten aus einer anderen '
@@ -414,8 +412,8 @@ def test_mistakes_of_an_order_are_german() -> None:
 
 
 def test_what_a_verdict_expected_is_german() -> None:
-    said = sentence('refused_result', wanted='${results.a.x} at least 5', found='4.2')
-    assert GERMAN.message(said) == 'erwartet: ${results.a.x} mindestens 5; gefunden: 4.2'
+    text = sentence('refused_result', wanted='${results.a.x} at least 5', found='4.2')
+    assert GERMAN.message(text) == 'erwartet: ${results.a.x} mindestens 5; gefunden: 4.2'
 
 
 @pytest.mark.parametrize(
@@ -436,7 +434,7 @@ def test_what_a_verdict_expected_is_german() -> None:
         ('WO-1', 'WO-1'),
     ],
 )
-def test_names_of_behaviours_are_german_and_those_of_tasks_stay(name: str, german: str) -> None:
+def test_behaviour_names_are_german_task_names_stay(name: str, german: str) -> None:
     assert GERMAN.twig(name) == german
     assert wordings()['en'].twig(name) == name
 
@@ -457,20 +455,20 @@ def test_messages_of_behaviours_are_german(message: str, german: str) -> None:
     assert GERMAN.twig_message(message, waits) == german
 
 
-def test_english_messages_of_behaviours_have_no_words_of_programs() -> None:
+def test_english_behaviour_messages_have_no_program_terms() -> None:
     assert wordings()['en'].twig_message('failed: timeout', {}) == 'failed: took too long'
 
 
 def test_what_rejects_have_in_common_is_german() -> None:
     facts = ('${results.weigh.measurement} at least 1', 'result_refused')
-    said = AND.join(
+    text = AND.join(
         [
             sentence('rejects', count=3, of=10, items='J/1, J/3, J/4'),
             sentence('rejects_reason', reason=facts[1]),
             sentence('rejects_verdict', wanted=facts[0]),
         ]
     )
-    assert GERMAN.message(said) == (
+    assert GERMAN.message(text) == (
         'Ausschuss 3 innerhalb von 10 Teilen: J/1, J/3, J/4; jedes Mal: das Ergebnis ist nicht, '
         'wie es sein muss; jedes Mal erwartet: ${results.weigh.measurement} mindestens 1'
     )
@@ -533,7 +531,7 @@ REASONS = {'JAM': PlantReason('JAM', {'en': 'material jam', 'de': 'Materialstau'
 def test_a_german_report_has_no_english_words() -> None:
     """Of a day with every loss, a stop of which has a reason; names and remarks stay."""
     day, store = the_day(), MemoryStore('x')
-    (hold,) = (one for one in day.events if isinstance(one, e.HoldRaised) and one.hold == '1')
+    (hold,) = (fact for fact in day.events if isinstance(fact, e.HoldRaised) and fact.hold == '1')
     day.note('13:59', e.OperatorDecided(
         answer='classify', code='JAM', stop=f'x:{hold.seq + 1}', who='ann', reason='',
     ))  # fmt: skip

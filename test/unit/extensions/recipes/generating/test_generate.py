@@ -49,8 +49,8 @@ def generated(
 def said(capsys: pytest.CaptureFixture[str], *words: str | Path, status: int = 0) -> str:
     capsys.readouterr()
     assert generated(*words) == status
-    told = capsys.readouterr()
-    return told.out + told.err
+    captured = capsys.readouterr()
+    return captured.out + captured.err
 
 
 def edit(file: str, old: str, new: str) -> None:
@@ -59,7 +59,7 @@ def edit(file: str, old: str, new: str) -> None:
     Path(file).write_text(text.replace(old, new))
 
 
-def test_a_choice_by_times_that_nobody_gave_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_choice_without_nominal_time_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     edit('cell.yaml', '{TASK_A: 4.0, TASK_B: 2.0}', '{TASK_B: 2.0}')
     assert generated('-o', 'script.yaml') == 0
     assert '`TASK_A` of `robot_b` has no nominal time' in capsys.readouterr().err
@@ -82,7 +82,7 @@ def test_the_script_of_the_deck(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_equal_files_give_equal_bytes() -> None:
-    found = set()
+    outputs = set()
     for seed in ('0', '1', '4711'):
         program = (
             'import sys; sys.path[:0] = sys.argv[1:2]\n'
@@ -101,8 +101,8 @@ def test_equal_files_give_equal_bytes() -> None:
             check=True,
             timeout=60,
         )
-        found.add(done.stdout)
-    assert len(found) == 1
+        outputs.add(done.stdout)
+    assert len(outputs) == 1
 
 
 def test_why_each_operation_is_where_it_is(capsys: pytest.CaptureFixture[str]) -> None:
@@ -115,14 +115,14 @@ def test_why_each_operation_is_where_it_is(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_all_that_is_known_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
-    found = json.loads(said(capsys, '--json', '-o', 'script.yaml'))
-    assert found['text'] == Path('script.yaml').read_text()
-    glue = next(one for one in found['tasks'] if one['task'] == 'glue')
+    answer = json.loads(said(capsys, '--json', '-o', 'script.yaml'))
+    assert answer['text'] == Path('script.yaml').read_text()
+    glue = next(task for task in answer['tasks'] if task['task'] == 'glue')
     assert (glue['component'], glue['alternatives']) == ('robot_a', ['robot_b'])
-    assert found['per_item_s'] == found['pace']['per_item_s'] == 3.0
-    assert found['made_from']['version'] == 3
-    assert (found['bound_s'], found['gap']) == (3.0, 0.0)
-    assert 'prices' not in found
+    assert answer['per_item_s'] == answer['pace']['per_item_s'] == 3.0
+    assert answer['made_from']['version'] == 3
+    assert (answer['bound_s'], answer['gap']) == (3.0, 0.0)
+    assert 'prices' not in answer
     (price,) = json.loads(said(capsys, '--json', '--explain'))['prices']['glue']
     assert (price['component'], price['more_s'], price['words']) == ('robot_b', 4.0, '+4 s')
 
@@ -135,31 +135,31 @@ def test_a_file_is_checked_and_written_again(capsys: pytest.CaptureFixture[str])
     assert said(capsys, '--check', 'script.yaml') == 'script.yaml is what box.yaml gives\n'
     assert said(capsys, '--diff', 'script.yaml') == ''
     edit('box.yaml', 'version: 3', 'version: 4')
-    told = said(capsys, '--check', 'script.yaml', status=1)
-    assert 'script.yaml is out of date: it is of version 3 of the recipe; 4 lines differ' in told
+    output = said(capsys, '--check', 'script.yaml', status=1)
+    assert 'script.yaml is out of date: it is of version 3 of the recipe; 4 lines differ' in output
     assert '+  version: 4\n' in said(capsys, '--diff', 'script.yaml', status=1)
     edit('cell.yaml', 'TASK_A: 4.0', 'TASK_A: 4.5')
     edit('box.yaml', '{id: close, do: close}', '{id: close, do: close, retries: 1}')
-    told = said(capsys, '--check', 'script.yaml', status=1)
-    assert 'it is of version 3 of the recipe, the cell changed' in told
+    output = said(capsys, '--check', 'script.yaml', status=1)
+    assert 'it is of version 3 of the recipe, the cell changed' in output
     said(capsys, '-o', 'script.yaml')
     said(capsys, '--check', 'script.yaml')
     edit('box.yaml', 'retries: 1', 'retries: 2')
-    told = said(capsys, '--check', 'script.yaml', status=1)
-    assert 'the recipe changed, and still calls itself version 4' in told
+    output = said(capsys, '--check', 'script.yaml', status=1)
+    assert 'the recipe changed, and still calls itself version 4' in output
 
 
 def test_what_was_edited_by_hand_is_not_lost(capsys: pytest.CaptureFixture[str]) -> None:
     said(capsys, '-o', 'script.yaml')
     edit('script.yaml', 'action: /robot_b/task', 'action: /robot_b/task, retries: 3')
-    told = (
+    message = (
         'script.yaml was edited by hand (1 line differs); put them into overrides, or give '
         'another -o'
     )
-    assert said(capsys, '--check', 'script.yaml', status=1) == f'{told}\n'
+    assert said(capsys, '--check', 'script.yaml', status=1) == f'{message}\n'
     with pytest.raises(NotReplaced) as refused:
         generated('-o', 'script.yaml')
-    assert str(refused.value) == told
+    assert str(refused.value) == message
     edit('cell.yaml', 'TASK_A: 4.0', 'TASK_A: 4.5')
     with pytest.raises(NotReplaced, match='was edited by hand; put them into overrides'):
         generated('-o', 'script.yaml')
@@ -199,7 +199,7 @@ def test_as_little_as_possible_is_moved(capsys: pytest.CaptureFixture[str]) -> N
     assert '  without --keep: 1 operation elsewhere, 3.0 s for each item\n' in text
 
 
-def test_kept_as_it_is_generated_it_is_the_same_file(capsys: pytest.CaptureFixture[str]) -> None:
+def test_keeping_generated_script_changes_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     said(capsys, '-o', 'old.yaml')
     said(capsys, '-o', 'new.yaml', '--keep', 'old.yaml')
     assert Path('new.yaml').read_text() == Path('old.yaml').read_text()
@@ -214,8 +214,8 @@ def test_what_comes_of_each_outage(capsys: pytest.CaptureFixture[str]) -> None:
         'robot_b         not to be made: close only there',
         'packer          not to be made: pack only there',
     ]
-    found = json.loads(said(capsys, '--without-each', '--json'))
-    (robot_a,) = (one for one in found['without'] if one['component'] == 'robot_a')
+    answer = json.loads(said(capsys, '--without-each', '--json'))
+    (robot_a,) = (outage for outage in answer['without'] if outage['component'] == 'robot_a')
     assert (robot_a['per_item_s'], robot_a['elsewhere']) == (7.0, ['glue'])
     assert '# Without robot_a.\n' in said(capsys, '--without', 'robot_a')
 
@@ -272,10 +272,10 @@ def test_a_release_needs_a_file_and_a_reason(words: tuple[str, ...], why: str) -
 
 
 def test_why_there_is_no_script(capsys: pytest.CaptureFixture[str]) -> None:
-    told = said(capsys, '--without', 'robot_b', status=1)
-    assert told == 'box.yaml: `close`: only robot_b could, and it is out of service\n'
-    found = json.loads(said(capsys, '--without', 'robot_b', '--json', status=1))
-    assert (found['ok'], found['proven']) == (False, True)
+    output = said(capsys, '--without', 'robot_b', status=1)
+    assert output == 'box.yaml: `close`: only robot_b could, and it is out of service\n'
+    answer = json.loads(said(capsys, '--without', 'robot_b', '--json', status=1))
+    assert (answer['ok'], answer['proven']) == (False, True)
     with pytest.raises(WrongUse, match='has no component robot_x; did you mean `robot_'):
         generated('--without', 'robot_x')
 
@@ -294,7 +294,7 @@ def test_mistakes_in_files(capsys: pytest.CaptureFixture[str]) -> None:
 # --- what is likely ---------------------------------------------------------------------------
 
 
-def test_what_is_likely_is_in_the_script_and_makes_no_other_one(
+def test_likelihood_is_written_and_keeps_script_digest(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     retries = 'do: glue, on_failure: continue, retries: 2'
@@ -304,17 +304,17 @@ def test_what_is_likely_is_in_the_script_and_makes_no_other_one(
     text = said(capsys)
     assert 'retries: 2, likely: {fails: 0.2}}' in text
     made, before = (
-        admitted(one, 'text', read_cell(Path('cell.yaml'), TYPES), TYPES) for one in (text, plain)
+        admitted(doc, 'text', read_cell(Path('cell.yaml'), TYPES), TYPES) for doc in (text, plain)
     )
     assert made.likely != before.likely
     assert digest(made) == digest(before)
     assert made.made_from is not None
     assert made.made_from.says_the_same(before.made_from)
-    told = said(capsys, '--explain')
-    assert '  expected: ' in told
-    assert 'glue fails 20 % of its attempts' in told
-    found = json.loads(said(capsys, '--json'))
-    expected = found['pace']['expected']
+    output = said(capsys, '--explain')
+    assert '  expected: ' in output
+    assert 'glue fails 20 % of its attempts' in output
+    answer = json.loads(said(capsys, '--json'))
+    expected = answer['pace']['expected']
     # The beat is 3 s with one attempt, and 2 s more with each further one.
     mean_s = 3.0 + 2.0 * (0.2 + 0.04)
     assert expected['per_item_s'] == pytest.approx(mean_s, abs=2 * expected['sure_s'])
@@ -355,7 +355,7 @@ operations: [{id: load, do: load}, {id: lift, do: lift}, {id: pack, do: pack}]
 """
 
 
-def test_a_generated_script_has_the_setups_of_its_capabilities() -> None:
+def test_generated_script_contains_capability_setups() -> None:
     Path('cell.yaml').write_text(GRIPPING)
     Path('box.yaml').write_text(LIFTED)
     assert generated('-o', 'lifted.yaml') == 0
@@ -402,7 +402,7 @@ def test_operations_may_change_the_setup_between_others(
     ]
 
 
-def test_two_setups_of_one_component_are_named_and_not_planned() -> None:
+def test_conflicting_setups_of_component_are_refused() -> None:
     Path('cell.yaml').write_text(GRIPPING)
     Path('box.yaml').write_text(LIFTED.replace('{id: pack', '{id: press, do: press}, {id: pack'))
     with pytest.raises(

@@ -82,7 +82,7 @@ def made_at(choice: RecipeChoice, without: frozenset[str] = frozenset()) -> tupl
     return made.made_from.version, made.generated.script.tasks['glue'].component
 
 
-def test_the_order_binds_before_the_overrides_and_the_newest_version_is_made() -> None:
+def test_order_binds_before_overrides_and_newest_version_wins() -> None:
     assert made_at(NEWEST) == (4, 'robot_a')
     assert made_at(RecipeChoice(('BOX-7',), 3)) == (3, 'robot_b')
     assert made_at(RecipeChoice(('BOX-7',), 3, {'glue': 'robot_a'})) == (3, 'robot_a')
@@ -107,7 +107,7 @@ def test_a_script_says_without_whom_it_was_made() -> None:
     assert 'without' not in maker().make(NEWEST, HERE).text.split('sections:')[0]
 
 
-def test_it_is_made_once_until_something_of_it_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_script_is_made_once_until_inputs_change(monkeypatch: pytest.MonkeyPatch) -> None:
     times: list[frozenset[str]] = []
 
     def counted(inputs: Inputs, without: frozenset[str]) -> Made:
@@ -144,11 +144,11 @@ def test_check_says_what_an_order_comes_to(capsys: pytest.CaptureFixture[str]) -
     assert first == 'WO-7: 3 items of box, made from recipe BOX-7 version 4, fits cell glue_cell'
     assert pace.startswith('  pace: ')
     assert check.check(options(check, *words, '--json'), TYPES) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told['orders'] == [
+    answer = json.loads(capsys.readouterr().out)
+    assert answer['orders'] == [
         {'order': 'WO-7', 'quantity': 3, 'script': 'box', 'recipe': 'BOX-7', 'version': 4}
     ]
-    assert [one['script'] for one in told['paces']] == ['box']
+    assert [entry['script'] for entry in answer['paces']] == ['box']
 
 
 def test_the_shipped_order_by_recipe_is_simulated(capsys: pytest.CaptureFixture[str]) -> None:

@@ -72,7 +72,7 @@ class Bench:
         choices = [RecipeChoice((name,)) for name in names]
         try:
             made = await self.generating.make(choices, frozenset())
-            self.said.append([type(one) for one in made])
+            self.said.append([type(result) for result in made])
         except NotRead as why:
             self.said.append(str(why))
 
@@ -89,7 +89,7 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
     made.generating.close()
 
 
-def test_each_request_is_answered_in_its_turn_by_the_thread_that_asked(bench: Bench) -> None:
+def test_requests_are_answered_in_order_by_asking_thread(bench: Bench) -> None:
     bench.ask('BOX-7', 'BOX-8')
     bench.ask('BOX-7')
     assert bench.said == []
@@ -97,7 +97,7 @@ def test_each_request_is_answered_in_its_turn_by_the_thread_that_asked(bench: Be
     assert bench.said == [[MadeScript, Refused], [MadeScript]]
 
 
-def test_what_fails_is_told_and_the_next_one_is_made(bench: Bench) -> None:
+def test_failure_is_reported_and_next_script_is_made(bench: Bench) -> None:
     bench.process.failures = [
         ChildTooLate('no answer'),
         ChildFailed('it ended by SIGKILL'),
@@ -120,8 +120,8 @@ def test_a_defect_is_told_as_one(bench: Bench, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(RecipeMaker, 'script', broken)
     bench.ask('BOX-7')
     bench.turn()
-    (told,) = bench.said
-    assert "defect of the orchestrator: ZeroDivisionError('planned wrong')" in str(told)
+    (answer,) = bench.said
+    assert "defect of the orchestrator: ZeroDivisionError('planned wrong')" in str(answer)
 
 
 def test_too_many_requests_are_refused_at_once(bench: Bench) -> None:

@@ -62,14 +62,14 @@ def generated(drawn: DrawnRecipe, limits: Limits = FEW) -> Generated | NotMade:
 def outcome(drawn: DrawnRecipe, script: Script) -> Outcome:
     simulation = Simulation(drawn.cell, TYPES, MemoryStore())
     simulation.submit([Job('J', script, 3, {})])
-    found = simulation.run()
-    packed = simulation.state.ended['J'].progress.packed if found is Outcome.FINISHED else 0
+    result = simulation.run()
+    packed = simulation.state.ended['J'].progress.packed if result is Outcome.FINISHED else 0
     simulation.close()
-    assert found is not Outcome.FINISHED or packed == 3
-    return found
+    assert result is not Outcome.FINISHED or packed == 3
+    return result
 
 
-def test_a_generated_script_runs_to_its_end_or_there_is_a_reason() -> None:
+def test_generated_script_finishes_or_is_refused_with_reason() -> None:
     """It does what recipe and cell say, passes every check of scripts, and nothing gets stuck."""
     seen: Counter[str] = Counter()
 
@@ -77,29 +77,29 @@ def test_a_generated_script_runs_to_its_end_or_there_is_a_reason() -> None:
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = DrawnRecipe(seed)
-        found = generated(drawn)
-        seen[type(found).__name__] += 1
-        if not isinstance(found, Generated):
-            assert found.reasons
+        result = generated(drawn)
+        seen[type(result).__name__] += 1
+        if not isinstance(result, Generated):
+            assert result.reasons
             return
-        script = found.script
+        script = result.script
         assert mistakes(script, drawn.recipe, drawn.overrides, drawn.cell) == []
         text = write_script(script, drawn.cell)
         assert digest(admitted(text, 'drawn.yaml', drawn.cell, TYPES)) == digest(script)
         assert outcome(drawn, script) is Outcome.FINISHED
-        steps = [(one, step) for one in script.sections.values() for step in one.steps]
+        steps = [(entry, step) for entry in script.sections.values() for step in entry.steps]
         seen['flags'] += bool(script.dependencies)
         seen['repeats'] += bool(script.repeats)
         seen['zones'] += bool(script.zones)
         seen['groups'] += any(step.is_group for _, step in steps)
-        seen['early'] += any(one.turn_steps < len(one.steps) for one, _ in steps)
+        seen['early'] += any(entry.turn_steps < len(entry.steps) for entry, _ in steps)
 
     holds()
     assert seen['Generated'] > 100, seen
-    assert min(seen[one] for one in SEEN) > 0, seen
+    assert min(seen[entry] for entry in SEEN) > 0, seen
 
 
-def test_what_is_called_impossible_cannot_be_made_in_any_way() -> None:
+def test_impossible_verdict_matches_exhaustive_search() -> None:
     """And what could be made is never called so."""
     seen: Counter[str] = Counter()
 
@@ -110,33 +110,33 @@ def test_what_is_called_impossible_cannot_be_made_in_any_way() -> None:
         can = can_be_made(drawn.recipe, drawn.overrides, drawn.cell)
         if can is None:
             return
-        found = generated(drawn, Limits(finalists=2))
-        assert isinstance(found, Generated) == can, found
-        assert can or isinstance(found, Impossible)
+        result = generated(drawn, Limits(finalists=2))
+        assert isinstance(result, Generated) == can, result
+        assert can or isinstance(result, Impossible)
         seen['made' if can else 'impossible'] += 1
 
     holds()
     assert min(seen['made'], seen['impossible']) > 10, seen
 
 
-def test_the_engine_is_as_fast_as_the_circle_says_unless_sections_share_something() -> None:
+def test_engine_matches_circle_pace_unless_sections_share() -> None:
     seen: Counter[str] = Counter()
 
     @examples(25, 2000)
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = DrawnRecipe(seed)
-        found = generated(drawn)
-        if not isinstance(found, Generated):
+        result = generated(drawn)
+        if not isinstance(result, Generated):
             return
-        real = steady(drawn.cell, found.script, 40, at_most=200)
+        real = steady(drawn.cell, result.script, 40, at_most=200)
         assert real is not None
-        told_s = found.claim.pace.per_item_s
-        if found.claim.pace.is_exact and real.repeats:
+        told_s = result.claim.pace.per_item_s
+        if result.claim.pace.is_exact and real.repeats:
             assert math.isclose(real.per_item_s, told_s, abs_tol=1e-6)
             seen['equal'] += 1
-        elif found.claim.pace.not_counted:
-            assert real.per_item_s >= found.claim.pace.least.per_item_s - 1e-6
+        elif result.claim.pace.not_counted:
+            assert real.per_item_s >= result.claim.pace.least.per_item_s - 1e-6
             seen['shares'] += 1
 
     holds()
@@ -147,22 +147,22 @@ def every(plans: Plans) -> Iterator[Plan]:
     """Yield every plan there is."""
     for plan in product(*(range(len(ways)) for ways in plans.choices)):
         sections = [ways[n].section for ways, n in zip(plans.choices, plan, strict=True)]
-        if all(sections[one.first] <= sections[one.second] for one in plans.reach.links):
+        if all(sections[link.first] <= sections[link.second] for link in plans.reach.links):
             yield plan
 
 
 def us(problem: Problem, plan: Plan) -> Fraction:
     """Return the pace of a plan by rule 8.4; the planner's own model is not asked."""
-    found = pace(problem.script(plan), problem.cell)
-    assert found is not None
-    return found.limit.per_item_us
+    result = pace(problem.script(plan), problem.cell)
+    assert result is not None
+    return result.limit.per_item_us
 
 
 def are_few(plans: Plans) -> bool:
     return 1 < math.prod(len(ways) for ways in plans.choices) <= MOST_PLANS
 
 
-def test_no_binding_is_faster_than_the_one_that_is_found() -> None:
+def test_no_binding_is_faster_than_generated_one() -> None:
     """Tried against every binding there is; what is called the fastest is so without exception."""
     seen: Counter[str] = Counter()
 
@@ -170,14 +170,14 @@ def test_no_binding_is_faster_than_the_one_that_is_found() -> None:
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = DrawnRecipe(seed, shares=False, holds=False, most_operations=12)
-        found = generated(drawn, Limits())
-        if not isinstance(found, Generated):
+        result = generated(drawn, Limits())
+        if not isinstance(result, Generated):
             return
         problem = Problem(drawn.cell, drawn.recipe, drawn.overrides)
         if not are_few(problem.plans):
             return
         best = min(us(problem, plan) for plan in every(problem.plans))
-        own, claim = found.claim.pace.limit.per_item_us, found.claim
+        own, claim = result.claim.pace.limit.per_item_us, result.claim
         seen['tried'] += 1
         seen['equal'] += own == best
         seen['proven'] += claim.is_fastest
@@ -196,16 +196,16 @@ def spread(plans: Plans, plan: Plan) -> Fraction:
     work: Counter[int] = Counter()
     for choice in plans.of(plan):
         work[choice.section] += choice.us
-    sections = {one.section for ways in plans.choices for one in ways}
+    sections = {way.section for ways in plans.choices for way in ways}
     unit = math.gcd(plans.move_us, *(m.us for w in plans.choices for c in w for m in c.members))
-    least = sum(min(one.us for one in ways) for ways in plans.choices)
+    least = sum(min(way.us for way in ways) for ways in plans.choices)
     share = least // unit // len(sections) * unit
     return Fraction(sum(us + max(0, us - share) for us in work.values()))
 
 
 def component_of(plans: Plans, plan: Plan, operation: str) -> str:
     members = (member for choice in plans.of(plan) for member in choice.members)
-    return next(one.component.name for one in members if one.operation.id == operation)
+    return next(part.component.name for part in members if part.operation.id == operation)
 
 
 def is_true(price: Price, why: Why, rest: list[tuple[Fraction, Fraction]]) -> bool:
@@ -231,16 +231,16 @@ def test_every_price_is_true_and_every_reason() -> None:
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = DrawnRecipe(seed, shares=False, holds=False, most_operations=8)
-        found = generated(drawn, Limits())
-        if not isinstance(found, Generated) or not found.claim.is_fastest:
+        result = generated(drawn, Limits())
+        if not isinstance(result, Generated) or not result.claim.is_fastest:
             return
         problem = Problem(drawn.cell, drawn.recipe, drawn.overrides)
-        plans, own = problem.plans, found.claim
+        plans, own = problem.plans, result.claim
         if not are_few(plans):
             return
         all_ = list(every(plans))
         own_s, judge = own.pace.limit.per_item_us, PaceJudge(drawn.cell, TYPES, MemoryStore)
-        for name, ways in prices(problem, found, judge).items():
+        for name, ways in prices(problem, result, judge).items():
             for price in ways:
                 rest = [
                     (
@@ -250,9 +250,9 @@ def test_every_price_is_true_and_every_reason() -> None:
                     for plan in all_
                     if component_of(plans, plan, name) == price.component
                 ]
-                assert is_true(price, found.made[name].why, rest), (price, found.made[name])
+                assert is_true(price, result.made[name].why, rest), (price, result.made[name])
                 seen[price.words.split()[0].rstrip('0123456789.')] += 1
-                seen[found.made[name].why.name] += 1
+                seen[result.made[name].why.name] += 1
                 seen['claims'] += 1
 
     holds()
@@ -264,15 +264,15 @@ def bindings(drawn: DrawnRecipe) -> list[dict[str, str]]:
     """Return every way to choose components, by what cell and recipe say."""
     ways = [
         [
-            (one.id, name)
+            (operation.id, name)
             for name, component in drawn.cell.components.items()
-            if not {*one.do}.isdisjoint(component.capabilities)
-            and drawn.overrides.bind.get(one.id, name) == name
+            if not {*operation.do}.isdisjoint(component.capabilities)
+            and drawn.overrides.bind.get(operation.id, name) == name
         ]
-        for one in drawn.recipe.operations
+        for operation in drawn.recipe.operations
     ]
     many = math.prod(map(len, ways))
-    return [dict(found) for found in product(*ways)] if 1 < many <= MOST_RUNS else []
+    return [dict(pairs) for pairs in product(*ways)] if 1 < many <= MOST_RUNS else []
 
 
 def test_the_engine_finds_no_binding_that_is_faster() -> None:
@@ -283,7 +283,7 @@ def test_the_engine_finds_no_binding_that_is_faster() -> None:
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = DrawnRecipe(seed, shares=False, most_operations=12)
-        found = generated(drawn, Limits())
+        result = generated(drawn, Limits())
         paces_s = []
         for bind in bindings(drawn):
             drawn.overrides = replace(drawn.overrides, bind=bind)
@@ -292,8 +292,8 @@ def test_the_engine_finds_no_binding_that_is_faster() -> None:
                 paces_s.append(pace_s(drawn, other.script))
         if not paces_s:
             return
-        assert isinstance(found, Generated)
-        assert math.isclose(pace_s(drawn, found.script), min(paces_s), abs_tol=1e-6)
+        assert isinstance(result, Generated)
+        assert math.isclose(pace_s(drawn, result.script), min(paces_s), abs_tol=1e-6)
         seen['tried'] += 1
         seen['matters'] += min(paces_s) < max(paces_s)
 
@@ -311,7 +311,7 @@ def moved(plans: Plans, plan: Plan) -> int:
     return sum(ways[number] for ways, number in zip(plans.moved, plan, strict=True))
 
 
-def test_a_kept_script_is_changed_as_little_as_possible() -> None:
+def test_kept_script_changes_as_little_as_possible() -> None:
     """One component goes out of service; tried against every binding that is left."""
     seen: Counter[str] = Counter()
 
@@ -322,7 +322,7 @@ def test_a_kept_script_is_changed_as_little_as_possible() -> None:
         old = generated(drawn)
         if not isinstance(old, Generated):
             return
-        out = frozenset(one.component for one in old.made.values() if one.alternatives)
+        out = frozenset(choice.component for choice in old.made.values() if choice.alternatives)
         out = frozenset(sorted(out)[:1])
         problem = Problem(drawn.cell, drawn.recipe, without=out, keep=old.script)
         judge = PaceJudge(drawn.cell, TYPES, MemoryStore)
@@ -332,13 +332,13 @@ def test_a_kept_script_is_changed_as_little_as_possible() -> None:
             return
         if not are_few(plans):
             return
-        found = generate(
+        result = generate(
             drawn.cell, drawn.recipe, without=out, keep=old.script, judge=judge, limits=FEW
         )
         best = min((moved(plans, plan), us(problem, plan)) for plan in every(plans))
-        assert len(elsewhere(old.script, found)) == best[0]
+        assert len(elsewhere(old.script, result)) == best[0]
         seen['kept'] += 1
-        seen['as fast'] += found.claim.pace.limit.per_item_us == best[1]
+        seen['as fast'] += result.claim.pace.limit.per_item_us == best[1]
 
     holds()
     assert seen['kept'] > 5, seen

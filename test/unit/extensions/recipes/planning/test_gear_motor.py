@@ -41,8 +41,8 @@ def run(quantity: int, component: str = '', *faults: str) -> VirtualRun:
     """Make some motors on a line one of whose components has faults."""
     components = dict(line().components)
     if faults:
-        told = tuple(map(parse_fault, faults))
-        components[component] = replace(components[component], faults=told)
+        parsed = tuple(map(parse_fault, faults))
+        components[component] = replace(components[component], faults=parsed)
     run = VirtualRun(replace(line(), components=components), TYPES)
     assert run.submit('J', made().script, quantity, lot='A7').accepted
     return run.go()
@@ -52,7 +52,7 @@ def test_the_script_is_what_the_engineer_decided() -> None:
     tasks = made().script.tasks
     assert tasks['encoder'].component == 'encoder_arm'
     assert tasks['run_in'].timeout_s == 20.0
-    assert [one.tasks for one in made().script.repeats] == [('join_leads', 'joint')]
+    assert [repeat.tasks for repeat in made().script.repeats] == [('join_leads', 'joint')]
 
 
 def test_all_that_is_generated_is_made() -> None:
@@ -66,7 +66,7 @@ def test_the_bearings_are_pressed_where_the_bore_is() -> None:
 
 def test_a_cold_joint_is_done_once_more() -> None:
     done = run(2, 'solder_laser', 'TASK_B#1=reads:0.5')
-    assert [one['item'] for one in done.all('round.begun')] == ['J/1']
+    assert [event['item'] for event in done.all('round.begun')] == ['J/1']
     assert done.counts()['packed'] == 2
 
 
@@ -81,8 +81,8 @@ def test_a_cold_joint_is_done_once_more() -> None:
 def test_what_does_not_pass_goes_to_scrap(component: str, faults: tuple[str, ...]) -> None:
     done = run(2, component, *faults)
     assert (done.counts()['packed'], done.counts()['rejected']) == (1, 1)
-    assert [one['item'] for one in done.all('task.succeeded', task='into_scrap')] == ['J/1']
-    assert [one['item'] for one in done.all('task.succeeded', task='into_tray')] == ['J/2']
+    assert [event['item'] for event in done.all('task.succeeded', task='into_scrap')] == ['J/1']
+    assert [event['item'] for event in done.all('task.succeeded', task='into_tray')] == ['J/2']
 
 
 def test_the_proof_says_what_limits_the_line() -> None:

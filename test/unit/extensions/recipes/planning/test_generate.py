@@ -26,12 +26,12 @@ def compared(cell_text: str, process: str) -> Generated:
     """Generate for a cell, and hold it against a script that was written for it by hand."""
     cell = parse_cell(cell_text, 'cell.yaml', TYPES)
     recipe = read_recipe(ROOT / 'recipes' / 'wm_100.yaml', cell, TYPES)
-    found = generate(cell, recipe, judge=PaceJudge(cell, TYPES, MemoryStore))
+    result = generate(cell, recipe, judge=PaceJudge(cell, TYPES, MemoryStore))
     written = parse_script(process, 'process.yaml', cell, TYPES)
-    ids = [task.id for one in written.sections.values() for task in one.tasks]
-    names = dict(zip(ids, [one.id for one in recipe.operations], strict=True))
-    assert found.script == _renamed(written, names)
-    return found
+    ids = [task.id for entry in written.sections.values() for task in entry.tasks]
+    names = dict(zip(ids, [entry.id for entry in recipe.operations], strict=True))
+    assert result.script == _renamed(written, names)
+    return result
 
 
 def _renamed(script: Script, names: dict[str, str]) -> Script:
@@ -40,23 +40,23 @@ def _renamed(script: Script, names: dict[str, str]) -> Script:
     def of(task: Task) -> Task:
         return replace(task, id=names[task.id])
 
-    def section(one: SectionList) -> SectionList:
-        steps = (Step(tuple(tuple(map(of, track)) for track in step.tracks)) for step in one.steps)
-        return replace(one, steps=tuple(steps))
+    def section(old: SectionList) -> SectionList:
+        steps = (Step(tuple(tuple(map(of, track)) for track in step.tracks)) for step in old.steps)
+        return replace(old, steps=tuple(steps))
 
-    sections = {number: section(one) for number, one in script.sections.items()}
+    sections = {number: section(old) for number, old in script.sections.items()}
     return replace(script, sections=sections)
 
 
 def test_the_reference_recipe_becomes_the_reference_process() -> None:
-    found = compared(CELL, PROCESS)
-    assert str(found.claim) == '6.5 s for each item, proven fastest'
-    assert {name: made.component for name, made in found.made.items()} == {
-        task.id: task.component for task in found.script.tasks.values()
+    result = compared(CELL, PROCESS)
+    assert str(result.claim) == '6.5 s for each item, proven fastest'
+    assert {name: made.component for name, made in result.made.items()} == {
+        task.id: task.component for task in result.script.tasks.values()
     }
 
 
-def test_with_other_sections_names_and_one_component_more_it_is_right_again() -> None:
+def test_longer_line_with_other_names_is_planned_correctly() -> None:
     """The line is a section longer, the drill and its action are renamed, another one deburrs."""
     cell = CELL.replace('sections: 5', 'sections: 6')
     for section in (5, 4, 3):
@@ -85,5 +85,5 @@ def test_with_a_second_drill_the_work_is_spread() -> None:
     cell = CELL.replace(
         '      deburr: {task: TASK_A}', '      deburr: {task: TASK_A}\n      drill: {task: TASK_A}'
     )
-    found = compared(cell, PROCESS)
-    assert found.made['drill'].alternatives == ('component_2a',)
+    result = compared(cell, PROCESS)
+    assert result.made['drill'].alternatives == ('component_2a',)

@@ -41,14 +41,14 @@ def why_not(*args: object, **more: object) -> str:
 
 
 def test_8_5_operations_go_down_the_belt() -> None:
-    found = made_of(LINE, STEPS)
-    assert lists(found.script) == {1: ['place'], 2: ['bore'], 3: ['fit'], 4: ['box']}
-    assert found.claim.is_fastest
-    assert str(found.claim) == '2.0 s for each item, proven fastest'
+    result = made_of(LINE, STEPS)
+    assert lists(result.script) == {1: ['place'], 2: ['bore'], 3: ['fit'], 4: ['box']}
+    assert result.claim.is_fastest
+    assert str(result.claim) == '2.0 s for each item, proven fastest'
 
 
 def test_8_5_what_needs_no_belt_leads() -> None:
-    found = made_of(
+    result = made_of(
         {
             **LINE,
             'fetcher': 'section: 2, '
@@ -56,8 +56,8 @@ def test_8_5_what_needs_no_belt_leads() -> None:
         },
         STEPS + '- {id: get, do: fetch, after: []}',
     )
-    assert lists(found.script)[2] == ['get', 'bore']
-    assert found.script.sections[2].release is Release.END_OF_CYCLE
+    assert lists(result.script)[2] == ['get', 'bore']
+    assert result.script.sections[2].release is Release.END_OF_CYCLE
 
 
 CLEANER = {
@@ -66,27 +66,27 @@ CLEANER = {
 }
 
 
-def test_8_5_what_nothing_builds_on_trails_and_the_belt_is_released_early() -> None:
-    found = made_of(CLEANER, STEPS + '- {id: tidy, do: clean, after: [bore]}')
-    assert lists(found.script)[2] == ['bore', 'tidy']
-    assert found.script.sections[2].release is Release.AFTER_LAST_CONVEYOR_TASK
+def test_8_5_trailing_task_releases_belt_early() -> None:
+    result = made_of(CLEANER, STEPS + '- {id: tidy, do: clean, after: [bore]}')
+    assert lists(result.script)[2] == ['bore', 'tidy']
+    assert result.script.sections[2].release is Release.AFTER_LAST_CONVEYOR_TASK
 
 
 @pytest.mark.parametrize('more', ['on_failure: reject', 'after: [bore]'])
-def test_8_5_the_belt_waits_for_what_may_reject_and_for_what_others_build_on(more: str) -> None:
+def test_8_5_belt_waits_for_rejecting_or_required_tasks(more: str) -> None:
     """A trail that may reject is a mistake, and the item of one that is built on has left."""
     rejects = more.startswith('on_failure')
     steps = STEPS.replace(
         'do: press', 'do: press, after: [bore]' if rejects else 'do: press, after: [tidy]'
     )
     after = f'{more}, after: [bore]' if rejects else more
-    found = made_of(CLEANER, steps + f'- {{id: tidy, do: clean, {after}}}')
-    assert lists(found.script)[2] == ['bore', 'tidy']
-    assert found.script.sections[2].release is Release.END_OF_CYCLE
+    result = made_of(CLEANER, steps + f'- {{id: tidy, do: clean, {after}}}')
+    assert lists(result.script)[2] == ['bore', 'tidy']
+    assert result.script.sections[2].release is Release.END_OF_CYCLE
 
 
-def test_8_5_a_task_that_may_reject_does_not_trail_if_possible() -> None:
-    found = made_of(
+def test_8_5_rejecting_task_does_not_trail_if_avoidable() -> None:
+    result = made_of(
         {
             **CLEANER,
             'camera': 'section: 2, capabilities: {look: {task: TASK_A, requires_conveyor: false}}',
@@ -97,8 +97,8 @@ def test_8_5_a_task_that_may_reject_does_not_trail_if_possible() -> None:
         + '- {id: sign, do: mark, after: [place]}\n'
         + '- {id: tidy, do: clean, after: [bore]}',
     )
-    assert lists(found.script)[2] == ['bore', 'see', 'sign', 'tidy']
-    assert found.script.sections[2].release is Release.AFTER_LAST_CONVEYOR_TASK
+    assert lists(result.script)[2] == ['bore', 'see', 'sign', 'tidy']
+    assert result.script.sections[2].release is Release.AFTER_LAST_CONVEYOR_TASK
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_8_5_a_task_that_may_reject_does_not_trail_if_possible() -> None:
 def test_8_5_only_different_workspaces_run_side_by_side(
     left: str, right: str, expected: list[object]
 ) -> None:
-    found = made_of(
+    result = made_of(
         {
             **ENDS,
             'drill_a': f'section: 2, {left}capabilities: {{drill: {{task: TASK_A}}}}',
@@ -121,19 +121,19 @@ def test_8_5_only_different_workspaces_run_side_by_side(
         },
         STEPS.replace('do: press', 'do: press, after: [place]'),
     )
-    assert lists(found.script)[2] == expected
+    assert lists(result.script)[2] == expected
 
 
 # --- rejected items ---------------------------------------------------------------------------
 
 
-def test_8_5_rejected_items_are_taken_out_as_soon_as_something_rejects() -> None:
+def test_8_5_rejecting_task_makes_removal_run_for_all() -> None:
     assert made_of(LINE, STEPS).script.tasks['box'].runs_for is RunsFor.GOOD
     steps = STEPS.replace('do: drill', 'do: drill, on_failure: reject')
     assert made_of(LINE, steps).script.tasks['box'].runs_for is RunsFor.ALL
 
 
-def test_8_5_an_item_that_is_rejected_too_late_is_no_plan() -> None:
+def test_8_5_item_rejected_after_removal_makes_plan_impossible() -> None:
     binned = {**LINE, 'bin': 'section: 2, capabilities: {drop: {task: TASK_B, qty_change: -1}}'}
     steps = STEPS.replace('do: press', 'do: press, on_failure: reject')
     text = steps.replace('- {id: fit', '- {id: out, do: drop, runs_for: rejected}\n- {id: fit')
@@ -157,15 +157,15 @@ AGAIN = """
 """
 
 
-def test_8_5_operations_that_repeat_are_one_step_of_one_section() -> None:
-    found = made_of(JUDGED, AGAIN)
-    assert found.script.repeats == (Repeat(('fit', 'see'), 2),)
-    (step,) = found.script.sections[3].steps
+def test_8_5_repeated_operations_form_one_step() -> None:
+    result = made_of(JUDGED, AGAIN)
+    assert result.script.repeats == (Repeat(('fit', 'see'), 2),)
+    (step,) = result.script.sections[3].steps
     assert [[task.id for task in track] for track in step.tracks] == [['fit', 'see']]
-    assert found.made['see'].why is Why.ONLY
+    assert result.made['see'].why is Why.ONLY
 
 
-def test_8_5_operations_that_repeat_are_done_in_one_section_or_not_at_all() -> None:
+def test_8_5_repeated_operations_need_one_common_section() -> None:
     far = {**JUDGED, 'probe': JUDGED['probe'].replace('[2, 3]', '2')}
     assert why_not(far, AGAIN) == 'no section has components for all of `fit`, `see`, which repeat'
 
@@ -187,7 +187,7 @@ def test_8_5_what_a_device_keeps_is_not_repeated() -> None:
 
 
 def test_8_5_a_workspace_of_two_sections_is_a_zone() -> None:
-    found = made_of(
+    result = made_of(
         {
             **ENDS,
             'drill_a': 'section: 2, workspaces: [table], capabilities: {drill: {task: TASK_A}}',
@@ -195,10 +195,10 @@ def test_8_5_a_workspace_of_two_sections_is_a_zone() -> None:
         },
         STEPS,
     )
-    assert found.script.zones == (Zone('table', ('bore', 'fit')),)
-    assert found.claim.pace.not_counted == ('waits for zone table',)
-    assert found.claim.judged_s is not None
-    assert found.claim.judged_s >= found.claim.pace.per_item_s
+    assert result.script.zones == (Zone('table', ('bore', 'fit')),)
+    assert result.claim.pace.not_counted == ('waits for zone table',)
+    assert result.claim.judged_s is not None
+    assert result.claim.judged_s >= result.claim.pace.per_item_s
 
 
 MEASURED = {
@@ -214,10 +214,10 @@ MEASURE = """
 """
 
 
-def test_8_5_what_a_device_keeps_is_a_flag_named_after_it() -> None:
-    found = made_of(MEASURED, MEASURE).script
-    assert found.dependencies == (Dependency('gauge', 'gauge_it', 'fit', 1),)
-    assert found.tasks['fit'].args == {}
+def test_8_5_flag_is_named_after_data_holding_device() -> None:
+    script = made_of(MEASURED, MEASURE).script
+    assert script.dependencies == (Dependency('gauge', 'gauge_it', 'fit', 1),)
+    assert script.tasks['fit'].args == {}
 
 
 def test_8_5_the_search_binds_near_enough() -> None:
@@ -227,12 +227,12 @@ def test_8_5_the_search_binds_near_enough() -> None:
         'press_b': 'section: 4, durations: {TASK_A: 0.1}, '
         'capabilities: {press: {task: TASK_A, needs: {depth: none}}}',
     }
-    found = made_of(two, MEASURE)
-    assert found.made['fit'].component == 'press_a'
-    assert found.made['fit'].why is Why.ONLY
+    result = made_of(two, MEASURE)
+    assert result.made['fit'].component == 'press_a'
+    assert result.made['fit'].why is Why.ONLY
 
 
-def test_8_5_two_devices_that_keep_data_have_a_flag_each() -> None:
+def test_8_5_each_data_holding_device_has_own_flag() -> None:
     """Two devices that keep data, one behind the other."""
     cell = {
         **ENDS,
@@ -249,8 +249,8 @@ def test_8_5_two_devices_that_keep_data_have_a_flag_each() -> None:
     - {id: seen, do: read, needs: {mark: noted}}
     - {id: box, do: pack}
     """
-    found = made_of(cell, steps)
-    assert {one.flag for one in found.script.dependencies} == {'gauge', 'sink'}
+    result = made_of(cell, steps)
+    assert {dependency.flag for dependency in result.script.dependencies} == {'gauge', 'sink'}
 
 
 ARM = {
@@ -275,18 +275,18 @@ def test_8_5_the_engine_decides_where_sections_share_something(
     split_s: float | None, expected: int
 ) -> None:
     """On paper it is quicker to share the arm: 2 s an item, and 3 s if it stays where it is."""
-    found = made_of(ARM, STEPS, judge=Says(split_s))
-    work = [one for number, one in lists(found.script).items() if number in {2, 3}]
+    result = made_of(ARM, STEPS, judge=Says(split_s))
+    work = [tasks for number, tasks in lists(result.script).items() if number in {2, 3}]
     assert max(map(len, work)) == expected
-    assert found.claim.per_item_s == (split_s if expected == 1 else 3.0)
-    assert not found.claim.is_fastest  # the one that is quicker on paper is not
+    assert result.claim.per_item_s == (split_s if expected == 1 else 3.0)
+    assert not result.claim.is_fastest  # the one that is quicker on paper is not
 
 
 # --- values -----------------------------------------------------------------------------------
 
 
 def test_8_5_results_are_named_as_the_component_calls_them() -> None:
-    found = made_of(
+    script = made_of(
         {
             **ENDS,
             'scale': 'section: 2, capabilities: '
@@ -302,13 +302,13 @@ def test_8_5_results_are_named_as_the_component_calls_them() -> None:
         - {id: box, do: pack}
         """,
     ).script
-    args = {name: str(value) for name, value in found.tasks['fit'].args.items()}
+    args = {name: str(value) for name, value in script.tasks['fit'].args.items()}
     assert args == {
         'special_argument_1': 'hard',
         'special_argument_2': '${results.w.measurement}',
     }
-    assert str(found.tasks['fit'].condition) == 'when ${results.w.item_present}'
-    verdict = found.tasks['w'].fails_unless
+    assert str(script.tasks['fit'].condition) == 'when ${results.w.item_present}'
+    verdict = script.tasks['w'].fails_unless
     assert verdict is not None
     assert verdict.words == '${results.w.measurement} at least 2.0'
 
@@ -320,16 +320,14 @@ def test_8_5_results_are_named_as_the_component_calls_them() -> None:
         ('{task: READ, identifies: serial}', 'do: read'),
     ],
 )
-def test_8_5_the_serial_is_a_field_of_the_component_that_reads_it(
-    capability: str, operation: str
-) -> None:
+def test_8_5_serial_is_field_of_reading_component(capability: str, operation: str) -> None:
     """A recipe calls it by what the capability gives; a capability by the field."""
     eye = 'type: bt_orchestrator_interfaces/action/Reader'
-    found = made_of(
+    result = made_of(
         {**LINE, 'eye': f'section: 2, {eye}, capabilities: {{read: {capability}}}'},
         STEPS + f'- {{id: look, {operation}, after: place}}',
     )
-    assert found.script.tasks['look'].identifies == ('serial',)
+    assert result.script.tasks['look'].identifies == ('serial',)
 
 
 def test_8_5_lots_are_those_of_the_recipe() -> None:
@@ -339,8 +337,8 @@ def test_8_5_lots_are_those_of_the_recipe() -> None:
     assert script.lots == {'box': Template((Reference('order', 'id'),))}
 
 
-def test_8_5_preparations_of_what_is_used_come_with_what_comes_before_them() -> None:
-    found = made_of(
+def test_8_5_used_preparations_bring_their_predecessors() -> None:
+    script = made_of(
         {
             **LINE,
             'drill_a': f'{DRILL["drill_a"]}, prepare: {{id: ready, task: PREPARE, after: gantry}}',
@@ -349,8 +347,8 @@ def test_8_5_preparations_of_what_is_used_come_with_what_comes_before_them() -> 
         },
         STEPS,
     ).script
-    assert [task.id for task in found.initialization] == ['home', 'ready', 'park']
-    order = [(one.upstream, one.downstream) for one in found.initialization_dependencies]
+    assert [task.id for task in script.initialization] == ['home', 'ready', 'park']
+    order = [(edge.upstream, edge.downstream) for edge in script.initialization_dependencies]
     assert order == [('park', 'ready'), ('home', 'park')]
 
 
@@ -369,11 +367,11 @@ def test_8_5_overrides_bind_set_and_order() -> None:
     assert free.made['bore'].why is Why.PACE
     assert free.made['bore'].alternatives == ('drill_b',)
     text = 'bind: {bore: drill_b}\nset: {bore: {timeout: 7.0}}\norder: [[fit, bore]]'
-    found = made_of(TWICE, steps, overrides=text)
-    assert found.made['bore'].component == 'drill_b'
-    assert found.made['bore'].why is Why.OVERRIDE
-    assert found.script.tasks['bore'].timeout_s == 7.0
-    assert lists(found.script)[3] == ['fit', 'bore']
+    result = made_of(TWICE, steps, overrides=text)
+    assert result.made['bore'].component == 'drill_b'
+    assert result.made['bore'].why is Why.OVERRIDE
+    assert result.script.tasks['bore'].timeout_s == 7.0
+    assert lists(result.script)[3] == ['fit', 'bore']
 
 
 def test_8_5_orders_that_contradict_the_recipe_are_told() -> None:
@@ -387,17 +385,17 @@ def test_8_5_orders_that_contradict_the_recipe_are_told() -> None:
     )
 
 
-def test_8_5_out_of_service_others_do_it_or_the_only_one_is_named() -> None:
-    found = made_of(TWICE, STEPS, without='drill_a')
-    assert found.made['bore'].component == 'drill_b'
-    said = why_not(TWICE, STEPS, without='drill_a drill_b')
-    assert said == '`bore`: only drill_a or drill_b could, and they are out of service'
+def test_8_5_alternative_replaces_component_out_of_service() -> None:
+    result = made_of(TWICE, STEPS, without='drill_a')
+    assert result.made['bore'].component == 'drill_b'
+    reason = why_not(TWICE, STEPS, without='drill_a drill_b')
+    assert reason == '`bore`: only drill_a or drill_b could, and they are out of service'
     assert why_not(LINE, STEPS, without='press_a') == (
         '`fit`: only press_a could, and it is out of service'
     )
 
 
-def test_8_5_a_script_is_kept_as_far_as_it_can_be() -> None:
+def test_8_5_script_is_kept_as_far_as_possible() -> None:
     """Without it the drill that spreads the load is taken again."""
     old = made_of(TWICE, STEPS, overrides='bind: {bore: drill_b}').script
     anew, kept = made_of(TWICE, STEPS), made_of(TWICE, STEPS, keep=old)

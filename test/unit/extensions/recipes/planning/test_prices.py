@@ -38,8 +38,8 @@ def told(components: dict[str, str]) -> dict[str, dict[str, str]]:
     recipe = recipe_of(cell, STEPS)
     judge = PaceJudge(cell, TYPES, MemoryStore)
     made = generate(cell, recipe, judge=judge)
-    found = prices(Problem(cell, recipe), made, judge)
-    return {name: {one.component: one.words for one in ways} for name, ways in found.items()}
+    costs = prices(Problem(cell, recipe), made, judge)
+    return {name: {price.component: price.words for price in ways} for name, ways in costs.items()}
 
 
 def picker(section: int, seconds: float) -> dict[str, str]:
@@ -66,7 +66,7 @@ def test_8_5_a_price_says_what_another_component_costs(
     assert told(picker(section, seconds))['pick'] == {'picker_b': words}
 
 
-def test_8_5_at_the_same_pace_the_price_is_the_spread() -> None:
+def test_8_5_price_at_equal_pace_is_the_spread() -> None:
     """The press limits the line; the pickers stand elsewhere."""
     line = {**picker(1, 1.3), 'press_a': LINE['press_a'].replace('section: 2', 'section: 3')}
     line['press_a'] = line['press_a'].replace('2.0', '9.0')
@@ -87,7 +87,7 @@ def test_8_5_a_price_that_is_not_proven_says_so(price: Price, words: str) -> Non
     assert price.words == words
 
 
-def test_8_5_a_pace_that_the_model_does_not_reach_is_not_proven(
+def test_8_5_pace_differing_from_model_is_not_proven(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The script is computed anew by rule 8.4, whatever the model says."""
@@ -103,7 +103,7 @@ def test_8_5_a_pace_that_the_model_does_not_reach_is_not_proven(
     assert str(claim) == '4.0 s for each item, not proven to be the fastest'
 
 
-def test_8_5_a_reason_that_is_not_proven_is_not_told() -> None:
+def test_8_5_unproven_reason_is_not_given() -> None:
     """With groups the model is only a bound, so nothing is called as good."""
     twin = {
         name: f'section: 2, workspaces: [{name}], capabilities: {{grip: {{task: TASK_A}}}}'

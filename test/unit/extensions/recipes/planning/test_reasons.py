@@ -122,12 +122,12 @@ def test_8_5_demands_that_contradict_each_other_are_all_named() -> None:
 
 
 def is_met(demands: Sequence[Demand], sections: tuple[int, ...]) -> bool:
-    for one in demands:
-        here = sections[one.first]
-        if one.second < 0:
-            if here not in one.sections:
+    for demand in demands:
+        here = sections[demand.first]
+        if demand.second < 0:
+            if here not in demand.sections:
                 return False
-        elif not here <= sections[one.second] <= dict(one.room).get(here, 4):
+        elif not here <= sections[demand.second] <= dict(demand.room).get(here, 4):
             return False
     return True
 
@@ -137,10 +137,10 @@ def drawn_demand(random: Random) -> Demand:
     if random.random() < 0.5:
         return Demand('', first, sections=tuple(random.sample(range(1, 5), random.randint(1, 3))))
     room = random.randint(0, 2)
-    return Demand('', first, second, room=tuple((one, one + room) for one in range(1, 5)))
+    return Demand('', first, second, room=tuple((place, place + room) for place in range(1, 5)))
 
 
-def test_8_5_no_demand_of_a_contradiction_can_be_left_out() -> None:
+def test_8_5_contradiction_contains_only_needed_demands() -> None:
     """Tried against every way to put four pieces into four sections."""
     ways, tried = list(product(range(1, 5), repeat=4)), 0
     for seed in range(300):
@@ -150,9 +150,9 @@ def test_8_5_no_demand_of_a_contradiction_can_be_left_out() -> None:
             continue
         needed = irreducible(demands, pieces=4, sections=4)
         assert not any(is_met(needed, way) for way in ways)
-        for one in needed:
-            others = [other for other in needed if other is not one]
-            assert any(is_met(others, way) for way in ways), (seed, one)
+        for demand in needed:
+            others = [other for other in needed if other is not demand]
+            assert any(is_met(others, way) for way in ways), (seed, demand)
         tried += 1
     assert tried > 50
 
@@ -170,7 +170,7 @@ def test_8_5_what_is_out_of_service_is_named(without: str, reason: str) -> None:
     assert why.value.reasons == (reason,)
 
 
-def test_8_5_a_component_that_cannot_do_what_is_bound_to_it_is_named() -> None:
+def test_8_5_bound_component_without_capability_is_named() -> None:
     cell = cell_of(LINE)
     with pytest.raises(Impossible) as why:
         generate(

@@ -31,10 +31,10 @@ def three_rows(seed: int) -> tuple[Model, list[int], int]:
     chosen = [[model.variable() for _ in range(3)] for _ in works]
     longest = model.variable(sum(works))
     for row in range(3):
-        work = {one[row]: work for one, work in zip(chosen, works, strict=True)}
+        work = {choice[row]: work for choice, work in zip(chosen, works, strict=True)}
         model.at_most({**work, longest: -1}, 0)
-    for one in chosen:
-        model.one_of(one)
+    for choice in chosen:
+        model.one_of(choice)
     return model, works, longest
 
 
@@ -48,13 +48,13 @@ def least_of(works: list[int]) -> int:
 
 def test_8_5_rows_that_contradict_each_other_have_no_answer() -> None:
     model = Model()
-    one, other = model.variable(), model.variable()
-    model.at_least({one: 1, other: 1}, 2)
-    model.at_most({one: 1, other: 1}, 1)
-    assert model.minimise({one: 1}, nodes=10) is None
+    first, other = model.variable(), model.variable()
+    model.at_least({first: 1, other: 1}, 2)
+    model.at_most({first: 1, other: 1}, 1)
+    assert model.minimise({first: 1}, nodes=10) is None
 
 
-def test_8_5_a_limit_without_a_solution_is_not_called_impossible() -> None:
+def test_8_5_exhausted_search_is_not_called_impossible() -> None:
     model, cost = knapsack(1)
     with pytest.raises(NotFound) as why:
         model.minimise(cost, nodes=0)
@@ -62,7 +62,7 @@ def test_8_5_a_limit_without_a_solution_is_not_called_impossible() -> None:
     assert why.value.reasons == ('not found within 0 nodes; not proven impossible',)
 
 
-def test_8_5_an_answer_that_is_not_proven_has_a_lower_bound() -> None:
+def test_8_5_unproven_answer_has_lower_bound() -> None:
     """Numbers are parted into two heaps that differ as little as can be."""
     random, model = Random(3), Model()
     twice = {model.variable(): 2 * random.randint(10**3, 10**4) for _ in range(30)}
@@ -105,7 +105,7 @@ def test_8_5_a_question_in_steps_has_the_same_answer(seed: int) -> None:
     assert model.size == size
 
 
-def test_8_5_what_a_question_leaves_open_is_asked_in_steps(
+def test_8_5_open_question_is_asked_in_steps(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[tuple[int, bool]] = []
@@ -130,12 +130,12 @@ def test_8_5_what_a_question_leaves_open_is_asked_in_steps(
 
 def test_8_5_rows_can_be_forgotten() -> None:
     model = Model()
-    one = model.variable(7)
+    variable = model.variable(7)
     size = model.size
-    model.at_least({one: 1}, 5)
-    assert [answer.cost for answer in [model.minimise({one: 1}, 10)] if answer] == [5]
+    model.at_least({variable: 1}, 5)
+    assert [answer.cost for answer in [model.minimise({variable: 1}, 10)] if answer] == [5]
     model.forget(size)
-    assert [answer.cost for answer in [model.minimise({one: 1}, 10)] if answer] == [0]
+    assert [answer.cost for answer in [model.minimise({variable: 1}, 10)] if answer] == [0]
 
 
 def test_8_5_without_highs_planning_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -43,11 +43,11 @@ def test_the_head_of_a_recipe_is_read() -> None:
 
 def test_an_operation_comes_after_the_one_above() -> None:
     read = with_operations('- {id: fix, do: tape}\n- {id: first, do: tape, after: []}')
-    after = {one.id: one.after for one in read.operations}
+    after = {operation.id: operation.after for operation in read.operations}
     assert after == {'place': (), 'fix': ('place',), 'first': (), 'pack': ('first',)}
 
 
-def test_an_operation_is_read_with_all_that_it_says() -> None:
+def test_operation_is_read_with_all_options() -> None:
     read = with_operations(
         '- {id: locate, do: locate}\n'
         '- {id: press, do: [press, tape], after: [place, locate], needs: {size: locate},\n'
@@ -71,7 +71,7 @@ def test_an_operation_is_read_with_all_that_it_says() -> None:
     }
 
 
-def test_the_serial_and_the_lots_of_an_item_are_read() -> None:
+def test_serial_and_lots_of_item_are_read() -> None:
     text = RECIPE.format('  - {id: look, do: locate, identifies: text}')
     read = recipe(text.replace('operations:', 'lots: {glue: "${params.s}"}\noperations:'))
     assert read.by_id['look'].options == {'identifies': ('text',)}
@@ -96,6 +96,6 @@ def test_a_recipe_has_a_largest_number_of_operations() -> None:
         return '\n'.join(f'- {{id: s{n}, do: tape}}' for n in range(number))
 
     assert len(with_operations(steps(OPERATIONS - 2)).operations) == OPERATIONS
-    found = mistakes(lambda: with_operations(steps(OPERATIONS + 1)))
+    errors = mistakes(lambda: with_operations(steps(OPERATIONS + 1)))
     what = f'the recipe has more than {OPERATIONS} operations; make two recipes of it'
-    assert found == [f'{OPERATIONS + 6}:5: {what}']
+    assert errors == [f'{OPERATIONS + 6}:5: {what}']

@@ -109,8 +109,8 @@ def test_what_somebody_wrote_is_text() -> None:
 
 def test_bars_of_a_waterfall_hang_on_each_other(page: str) -> None:
     whole, no_order, busy = (
-        tuple(float(found) for found in one)
-        for one in re.findall(r'<rect x="([\d.]+)" y="0" width="([\d.]+)"', page)[:3]
+        tuple(float(number) for number in groups)
+        for groups in re.findall(r'<rect x="([\d.]+)" y="0" width="([\d.]+)"', page)[:3]
     )
     assert whole == (0.0, 1000.0)
     assert no_order == (977.78, 22.22)
@@ -126,8 +126,8 @@ def test_bars_of_a_waterfall_hang_on_each_other(page: str) -> None:
         (0.8, 1.7, ('800', '200')),
     ],
 )
-def test_what_is_narrow_is_seen_and_what_is_wide_ends(
+def test_narrow_bar_is_visible_and_wide_bar_ends(
     begin: float, end: float, drawn: tuple[str, str] | None
 ) -> None:
-    found = re.search(r'x="([\d.]+)" y="0" width="([\d.]+)"', bar(begin, end))
-    assert (found and found.groups()) == drawn
+    match = re.search(r'x="([\d.]+)" y="0" width="([\d.]+)"', bar(begin, end))
+    assert (match and match.groups()) == drawn

@@ -36,7 +36,7 @@ PACE_US = Fraction(30_000_000)
 def made(text: str = HOURS, days: tuple[int, ...] = (18,)) -> Beside:
     shifts = parse_shifts(text, 'shifts.yaml')
     turns = turns_on(shifts, [date(2026, 5, day) for day in days], zone_of(shifts))
-    periods = [(f'{one.shift} {one.day:%d}', one.period) for one in turns]
+    periods = [(f'{turn.shift} {turn.day:%d}', turn.period) for turn in turns]
     return beside(Reading(the_day().records()), periods, LINE.cell)
 
 
@@ -44,11 +44,11 @@ def rows(report: Beside) -> dict[str, Row]:
     return {row.name: row for row in report.groups(None)[0].rows}
 
 
-def test_a_second_opinion_comes_to_the_same_figures_in_every_column() -> None:
-    report, records = made(), [to_record(one) for one in the_day().events]
+def test_every_column_matches_the_naive_account() -> None:
+    report, records = made(), [to_record(entry) for entry in the_day().events]
     shown = rows(report)
     for at, column in enumerate(report.columns):
-        known = [one for one in records if one['time'] * 1_000_000 <= column.period.end_us]
+        known = [entry for entry in records if entry['time'] * 1_000_000 <= column.period.end_us]
         naive = naive_account(known, column.period.planned.pieces, lambda _: PACE_US)
         values = {name: row.values[at] for name, row in shown.items()}
         assert values['oee'] == naive.oee
@@ -58,7 +58,7 @@ def test_a_second_opinion_comes_to_the_same_figures_in_every_column() -> None:
             assert values[loss] == naive.times[loss]
 
 
-def test_what_is_told_of_all_together_is_the_sum_of_the_columns() -> None:
+def test_total_is_sum_of_columns() -> None:
     shown = rows(made())
     for name in ('produced', 'good', 'planned', 'own_fault', 'operator', 'setup', 'rejects'):
         assert shown[name].together == sum(value or 0 for value in shown[name].values)
@@ -71,33 +71,33 @@ def test_products_and_jobs_add_up_to_the_line(by: By) -> None:
     report = made()
     groups, line = report.groups(by), rows(report)
     for at, row in enumerate(groups[0].rows[:2]):
-        told = [sum(value or 0 for value in column) for column in zip(
+        sums = [sum(value or 0 for value in column) for column in zip(
             *(group.rows[at].values for group in groups), strict=True
         )]  # fmt: skip
-        assert told == [value or 0 for value in line[row.name].values]
+        assert sums == [value or 0 for value in line[row.name].values]
     assert {'name': 'at_pace', 'together': 15540.0}.items() <= beside_plain(report, by)['groups'][
         0
     ]['rows'][-1].items()
 
 
 def test_components_have_their_stops_failures_and_failed_attempts() -> None:
-    groups = {one.name: one.rows for one in made().groups(By.COMPONENT)}
-    told = {row.name: row for row in groups['a2']}
+    groups = {element.name: element.rows for element in made().groups(By.COMPONENT)}
+    a2_rows = {row.name: row for row in groups['a2']}
     assert list(groups) == ['a2', 'a1', 'a3', 'lamp']  # as they cost, then those that worked
-    assert told['operated'].together == 22_198 * 1_000_000
-    assert told['lost'].together == 1200 * 1_000_000
-    assert [float(one or 0) for one in told['lost'].values] == [0, 1.2e9, 0, 0, 0, 0]
+    assert a2_rows['operated'].together == 22_198 * 1_000_000
+    assert a2_rows['lost'].together == 1200 * 1_000_000
+    assert [float(element or 0) for element in a2_rows['lost'].values] == [0, 1.2e9, 0, 0, 0, 0]
     # the hold is raised at the end of the first hour, which has it, and stands in the next one
-    assert [int(one or 0) for one in told['failures'].values] == [1, 1, 0, 0, 0, 0]
-    assert told['failures'].together == 1
-    assert told['mttr'].values[1] == 1200 * 1_000_000
-    assert told['mtbf'].values[3] is None
+    assert [int(element or 0) for element in a2_rows['failures'].values] == [1, 1, 0, 0, 0, 0]
+    assert a2_rows['failures'].together == 1
+    assert a2_rows['mttr'].values[1] == 1200 * 1_000_000
+    assert a2_rows['mtbf'].values[3] is None
     assert {row.name: row for row in groups['a1']}['lost'].together == 601 * 1_000_000
 
 
-def test_the_trend_is_the_median_change_and_one_bad_day_does_not_turn_it() -> None:
+def test_trend_is_median_change_despite_outlier() -> None:
     def trend(*values: int | None) -> Fraction | None:
-        known = tuple(None if one is None else Fraction(one) for one in values)
+        known = tuple(None if value is None else Fraction(value) for value in values)
         return Row('x', 'x', Unit.COUNT, known, None).trend
 
     assert trend(1, 3, 5, 7) == 2
@@ -106,11 +106,11 @@ def test_the_trend_is_the_median_change_and_one_bad_day_does_not_turn_it() -> No
     assert trend(1, None, 7) is None
 
 
-def test_the_best_and_the_worst_are_those_of_the_oee() -> None:
+def test_extremes_are_best_and_worst_oee() -> None:
     report = made()
     values = rows(report)['oee'].values
     best, worst = report.extremes() or pytest.fail('there are none')
-    known = [one for one in values if one is not None]
+    known = [value for value in values if value is not None]
     assert values[report.columns.index(best)] == max(known)
     assert values[report.columns.index(worst)] == min(known) == 0
 
@@ -119,15 +119,15 @@ def test_targets_are_those_of_the_file() -> None:
     report = made()
     shown = rows(report)
     assert (shown['oee'].target, shown['good'].target) == (Fraction(3, 5), None)
-    assert shown['oee'].reached == sum((one or 0) >= Fraction(3, 5) for one in shown['oee'].values)
-    said = f'OEE reached its target of 60.0 % in {shown["oee"].reached} of 6'
-    assert said in list(beside_text(report, None))
+    assert shown['oee'].reached == sum((oee or 0) >= Fraction(3, 5) for oee in shown['oee'].values)
+    sentence = f'OEE reached its target of 60.0 % in {shown["oee"].reached} of 6'
+    assert sentence in list(beside_text(report, None))
 
 
-def test_the_largest_losses_name_their_holds_and_what_was_done() -> None:
+def test_largest_losses_name_their_holds_and_reasons() -> None:
     largest = made().largest()
-    assert next(one.bar.title for one in largest) == 'slow cycles'
-    own = next(one for one in largest if one.bar.title == 'own fault')
+    assert next(loss.bar.title for loss in largest) == 'slow cycles'
+    own = next(loss for loss in largest if loss.bar.title == 'own fault')
     assert [(held.who, held.reason) for held in own.holds] == [
         ('ann', 'cleared the jam'),
         ('ann', 'looked at it'),
@@ -135,11 +135,11 @@ def test_the_largest_losses_name_their_holds_and_what_was_done() -> None:
     assert not own.is_open
 
 
-def test_a_column_before_the_journal_is_empty_and_none_at_all_is_refused() -> None:
+def test_columns_before_journal_are_empty_or_refused() -> None:
     report = made(days=(16, 17, 18))
-    assert [one.account is None for one in report.columns] == [True] * 12 + [False] * 6
+    assert [column.account is None for column in report.columns] == [True] * 12 + [False] * 6
     assert rows(report)['oee'].together == rows(made())['oee'].together
     plain = json.loads(json.dumps(beside_plain(report, None)))
-    assert [one['is_known'] for one in plain['columns']] == [False] * 12 + [True] * 6
+    assert [column['is_known'] for column in plain['columns']] == [False] * 12 + [True] * 6
     with pytest.raises(NothingToReport, match='it has events from'):
         made(days=(16, 17))

@@ -50,10 +50,10 @@ def change(path: Path, statement: str) -> None:
 
 
 def told(path: Path, period: Period | None = None) -> tuple[Account, list[str]]:
-    said: list[str] = []
+    messages: list[str] = []
     with closing(SqliteRecords(path)) as records:
-        reading = Reading(records, said.append)
-        return account(reading, period or whole(reading, 'J'), None), said
+        reading = Reading(records, messages.append)
+        return account(reading, period or whole(reading, 'J'), None), messages
 
 
 def times(path: Path) -> Times:
@@ -69,27 +69,27 @@ def damage_the_slot_of_ten(path: Path) -> None:
     change(path, f"UPDATE book_slots SET slot = '{{}}' WHERE begin_us = {begin}")
 
 
-def test_a_damaged_slot_is_told_and_made_good_by_its_events(path: Path) -> None:
+def test_damaged_slot_is_reported_and_rebuilt_from_events(path: Path) -> None:
     write(path, EVENTS)
     whole_times = times(path)
     damage_the_slot_of_ten(path)
-    found, said = told(path)
-    assert found.figures.times == whole_times
-    assert found.source.unreadable == 1
-    assert [one for one in said if 'the account from 2026-05-18 10:00 UTC on is damaged' in one]
+    actual, logs = told(path)
+    assert actual.figures.times == whole_times
+    assert actual.source.unreadable == 1
+    assert [line for line in logs if 'the account from 2026-05-18 10:00 UTC on is damaged' in line]
 
 
-def test_of_a_damaged_slot_whose_events_are_gone_nothing_is_known(path: Path) -> None:
+def test_damaged_slot_without_events_is_not_recorded(path: Path) -> None:
     write(path, EVENTS, before=LAST)
     expected = times(path).planned
     damage_the_slot_of_ten(path)
-    found, _ = told(path)
-    assert found.figures.times.planned == expected
+    actual, _ = told(path)
+    assert actual.figures.times.planned == expected
     quarter = 15 * 60 * US
-    assert found.figures.times.lost_us[Loss.NOT_RECORDED] == quarter
+    assert actual.figures.times.lost_us[Loss.NOT_RECORDED] == quarter
 
 
-def test_books_of_another_version_are_told_and_made_anew(
+def test_books_of_other_version_are_reported_and_rebuilt(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, other = tmp_path / 'journal', tmp_path / 'other'
@@ -97,29 +97,29 @@ def test_books_of_another_version_are_told_and_made_anew(
     with monkeypatch.context() as newer:
         newer.setattr(booked, 'BOOKS_VERSION', booked.BOOKS_VERSION + 1)
         write(path, EVENTS)
-    found, said = told(path)
-    assert (found.figures.times, found.books.span) == (times(other), ())
-    assert len(said) == 1
-    assert 'those of another version' in said[0]
+    actual, messages = told(path)
+    assert (actual.figures.times, actual.books.span) == (times(other), ())
+    assert len(messages) == 1
+    assert 'those of another version' in messages[0]
     with closing(SqliteStore(path)) as store:
-        book_all(store, path, 100, said.append)
-    found, said = told(path)
-    assert (found.figures.times, said) == (times(other), [])
-    assert found.books.span
+        book_all(store, path, 100, messages.append)
+    actual, messages = told(path)
+    assert (actual.figures.times, messages) == (times(other), [])
+    assert actual.books.span
 
 
-def test_books_without_causes_are_read_and_the_report_says_what_they_lack(
+def test_report_names_what_books_without_causes_lack(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as older:
         older.setattr(booked, 'BOOKS_VERSION', booked.WITHOUT_CAUSES)
         write(path, EVENTS, before=LAST)
-    found, said = told(path)
-    shown = found.figures
-    assert (said, shown.produced, shown.good) == ([], 539, 521)
+    actual, messages = told(path)
+    shown = actual.figures
+    assert (messages, shown.produced, shown.good) == ([], 539, 521)
     assert (shown.first_pass, shown.first_pass_yield) == (None, None)
     assert shown.mtbf_us(shown.times.repairs[0]) is None
-    assert any('books of an older program: first-pass yield' in note for note in found.notes())
+    assert any('books of an older program: first-pass yield' in note for note in actual.notes())
 
 
 @pytest.mark.parametrize(
@@ -131,17 +131,17 @@ def test_books_without_causes_are_read_and_the_report_says_what_they_lack(
         ('10:01', '10:03', ('10:00', '10:15')),
     ],
 )
-def test_where_the_events_are_gone_edges_are_rounded_to_slots(
+def test_edges_round_to_slots_where_events_are_gone(
     path: Path, begin: str, end: str, rounded: tuple[str, str]
 ) -> None:
     write(path, EVENTS, before=LAST)
-    found, _ = told(path, span(begin, end))
+    actual, _ = told(path, span(begin, end))
     exact, _ = told(path, span(*rounded))
-    assert found.figures.times == exact.figures.times
-    assert found.period.planned == exact.period.planned
+    assert actual.figures.times == exact.figures.times
+    assert actual.period.planned == exact.period.planned
     is_rounded = (begin, end) != rounded
-    assert any('rounded to whole slots' in note for note in found.notes()) == is_rounded
-    assert sum(bar.us for bar in found.figures.waterfall() if bar.loss is None) > 0
+    assert any('rounded to whole slots' in note for note in actual.notes()) == is_rounded
+    assert sum(bar.us for bar in actual.figures.waterfall() if bar.loss is None) > 0
 
 
 def test_where_events_are_kept_edges_are_exact(tmp_path: Path) -> None:
@@ -157,16 +157,16 @@ def test_where_events_are_kept_edges_are_exact(tmp_path: Path) -> None:
             [(us_of(at('06:02')), us_of(at('09:10'))), (us_of(at('09:20')), us_of(at('13:31')))]
         ),
     )
-    found, expected = told(with_books, period)[0], told(without, period)[0]
-    assert found.books.span
+    actual, expected = told(with_books, period)[0], told(without, period)[0]
+    assert actual.books.span
     assert not expected.books.span
-    first = found.notes()[0]
+    first = actual.notes()[0]
     assert first.startswith('made from books of 2026-05-18')
     assert ' and events 2 to ' in first
-    assert found.figures.times == expected.figures.times
+    assert actual.figures.times == expected.figures.times
 
 
-def test_books_follow_a_journal_that_goes_on_from_an_earlier_event(tmp_path: Path) -> None:
+def test_books_follow_journal_continued_from_earlier_event(tmp_path: Path) -> None:
     """What was booked of the lost events is gone with them."""
     path, other = tmp_path / 'journal', tmp_path / 'other'
     cut = LAST // 2
@@ -183,7 +183,7 @@ def test_books_follow_a_journal_that_goes_on_from_an_earlier_event(tmp_path: Pat
     assert times(path) == times(other)
 
 
-def test_a_clock_that_jumps_by_years_makes_one_slot_of_them(path: Path) -> None:
+def test_clock_jump_of_years_makes_one_slot(path: Path) -> None:
     node = e.OrchestratorStarted(cell='c', digest='d')
     write(path, [node.stamped(1, 10.0), node.stamped(2, at('06:00'))])
     with closing(sqlite3.connect(path)) as database:
@@ -193,7 +193,7 @@ def test_a_clock_that_jumps_by_years_makes_one_slot_of_them(path: Path) -> None:
     assert year.figures.times.lost_us == {Loss.NO_ORDER: (2 * 60 + 2) * 60 * US}
 
 
-def test_damaged_tables_of_books_do_not_keep_a_node_from_its_work(path: Path) -> None:
+def test_damaged_book_tables_do_not_stop_node(path: Path) -> None:
     write(path, EVENTS)
     change(path, 'DROP TABLE book_states')
     with closing(SqliteStore(path)) as store:

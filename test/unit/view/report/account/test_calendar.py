@@ -44,7 +44,7 @@ def us(text: str) -> int:
     )
 
 
-def test_a_night_ends_on_the_next_day_and_its_break_lies_there() -> None:
+def test_night_shift_ends_after_break_on_next_day() -> None:
     period = shift_on(NIGHT, date(2026, 5, 18), ZONE, FAR)
     assert (period.begin_us, period.end_us) == (us('2026-05-18T22:00'), us('2026-05-19T06:00'))
     assert period.planned.pieces == (
@@ -53,7 +53,7 @@ def test_a_night_ends_on_the_next_day_and_its_break_lies_there() -> None:
     )
 
 
-def test_the_night_in_which_the_clocks_are_set_back_is_an_hour_longer() -> None:
+def test_night_shift_length_follows_clock_change() -> None:
     nights = [shift_on(NIGHT, date(2026, 10, day), ZONE, FAR) for day in (23, 24, 25)]
     assert [night.planned.total_us / US / 3600 for night in nights] == [7.5, 8.5, 7.5]
     spring = shift_on(NIGHT, date(2026, 3, 28), ZONE, FAR)
@@ -74,15 +74,15 @@ WITH_MEAL = parse_shifts(
         (date(2026, 3, 28), 900, 'took 0:15:00 instead of 1:15:00: the clocks went forward in it'),
     ],
 )
-def test_a_break_in_which_the_clocks_change_is_told(day: date, took: int, words: str) -> None:
+def test_break_with_clock_change_is_reported(day: date, took: int, words: str) -> None:
     night = WITH_MEAL.shifts['night']
     period = shift_on(night, day, ZONE, FAR)
     made = night_of(period)
     assert [note for note in made.notes() if note.endswith(words)]
     (plain,) = account_plain(made)['changed_breaks']
     assert (plain['shift'], plain['seconds'], plain['usual_seconds']) == ('night', took, 4500.0)
-    (one,) = changed_breaks(WITH_MEAL, period.begin_us, period.end_us)
-    assert period.changed_breaks == (one,)
+    (changed_break,) = changed_breaks(WITH_MEAL, period.begin_us, period.end_us)
+    assert period.changed_breaks == (changed_break,)
     table = StringIO()
     write_csv(made, table)
     assert f'note,changed_breaks,,{plain["from"]},,{took}.0,' in table.getvalue()
@@ -112,7 +112,7 @@ def test_the_last_one_that_has_begun() -> None:
     assert last_begun(NIGHT, ZONE, us('2026-05-23T22:01') / US) == date(2026, 5, 23)
 
 
-def test_a_shift_that_is_not_over_goes_as_far_as_now() -> None:
+def test_running_shift_is_cut_at_now() -> None:
     period = shift_on(NIGHT, date(2026, 5, 18), ZONE, us('2026-05-19T02:00') / US)
     assert period.cut().planned.total_us == 3.5 * 3600 * US
 
@@ -124,7 +124,7 @@ def test_all_shifts_of_a_period() -> None:
     assert planned.pieces[0] == (us('2026-05-22T12:00'), us('2026-05-23T00:30'))
 
 
-def test_planned_time_is_counted_once_and_ends_belong_to_what_ends() -> None:
+def test_planned_pieces_are_merged_and_include_their_ends() -> None:
     planned = Planned.of([(0, 10), (5, 20), (30, 40)], [(8, 12), (35, 36)])
     assert planned.pieces == ((0, 8), (12, 20), (30, 35), (36, 40))
     assert planned.between(0, 100) == planned.total_us == 25

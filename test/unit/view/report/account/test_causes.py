@@ -47,8 +47,8 @@ def times(run: VirtualRun) -> Times:
 
 
 def causes(run: VirtualRun) -> list[tuple[str, str, int]]:
-    found = times(run).flaws
-    return [(one.of.effect.value, flaw_words(one.of), one.times) for one in found]
+    flaws = times(run).flaws
+    return [(flaw.of.effect.value, flaw_words(flaw.of), flaw.times) for flaw in flaws]
 
 
 def run_of(line: Line, keys: str, *answers: str, quantity: int = 1) -> VirtualRun:
@@ -63,14 +63,14 @@ def run_of(line: Line, keys: str, *answers: str, quantity: int = 1) -> VirtualRu
     return run
 
 
-def test_a_verdict_rejects_and_names_the_bound_that_was_not_met() -> None:
+def test_verdict_rejects_and_names_failed_bound() -> None:
     line = Line(results={'a2': {'measurement': 2.5, 'item_present': True}})
     run = run_of(line, f'on_failure: reject, {VERDICT}')
     why = f'work at a2 result_refused ({BOUND}), by the script'
     assert causes(run) == [('rejected', why, 1)]
-    (found,) = times(run).measured
-    assert (found.times, found.below, found.above) == (1, 0, 1)
-    assert (found.least, float(found.mean), found.greatest) == (2.5, 2.5, 2.5)
+    (measured,) = times(run).measured
+    assert (measured.times, measured.below, measured.above) == (1, 0, 1)
+    assert (measured.least, float(measured.mean), measured.greatest) == (2.5, 2.5, 2.5)
 
 
 @pytest.mark.parametrize(
@@ -104,17 +104,17 @@ def test_answers_are_decisions(
     line = Line(results={'a2': {'measurement': 0.5, 'item_present': True}})
     run = run_of(line, VERDICT, *answers)
     assert causes(run) == told
-    assert sum(one.first_pass for one in times(run).made) == first_pass
+    assert sum(made.first_pass for made in times(run).made) == first_pass
 
 
-def test_a_further_attempt_by_the_script_is_rework_and_no_first_pass() -> None:
+def test_retry_by_script_is_rework_not_first_pass() -> None:
     run = run_of(Line(faults={'a2': '#1=abort'}), 'retries: 1', quantity=2)
     assert causes(run) == [('attempt', 'work at a2 aborted, by the script', 1)]
     (made,) = times(run).made
     assert (made.good, made.first_pass, made.attempts, made.rounds) == (2, 1, 1, 0)
 
 
-def test_rounds_of_a_repeat_have_the_verdict_that_began_them() -> None:
+def test_repeat_rounds_name_verdict_that_began_them() -> None:
     line = Line(results={'a2': {'measurement': 9.0, 'item_present': True}})
     text = with_section(
         2,
@@ -127,7 +127,7 @@ def test_rounds_of_a_repeat_have_the_verdict_that_began_them() -> None:
     assert (made.nonconforming, made.first_pass, made.rounds) == (1, 0, 2)
 
 
-def test_what_a_course_keeps_of_items_is_enough_to_go_on() -> None:
+def test_course_restored_at_every_event_agrees() -> None:
     """At every event: the causes are those of a course that was never kept."""
     line = Line(results={'a2': {'measurement': 9.0, 'item_present': True}})
     text = with_section(
@@ -139,7 +139,7 @@ def test_what_a_course_keeps_of_items_is_enough_to_go_on() -> None:
     for answer in ('again', 'retry', 'reject', 'mark_done'):
         run.answer(answer)
         run.go()
-    events = [from_record(one) for one in run.records if one['event'] in FOLLOWED]
+    events = [from_record(record) for record in run.records if record['event'] in FOLLOWED]
     straight, kept = Told(), Told()
     course = other = Course(is_whole=True)
     for event in events:

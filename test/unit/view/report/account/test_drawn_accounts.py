@@ -68,9 +68,9 @@ def accounts(
     end = max(round(records[-1]['time'] * 1_000_000), 12)
     first, off, on, last = (mark * end // 12 for mark in marks)
     planned = Planned.of([(first, off), (on, last)])
-    records = [one for one in records if round(one['time'] * 1_000_000) <= last]
-    events = [from_record(one) for one in records if one['event'] in FOLLOWED]
-    quiet = {one['time'] for one in records} - {one.time for one in events}
+    records = [entry for entry in records if round(entry['time'] * 1_000_000) <= last]
+    events = [from_record(entry) for entry in records if entry['event'] in FOLLOWED]
+    quiet = {entry['time'] for entry in records} - {entry.time for entry in events}
     assert not quiet, 'the node was alive then, and no account would know it'
     fold, asked = AccountFold(planned, is_whole=True), AccountFold(planned, is_whole=True)
     for event in events:
@@ -81,8 +81,8 @@ def accounts(
     mine = figures(fold.until(last), Paces(cell), MICRO_STOP_US)
 
     def pace_us(job: str) -> Fraction:
-        found = pace(scripts[job.partition('-rest')[0]], cell)
-        return Fraction(0) if found is None else found.limit.per_item_us
+        script_pace = pace(scripts[job.partition('-rest')[0]], cell)
+        return Fraction(0) if script_pace is None else script_pace.limit.per_item_us
 
     naive = naive_account(records, planned.pieces, pace_us)
     booked = {loss.value: us for loss, us in mine.times.lost_us.items()}
@@ -98,10 +98,10 @@ def accounts(
 
 def stepped_accounts(records: list[dict[str, Any]], marks: list[int], steps: Steps) -> None:
     """Compare the accounts of a run whose clock was set with that of the same run without."""
-    run = [from_record(one) for one in records]
+    run = [from_record(entry) for entry in records]
     events = stepped(run, steps)
     steady = SteadyTime()
-    followed = [one for one in map(steady.of, events) if one.event in FOLLOWED]
+    followed = [entry for entry in map(steady.of, events) if entry.event in FOLLOWED]
     begin, end = us_of(run[0].time), us_of(run[-1].time) + 1_000_000
     whole = Planned.of([(begin, end)])
     assert nameless(times_of(followed, whole, end)) == nameless(times_of(run, whole, end))
@@ -111,7 +111,7 @@ def stepped_accounts(records: list[dict[str, Any]], marks: list[int], steps: Ste
     planned = Planned.of([(first, off), (on, last)])
     period = Period('drawn', first, last, planned).on(steady)
     shown = figures(times_of(followed, period.planned, period.end_us), Paces(None))
-    known = [to_record(one) for one in events]
+    known = [to_record(entry) for entry in events]
     naive = naive_account(known, planned.pieces, lambda _: Fraction(0))
     booked = {loss.value: us for loss, us in shown.times.lost_us.items()}
     assert +Counter({**booked, 'production': shown.times.producing_us}) == +naive.times
@@ -122,43 +122,43 @@ def agrees(shown: Figures, naive: NaiveAccount) -> None:
     """Assert that counts, causes, measured values and components are the same."""
     times, causes = shown.times, naive.causes
     assert (shown.good, shown.produced) == (naive.good, naive.produced)
-    rows = {tuple(to_plain(one.of, whole=True).values()): one.times for one in times.flaws}
+    rows = {tuple(to_plain(row.of, whole=True).values()): row.times for row in times.flaws}
     assert rows == {
-        (one.effect, one.decision, one.product, one.task, one.component, one.reason, one.bound): n
-        for one, n in causes.rows.items()
+        (row.effect, row.decision, row.product, row.task, row.component, row.reason, row.bound): n
+        for row, n in causes.rows.items()
     }
     assert shown.first_pass == sum(job['first_pass'] for job in causes.made.values())
     kinds = ('good', 'nonconforming', 'rejected', 'by_hand', 'first_pass', 'attempts', 'rounds')
     made = {
-        one.job: {kind: getattr(one, kind) for kind in kinds}
-        for one in times.made
-        if any(getattr(one, kind) for kind in kinds)
+        row.job: {kind: getattr(row, kind) for kind in kinds}
+        for row in times.made
+        if any(getattr(row, kind) for kind in kinds)
     }
     assert made == {
-        job: {kind: found[kind] for kind in kinds} for job, found in causes.made.items()
+        job: {kind: counts[kind] for kind in kinds} for job, counts in causes.made.items()
     }
     assert {
-        (*(getattr(one.of, name) for name in BOUNDS),): (
-            one.times,
-            one.below,
-            one.above,
-            one.least,
-            one.mean,
-            one.greatest,
+        (*(getattr(row.of, name) for name in BOUNDS),): (
+            row.times,
+            row.below,
+            row.above,
+            row.least,
+            row.mean,
+            row.greatest,
         )
-        for one in times.measured
+        for row in times.measured
     } == causes.measured
     for part in ('fault', 'answer', 'paused', 'not_started'):
         assert shown.part_us(Part(part)) == naive.parts[part]
     parts = naive.components
     assert times.operated_us == +parts.operated
-    repairs = {one.component: one for one in times.repairs}
-    assert {name: one.failures for name, one in repairs.items()} == parts.failures
-    assert +Counter({name: one.down_us for name, one in repairs.items()}) == +parts.down
-    assert +Counter({name: one.repair_us for name, one in repairs.items()}) == +parts.repair
-    for name, one in repairs.items():
-        assert shown.mtbf_us(one) == Fraction(parts.operated[name], parts.failures[name])
-        assert shown.mttr_us(one) == Fraction(parts.repair[name], parts.failures[name])
+    repairs = {row.component: row for row in times.repairs}
+    assert {name: row.failures for name, row in repairs.items()} == parts.failures
+    assert +Counter({name: row.down_us for name, row in repairs.items()}) == +parts.down
+    assert +Counter({name: row.repair_us for name, row in repairs.items()}) == +parts.repair
+    for name, row in repairs.items():
+        assert shown.mtbf_us(row) == Fraction(parts.operated[name], parts.failures[name])
+        assert shown.mttr_us(row) == Fraction(parts.repair[name], parts.failures[name])
 
 
 MICRO_STOP_US = 20_000_000
@@ -167,10 +167,10 @@ MICRO_STOP_US = 20_000_000
 
 def same_classes(shown: Figures, records: list[dict[str, Any]], planned: Planned) -> None:
     """Assert that both agree about every breakdown, and about all micro-stops together."""
-    faults = [one for one in naive_stops(records, planned.pieces) if one.loss == 'own_fault']
-    long = [one.us for one in faults if one.us >= MICRO_STOP_US]
+    faults = [stop for stop in naive_stops(records, planned.pieces) if stop.loss == 'own_fault']
+    long = [stop.us for stop in faults if stop.us >= MICRO_STOP_US]
     assert shown.breakdowns() == (len(long), sum(long))
-    assert shown.micro_stops().us == sum(one.us for one in faults) - sum(long)
+    assert shown.micro_stops().us == sum(stop.us for stop in faults) - sum(long)
     assert shown.micro_stops().times == len(faults) - len(long)
 
 
@@ -183,9 +183,9 @@ def same_stops(times: Times, records: list[dict[str, Any]], planned: Planned) ->
         (span.seq, span.loss.value, span.hold, span.since_us, span.until_us, us)
         for span, us, _ in times.line_stops
     ]
-    assert mine == [tuple(one) for one in naive_stops(records, planned.pieces)]
-    assert len({one[0] for one in mine}) == len(mine)
-    assert times.line_stops_us == sum(one[-1] for one in mine)
+    assert mine == [tuple(stop) for stop in naive_stops(records, planned.pieces)]
+    assert len({stop[0] for stop in mine}) == len(mine)
+    assert times.line_stops_us == sum(stop[-1] for stop in mine)
     stops_us = sum(us for loss, us in times.lost_us.items() if is_stop(loss))
     assert times.short_stops_us == stops_us - times.line_stops_us >= 0
 
@@ -211,14 +211,14 @@ def closes(shown: Figures) -> None:
         assert shown.quality is not None
         assert shown.oee == shown.availability * shown.performance * shown.quality
     times = shown.times
-    held = sum(one.lost_us for one in times.holds) + sum(times.left_out_us.values())
+    held = sum(entry.lost_us for entry in times.holds) + sum(times.left_out_us.values())
     assert held <= sum(times.lost_us.get(loss, 0) for loss in (Loss.OWN_FAULT, Loss.OPERATOR))
-    assert sum(one.us for one in times.stops) == sum(times.lost_us.values())
+    assert sum(entry.us for entry in times.stops) == sum(times.lost_us.values())
     parts = {part: shown.part_us(part) or 0 for part in PARTS}
     for loss in (Loss.OWN_FAULT, Loss.OPERATOR):
         of_loss = sum(us for part, us in parts.items() if PARTS[part].loss is loss)
         assert of_loss == times.lost_us.get(loss, 0)
-    assert parts[Part.FAULT] == sum(one.repair_us for one in times.repairs)
+    assert parts[Part.FAULT] == sum(entry.repair_us for entry in times.repairs)
 
 
 def test_faults_pauses_and_starvation() -> None:
@@ -338,7 +338,7 @@ def restarted(
             began = e.OrchestratorStarted(cell='test_line', digest='d')
             events.append(began.stamped(0, between))
         events.append(event)
-    return [to_record(one.stamped(seq, one.time)) for seq, one in enumerate(events, start=1)]
+    return [to_record(entry.stamped(seq, entry.time)) for seq, entry in enumerate(events, start=1)]
 
 
 NIGHT = """
@@ -362,11 +362,11 @@ def test_nights_on_which_the_clocks_change(plan: Plan, day: date) -> None:
     shifts = parse_shifts(NIGHT, 'shifts.yaml')
     period = shift_on(shifts.shifts['night'], day, zone_of(shifts))
     assert list(period.planned.pieces) == naive_night(begin, zone)
-    whole = (from_record(one) for one in bench.run.records)
-    slow = (one.stamped(one.seq, round(begin + one.time * stretch, 1)) for one in whole)
-    events = [one for one in slow if us_of(one.time) <= period.end_us]
+    whole = (from_record(entry) for entry in bench.run.records)
+    slow = (entry.stamped(entry.seq, round(begin + entry.time * stretch, 1)) for entry in whole)
+    events = [entry for entry in slow if us_of(entry.time) <= period.end_us]
     shown = figures(times_of(events, period.planned, period.end_us), Paces(None))
-    records = [to_record(one) for one in events]
+    records = [to_record(entry) for entry in events]
     naive = naive_account(records, period.planned.pieces, lambda _: Fraction(0))
     booked = {loss.value: us for loss, us in shown.times.lost_us.items()}
     assert +Counter({**booked, 'production': shown.times.producing_us}) == +naive.times
@@ -375,14 +375,14 @@ def test_nights_on_which_the_clocks_change(plan: Plan, day: date) -> None:
 
 def naive_night(begin: float, zone: ZoneInfo) -> list[tuple[int, int]]:
     """Return the planned time of the night: each minute by what the clock showed."""
-    found: list[tuple[int, int]] = []
+    pieces: list[tuple[int, int]] = []
     for number in range(12 * 60):
         moment = round(begin) + 60 * number
         shown = datetime.fromtimestamp(moment, zone)
         clock = shown.hour * 60 + shown.minute
         if (clock >= 22 * 60 or clock < 6 * 60) and not 90 <= clock < 195:
             span = (moment * 1_000_000, (moment + 60) * 1_000_000)
-            if found and found[-1][1] == span[0]:
-                span = (found.pop()[0], span[1])
-            found.append(span)
-    return found
+            if pieces and pieces[-1][1] == span[0]:
+                span = (pieces.pop()[0], span[1])
+            pieces.append(span)
+    return pieces

@@ -70,15 +70,15 @@ def test_drawn_runs(
 ) -> None:
     bench = ProductBench(plan)
     operate(bench, plan.moments)
-    events = [_slowly(from_record(one), stretch) for one in bench.run.records]
+    events = [_slowly(from_record(element), stretch) for element in bench.run.records]
     if not events:
         return
     period = _period(events, marks, to_slots=on_slots or removed > 0)
-    number = sum(us_of(one.time) <= period.end_us for one in events)
+    number = sum(us_of(element.time) <= period.end_us for element in events)
     if not number:
         return
     classified = with_codes(bench.run.records[:number], random)
-    events = [_slowly(from_record(one), stretch) for one in classified]
+    events = [_slowly(from_record(element), stretch) for element in classified]
 
     def new_live() -> LiveAccount:
         return LiveAccount(lambda _: Now(period), None)
@@ -96,8 +96,8 @@ def test_drawn_runs(
         assert journal.times(period) == _by_events(events, period)
         journal.remove(events[-1].seq * removed // 10)
         assert journal.times(period) == _by_events(events, period)
-        for one in (live, new_live()):
-            assert journal.live(one, None) == _by_events(events, period)
+        for element in (live, new_live()):
+            assert journal.live(element, None) == _by_events(events, period)
 
 
 @examples(3, 300)
@@ -121,17 +121,17 @@ def test_books_of_a_clock_that_is_set(
 ) -> None:
     bench = ProductBench(plan)
     operate(bench, plan.moments)
-    run = [_slowly(from_record(one), stretch) for one in bench.run.records]
+    run = [_slowly(from_record(entry), stretch) for entry in bench.run.records]
     if not run:
         return
     period = _period(run, marks, to_slots=True)
     events, steady = stepped(run, steps), SteadyTime()
     for event in events:
         steady.follow(event)
-    events = [one for one in events if steady.us(one) <= period.end_us]
+    events = [entry for entry in events if steady.us(entry) <= period.end_us]
     if not events:
         return
-    kept = [one for one in run if us_of(one.time) <= period.end_us]
+    kept = [entry for entry in run if us_of(entry.time) <= period.end_us]
     expected = nameless(_by_events(kept, period))
     period = replace(period, steady=steady)
     live = LiveAccount(lambda _: Now(period), None)
@@ -176,8 +176,8 @@ def _period(events: Sequence[e.Event], marks: Sequence[int], *, to_slots: bool) 
     begin, end = us_of(events[0].time), us_of(events[-1].time) + 1_000_000
     moments = [begin + mark * (end - begin) // 24 for mark in marks]
     if to_slots:
-        moments = [round(one / QUARTER_US) * QUARTER_US for one in moments]
-        moments = [one + number * QUARTER_US for number, one in enumerate(moments)]
+        moments = [round(moment / QUARTER_US) * QUARTER_US for moment in moments]
+        moments = [moment + number * QUARTER_US for number, moment in enumerate(moments)]
     first, off, on, last = moments
     return Period('drawn', first, last, Planned.of([(first, off), (on, last)]))
 
@@ -229,9 +229,9 @@ class _Journal:
         :param newest: its time is now; None: the period is over
         """
         with closing(SqliteRecords(self._path)) as records:
-            found = account.look(records, OVER_S if newest is None else newest.time + 1.0)
-            assert found is not None
-            return found.account.figures.times
+            shown = account.look(records, OVER_S if newest is None else newest.time + 1.0)
+            assert shown is not None
+            return shown.account.figures.times
 
     def close(self) -> None:
         self._store.close()

@@ -48,12 +48,12 @@ def test_before_the_first_event_nothing_is_known() -> None:
     assert minutes(times(at_work('06:10'), '06:30')) == {'not_recorded': 10, 'production': 20}
 
 
-def test_after_removed_events_nothing_is_known_until_the_state_is_told() -> None:
+def test_removed_events_leave_time_not_recorded() -> None:
     day = Day(first_seq=900)
     day.note('06:00', ORDER)
     day.note('06:10', *GOES, TASK)
-    found = minutes(times(day, '06:30', is_whole=False))
-    assert found == {'not_recorded': 10, 'production': 20}
+    actual = minutes(times(day, '06:30', is_whole=False))
+    assert actual == {'not_recorded': 10, 'production': 20}
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_after_removed_events_nothing_is_known_until_the_state_is_told() -> None
         ),
     ],
 )
-def test_a_node_that_does_not_run_is_a_loss_where_there_is_work(
+def test_stopped_node_is_loss_only_with_work(
     ends: tuple[e.Event, ...], lost: dict[str, float]
 ) -> None:
     day = at_work()
@@ -77,13 +77,13 @@ def test_a_node_that_does_not_run_is_a_loss_where_there_is_work(
     assert minutes(times(day, '06:30')) == lost
 
 
-def test_a_clock_that_is_set_forward_skips_time_that_nobody_knows() -> None:
+def test_clock_set_forward_leaves_time_not_recorded() -> None:
     day = at_work()
     day.note('06:20', e.ClockStepped(seconds=300.0))
     assert minutes(times(day, '06:30')) == {'production': 25, 'not_recorded': 5}
 
 
-def test_a_clock_that_is_set_back_books_no_time_twice() -> None:
+def test_clock_set_back_books_no_time_twice() -> None:
     day = at_work()
     day.note('06:10', e.ClockStepped(seconds=-600.0))  # 20 minutes have passed
     day.note('06:15', e.StopReasonChanged(stop_reason='operator', reason='x'))
@@ -102,9 +102,9 @@ def test_orders_that_may_not_start_are_no_work() -> None:
     day.note('06:35', e.JobRemoved(job='W'))
     day.note('06:40', e.JobReleased(job='J'))
     day.note('06:50', e.JobHeld(job='J'))
-    found = times(day, '07:00')
-    assert minutes(found) == {'orders_wait': 40, 'operator': 20}
-    assert {one.detail: one.us // US // 60 for one in found.stops} == {
+    booked = times(day, '07:00')
+    assert minutes(booked) == {'orders_wait': 40, 'operator': 20}
+    assert {stop.detail: stop.us // US // 60 for stop in booked.stops} == {
         'a, b out of service; before its start; held in the queue': 10,
         'b out of service; before its start; held in the queue': 10,
         'a out of service; before its start; held in the queue': 5,
@@ -128,14 +128,14 @@ def test_the_oldest_of_several_holds_has_the_time() -> None:
         day.note(clock, hold, e.StopReasonChanged(stop_reason='own_fault'))
     day.note('06:15', e.HoldReleased(hold='1'))
     day.note('06:20', e.HoldReleased(hold='2'), e.StopReasonChanged(stop_reason=''))
-    found = times(day, '06:30')
-    assert [(one.hold, one.lost_us / US / 60) for one in found.holds] == [('1', 5), ('2', 5)]
-    assert [one.stood_us / US / 60 for one in found.holds] == [5, 8]
-    (stop,) = found.stops
+    booked = times(day, '06:30')
+    assert [(held.hold, held.lost_us / US / 60) for held in booked.holds] == [('1', 5), ('2', 5)]
+    assert [held.stood_us / US / 60 for held in booked.holds] == [5, 8]
+    (stop,) = booked.stops
     assert (stop.times, stop.us / US / 60) == (2, 10)
 
 
-def test_the_costliest_holds_are_listed_and_the_others_summed_up() -> None:
+def test_costliest_holds_are_listed_others_summed_up() -> None:
     day, begin = at_work(), at('06:00')
     number = MOST_HOLDS + 20
     for n in range(1, number + 1):
@@ -143,16 +143,16 @@ def test_the_costliest_holds_are_listed_and_the_others_summed_up() -> None:
         hold = e.HoldRaised(hold=str(n), reason='aborted', component='a', name='T')
         day.note(begun, hold, e.StopReasonChanged(stop_reason='own_fault'))
         day.note(begun + n, e.HoldReleased(hold=str(n)), e.StopReasonChanged(stop_reason=''))
-    found = times(day, '14:00')
-    assert [int(one.hold) for one in found.holds] == list(range(21, number + 1))
-    assert found.holds_left_out == 20
-    assert found.left_out_us == {Loss.OWN_FAULT: sum(range(1, 21)) * US}
-    assert found.lost_us[Loss.OWN_FAULT] == sum(range(1, number + 1)) * US
-    (repairs,) = found.repairs
-    assert (repairs.failures, repairs.down_us) == (number, found.lost_us[Loss.OWN_FAULT])
+    booked = times(day, '14:00')
+    assert [int(entry.hold) for entry in booked.holds] == list(range(21, number + 1))
+    assert booked.holds_left_out == 20
+    assert booked.left_out_us == {Loss.OWN_FAULT: sum(range(1, 21)) * US}
+    assert booked.lost_us[Loss.OWN_FAULT] == sum(range(1, number + 1)) * US
+    (repairs,) = booked.repairs
+    assert (repairs.failures, repairs.down_us) == (number, booked.lost_us[Loss.OWN_FAULT])
 
 
-def test_asking_meanwhile_tells_the_time_until_then_and_changes_nothing() -> None:
+def test_interim_times_are_right_and_change_nothing() -> None:
     day = at_work()
     day.note('06:10', HOLD, e.StopReasonChanged(stop_reason='own_fault'))
     day.note('06:20', e.OrchestratorStarted(cell='c', digest='other'))  # it was killed at 06:10
@@ -168,14 +168,14 @@ def test_asking_meanwhile_tells_the_time_until_then_and_changes_nothing() -> Non
         end = us_of(event.time) + 9 * 60 * US
         meanwhile.append(fold.until(end))
         expected = AccountFold(planned.before(end), is_whole=True)
-        for one in known.events:
-            expected.follow(one)
+        for entry in known.events:
+            expected.follow(entry)
         assert meanwhile[-1] == expected.until(end)
     assert fold.until(planned.pieces[0][1]) == times(day, '07:00')
     held, again = meanwhile[6:8]
     assert minutes(held) == {'production': 10, 'own_fault': 9}
     assert minutes(again) == {'production': 10, 'no_node': 10, 'own_fault': 9}
-    assert [one.made[0].produced for one in meanwhile if one.made] == [1, 2, 2]
+    assert [entry.made[0].produced for entry in meanwhile if entry.made] == [1, 2, 2]
 
 
 def test_a_stop_across_a_break_is_one_stop() -> None:
@@ -194,7 +194,7 @@ def test_a_stop_across_a_break_is_one_stop() -> None:
 
 
 @pytest.mark.parametrize('part', [-0.4, 0.4])
-def test_what_ends_a_period_is_in_it_whatever_its_time_is_rounded_to(part: float) -> None:
+def test_event_at_period_end_counts_despite_rounding(part: float) -> None:
     day, end = at_work(), at('06:30') + part * 1e-6
     day.note(end, e.ItemRemoved(job='J', item='J/1', how='packed'), e.JobCompleted(job='J'))
     reading = Reading(day.records())
@@ -203,13 +203,13 @@ def test_what_ends_a_period_is_in_it_whatever_its_time_is_rounded_to(part: float
         assert (made.good, made.outside) == (1, 0), period
 
 
-def test_a_pace_that_is_not_exact_is_told_with_its_script() -> None:
+def test_inexact_pace_is_reported_with_its_script() -> None:
     line, day = Line(), Day()
     of_two_sections = f'{THREE}zones: {{table: [work, pack]}}\n'
     for record in line.run(of_two_sections, 2).records:
         day.note(record['time'], from_record(record))
     reading = Reading(day.records())
-    found = account(reading, whole(reading, 'day'), line.cell).notes()
-    (said,) = (note for note in found if 'no exact one' in note)
-    assert said.startswith('the pace of test is no exact one: ')
-    assert said.endswith('or longer (waits for zone table not counted)')
+    notes = account(reading, whole(reading, 'day'), line.cell).notes()
+    (pace_note,) = (note for note in notes if 'no exact one' in note)
+    assert pace_note.startswith('the pace of test is no exact one: ')
+    assert pace_note.endswith('or longer (waits for zone table not counted)')

@@ -51,7 +51,7 @@ def made() -> Account:
     return account(Reading(the_day().records()), monday, LINE.cell)
 
 
-def test_the_waterfall_is_the_one_of_the_page_above(made: Account) -> None:
+def test_waterfall_matches_hand_made_figures(made: Account) -> None:
     bars = [(bar.title, float(bar.us) / S) for bar in made.figures.waterfall()]
     assert bars == [
         ('planned time', 27000.0),
@@ -93,8 +93,8 @@ def test_quantities_and_rate(made: Account) -> None:
 
 def test_each_loss_goes_down_to_its_holds(made: Account) -> None:
     holds = [
-        (one.hold, one.loss, one.lost_us // S, one.who, one.answer, one.reason)
-        for one in made.figures.times.holds
+        (hold.hold, hold.loss, hold.lost_us // S, hold.who, hold.answer, hold.reason)
+        for hold in made.figures.times.holds
     ]
     assert holds == [
         ('1', Loss.OWN_FAULT, 1200, 'ann', 'retry', 'cleared the jam'),
@@ -114,7 +114,7 @@ def test_the_stops_by_cause(made: Account) -> None:
         Stop(Loss.NO_NODE, '', '', 1, 600 * S),
         Stop(Loss.NO_ORDER, '', '', 1, 600 * S),
     )
-    waits = [one for one in made.figures.times.stops if one.loss is Loss.WAITING]
+    waits = [stop for stop in made.figures.times.stops if stop.loss is Loss.WAITING]
     assert waits == [
         Stop(Loss.WAITING, 'a1 not ready', 'a1', 1, S),
         Stop(Loss.WAITING, 'a3 not ready', 'a3', 1, S),
@@ -136,7 +136,7 @@ def test_own_fault_and_operator_are_parted(made: Account) -> None:
     assert shown.micro_stops('a2') == (0, 0)
 
 
-def test_the_file_of_shifts_has_the_threshold_of_micro_stops() -> None:
+def test_shift_file_sets_micro_stop_threshold() -> None:
     shifts = parse_shifts(f'{SHIFTS}micro_stop: 100\n', 'shifts.yaml')
     (turn,) = turns_on(shifts, [date(2026, 5, 18)], zone_of(shifts))
     shown = account(Reading(the_day().records()), turn.period, LINE.cell).figures
@@ -159,10 +159,10 @@ def test_failures_and_the_time_to_repair(made: Account) -> None:
 
 
 def test_the_causes_of_what_is_not_good(made: Account) -> None:
-    told = [
-        (flaw_words(one.of), one.of.effect.value, one.times) for one in made.figures.times.flaws
+    causes = [
+        (flaw_words(row.of), row.of.effect.value, row.times) for row in made.figures.times.flaws
     ]
-    assert told == [
+    assert causes == [
         ('by the script', 'rejected', 10),
         ('work, answer mark_done', 'nonconforming', 6),
         ('remove-item', 'by_hand', 2),

@@ -39,7 +39,7 @@ DAY = the_day()
 def journal(events: Sequence[e.Event], until: float, history: str = 'day') -> MemoryRecords:
     """Return the journal as it was at a moment."""
     store = MemoryStore(history)
-    store.append([one for one in events if one.time <= until])
+    store.append([event for event in events if event.time <= until])
     return MemoryRecords(store)
 
 
@@ -49,9 +49,9 @@ def live(shifts: object = EARLY) -> LiveAccount:
 
 
 def looked(account: LiveAccount, clock: str, history: str = 'day') -> Live:
-    found = account.look(journal(DAY.events, at(clock), history), at(clock))
-    assert found is not None
-    return found
+    shown = account.look(journal(DAY.events, at(clock), history), at(clock))
+    assert shown is not None
+    return shown
 
 
 def report_of(found: Live, clock: str) -> object:
@@ -61,37 +61,37 @@ def report_of(found: Live, clock: str) -> object:
     )
 
 
-def test_it_says_at_any_moment_what_a_report_of_then_says() -> None:
+def test_live_report_equals_report_at_any_moment() -> None:
     grows = live()
     for clock in ('06:18', '07:10', '09:15', '12:05', '14:10'):
-        found = looked(grows, clock)
-        assert account_plain(found.account) == report_of(found, clock), clock
-        assert found.account.period.end_us == us_of(at(min(clock, '14:00')))
-    assert looked(live(), '14:10') == found, 'as if one had just begun to look'
-    assert found.account.figures.oee is not None
-    assert float(found.account.figures.oee) == 500 * 30 / 26400
+        shown = looked(grows, clock)
+        assert account_plain(shown.account) == report_of(shown, clock), clock
+        assert shown.account.period.end_us == us_of(at(min(clock, '14:00')))
+    assert looked(live(), '14:10') == shown, 'as if one had just begun to look'
+    assert shown.account.figures.oee is not None
+    assert float(shown.account.figures.oee) == 500 * 30 / 26400
 
 
-def test_it_goes_on_with_the_next_shift_and_shows_the_last_between_shifts() -> None:
+def test_last_shift_is_shown_until_next_begins() -> None:
     grows = live(TWO)
     seen = []
     for clock in ('13:59', '14:00', '14:10', '20:00', '21:59', '22:00'):
-        found = looked(grows, clock)
-        assert found.now.turn is not None
-        next_one = found.now.next
-        seen.append((found.now.turn.shift, next_one.shift if next_one else ''))
-        assert looked(live(TWO), clock) == found
+        shown = looked(grows, clock)
+        assert shown.now.turn is not None
+        next_one = shown.now.next
+        seen.append((shown.now.turn.shift, next_one.shift if next_one else ''))
+        assert looked(live(TWO), clock) == shown
     assert seen == [
         ('early', ''), ('late', ''), ('late', ''), ('late', 'night'), ('late', 'night'),
         ('night', ''),
     ]  # fmt: skip
-    assert found.now.period.name == 'shift night of 2026-05-18'
+    assert shown.now.period.name == 'shift night of 2026-05-18'
     late = looked(grows, '21:00')
     assert late.account.figures.produced == 1
     assert late.account.period.end_us == us_of(at('20:00'))
 
 
-def test_of_a_day_without_a_shift_the_last_one_is_shown() -> None:
+def test_last_shift_is_shown_on_day_without_shift() -> None:
     sunday = datetime(2026, 5, 24, 12, tzinfo=timezone.utc).timestamp()
     only = parse_shifts('shifts: {a: {from: 06:00, to: 14:00, days: fri}}\nzone: UTC', 'x')
     now = shift_at(only, sunday)
@@ -120,54 +120,54 @@ class Removed(MemoryRecords):
         return super().extent()._replace(first_seq=self._first_seq)
 
     def page(self, wanted: Wanted, most: int = 1000) -> RecordPage:
-        found = super().page(wanted.past(self._first_seq - 1), most)
+        inner = super().page(wanted.past(self._first_seq - 1), most)
         damage = [Damage('event 3 is damaged')]
-        return RecordPage('day', self._first_seq, found.records, damage, found.rest, found.is_last)
+        return RecordPage('day', self._first_seq, inner.records, damage, inner.rest, inner.is_last)
 
 
-def test_events_that_were_read_before_they_were_removed_stay_in_it() -> None:
-    grows, told = live(), [one for one in DAY.events if one.time <= at('10:00')]
+def test_account_keeps_events_read_before_removal() -> None:
+    grows, events = live(), [event for event in DAY.events if event.time <= at('10:00')]
     whole = looked(grows, '10:00').account.figures
-    kept = grows.look(Removed(told, len(told)), at('10:00'))
+    kept = grows.look(Removed(events, len(events)), at('10:00'))
     assert kept is not None
     assert kept.account.figures == whole
-    assert kept.account.source.extent.first_seq == len(told)
-    later = [one for one in DAY.events if one.time <= at('12:00')]
-    lost = grows.look(Removed(later, len(told) + 9), at('12:00'))
+    assert kept.account.source.extent.first_seq == len(events)
+    later = [event for event in DAY.events if event.time <= at('12:00')]
+    lost = grows.look(Removed(later, len(events) + 9), at('12:00'))
     assert lost is not None
     assert lost.account.figures.times.lost_us[Loss.NOT_RECORDED] >= 4 * 3600 * US
 
 
-def test_damage_is_counted_once_however_often_it_is_seen() -> None:
-    said: list[str] = []
-    grows = LiveAccount(partial(shift_at, EARLY), LINE.cell, said.append)
+def test_damage_seen_repeatedly_is_counted_once() -> None:
+    messages: list[str] = []
+    grows = LiveAccount(partial(shift_at, EARLY), LINE.cell, messages.append)
     for clock in ('10:00', '11:00', '12:00'):
-        events = [one for one in DAY.events if one.time <= at(clock)]
-        found = grows.look(Removed(events, 1), at(clock))
-        assert found is not None
-        assert found.account.source.unreadable == 1
-    assert said == ['event 3 is damaged']
+        events = [event for event in DAY.events if event.time <= at(clock)]
+        shown = grows.look(Removed(events, 1), at(clock))
+        assert shown is not None
+        assert shown.account.source.unreadable == 1
+    assert messages == ['event 3 is damaged']
 
 
 def test_a_journal_without_events_has_no_account() -> None:
     assert live().look(MemoryRecords(MemoryStore()), at('10:00')) is None
 
 
-def test_a_shift_without_events_goes_on_as_the_line_stood_before_it() -> None:
+def test_shift_without_events_continues_previous_state() -> None:
     day = Day()
     day.note('13:00', *DAY.events[:10])
     day.note('13:00', e.StopReasonChanged(stop_reason='operator', reason='x'))
-    found = live(TWO).look(journal(day.events, at('15:00')), at('15:00'))
-    assert found is not None
-    assert found.account.figures.times.lost_us == {Loss.OPERATOR: 3600 * US}
-    assert found.account.notes()[0].startswith('made from the state that event 11 left, ')
+    shown = live(TWO).look(journal(day.events, at('15:00')), at('15:00'))
+    assert shown is not None
+    assert shown.account.figures.times.lost_us == {Loss.OPERATOR: 3600 * US}
+    assert shown.account.notes()[0].startswith('made from the state that event 11 left, ')
 
 
-def test_a_reader_whose_clock_is_behind_goes_by_the_events() -> None:
-    found = live().look(journal(DAY.events, at('09:00')), at('08:00'))
-    assert found is not None
-    assert found.account.period.end_us == us_of(at('08:10'))  # of the last event before 09:00
-    assert looked(live(), '08:10').account.figures == found.account.figures
+def test_reader_with_slow_clock_follows_event_times() -> None:
+    shown = live().look(journal(DAY.events, at('09:00')), at('08:00'))
+    assert shown is not None
+    assert shown.account.period.end_us == us_of(at('08:10'))  # of the last event before 09:00
+    assert looked(live(), '08:10').account.figures == shown.account.figures
 
 
 @pytest.mark.parametrize(
@@ -184,14 +184,14 @@ def test_what_the_line_waits_for_now(clock: str, loss: str | None, since: str | 
     assert looked(live(), '23:00').stopped is None
 
 
-def test_time_before_the_first_event_is_not_lost_to_what_is_now() -> None:
+def test_time_before_first_event_is_not_lost() -> None:
     day = Day()
     day.note('07:20', e.OrchestratorStarted(cell='test_line', digest=digest(LINE.cell)))
-    found = live().look(journal(day.events, at('07:30')), at('07:30'))
-    assert found is not None
-    assert found.stopped is not None
-    lost = found.account.figures.times.lost_us[Loss.NO_ORDER]
-    assert (found.stopped.since_us, lost) == (us_of(at('07:20')), 600 * US)
+    shown = live().look(journal(day.events, at('07:30')), at('07:30'))
+    assert shown is not None
+    assert shown.stopped is not None
+    lost = shown.account.figures.times.lost_us[Loss.NO_ORDER]
+    assert (shown.stopped.since_us, lost) == (us_of(at('07:20')), 600 * US)
 
 
 def test_a_period_without_shifts_grows_with_the_time() -> None:
@@ -199,9 +199,9 @@ def test_a_period_without_shifts_grows_with_the_time() -> None:
     whole = Period.all_planned('since 07:00', begin, begin + 10**15)
     grows = LiveAccount(lambda _: Now(whole), LINE.cell)
     for clock in ('07:10', '09:00', '14:30'):
-        found = looked(grows, clock)
-        assert account_plain(found.account) == report_of(found, clock)
-        assert found.account.period.end_us == us_of(at(clock))
+        shown = looked(grows, clock)
+        assert account_plain(shown.account) == report_of(shown, clock)
+        assert shown.account.period.end_us == us_of(at(clock))
 
 
 @pytest.mark.parametrize(
@@ -214,13 +214,13 @@ def test_a_period_without_shifts_grows_with_the_time() -> None:
         ),
     ],
 )
-def test_what_comes_after_the_shift_and_changes_its_account_is_seen(later: e.Event) -> None:
-    before = [one for one in DAY.events if one.time <= at('13:00')]
+def test_late_event_that_changes_account_is_seen(later: e.Event) -> None:
+    before = [event for event in DAY.events if event.time <= at('13:00')]
     records = [journal(before, at('13:00'))]
     records += [journal([*before, later.stamped(len(before) + 1, at('14:30'))], at('14:30'))]
     grows = live()
     for known, clock in zip(records, ('13:00', '14:31'), strict=True):
-        found = grows.look(known, at(clock))
-        assert found == live().look(known, at(clock)), clock
-    assert found is not None
-    assert found.account != looked(live(), '14:31').account
+        shown = grows.look(known, at(clock))
+        assert shown == live().look(known, at(clock)), clock
+    assert shown is not None
+    assert shown.account != looked(live(), '14:31').account

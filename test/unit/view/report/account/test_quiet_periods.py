@@ -69,37 +69,37 @@ def test_a_quiet_period_is_reported_with_its_cause(case: str, goes_on: bool) -> 
     before, after, loss = CASES[case]
     if goes_on:
         after = after or (e.ComponentStateChanged(component='a1', ready=True, value='READY'),)
-    found = quiet(before, after)
-    shown = found.figures
+    report = quiet(before, after)
+    shown = report.figures
     assert shown.times.lost_us == {loss: HOUR_US}
     is_busy = loss not in (Loss.NO_ORDER, Loss.ORDERS_WAIT)
     assert shown.availability == shown.oee == (Fraction(0) if is_busy else None)
     assert (shown.performance, shown.quality) == (None, None)
     lack = 'production' if is_busy else 'busy'
-    said = 'nothing was produced, in no production time' if is_busy else 'busy time is 0'
-    text = '\n'.join(account_text(found))
-    assert said in text
+    sentence = 'nothing was produced, in no production time' if is_busy else 'busy time is 0'
+    text = '\n'.join(account_text(report))
+    assert sentence in text
     assert f'OEE  {"0.0 %" if is_busy else "-"} =' in text
-    assert said in account_page(found)
-    plain = account_plain(found)
+    assert sentence in account_page(report)
+    plain = account_plain(report)
     assert plain['lack'] == lack
     assert plain['oee']['availability'] == (0.0 if is_busy else None)
     file = io.StringIO()
-    write_csv(found, file)
+    write_csv(report, file)
     assert any(row[:2] == ['note', lack] for row in csv.reader(io.StringIO(file.getvalue())))
     ends = 'the journal has no event since 2026-05-18'
-    assert any(one.startswith(ends) for one in found.notes()) is not bool(after)
+    assert any(note.startswith(ends) for note in report.notes()) is not bool(after)
 
 
 def test_a_report_says_what_the_orders_waited_for() -> None:
     before, _, _ = CASES['every order is held']
-    said = 'orders waited for 1:00:00: held in the queue'
-    assert said in quiet(before, ()).notes()
+    sentence = 'orders waited for 1:00:00: held in the queue'
+    assert sentence in quiet(before, ()).notes()
     before, _, _ = CASES['no order']
-    assert not any('orders waited' in one for one in quiet(before, ()).notes())
+    assert not any('orders waited' in note for note in quiet(before, ()).notes())
 
 
-def test_a_hold_that_stood_all_the_time_is_named() -> None:
+def test_hold_of_whole_period_is_named() -> None:
     before, _, _ = CASES['held']
     (held,) = quiet(before, ()).figures.times.holds
     assert (held.hold, held.lost_us) == ('1', HOUR_US)
@@ -120,14 +120,14 @@ def test_a_period_without_planned_time_has_no_factors(tmp_path: Path, in_books: 
             while store.remove_batch(len(day.events)):
                 pass
     with closing(SqliteRecords(path)) as records:
-        found = account(Reading(records), replace(QUIET, planned=Planned(())), LINE.cell)
-    shown = found.figures
+        report = account(Reading(records), replace(QUIET, planned=Planned(())), LINE.cell)
+    shown = report.figures
     assert (shown.availability, shown.performance, shown.quality, shown.oee) == (None,) * 4
     assert (shown.times.lost_us, shown.produced) == ({}, 0)
-    said = 'no factors and no OEE: no time of this period is planned'
-    assert said in '\n'.join(account_text(found))
-    assert said in account_page(found)
-    plain = account_plain(found)
+    sentence = 'no factors and no OEE: no time of this period is planned'
+    assert sentence in '\n'.join(account_text(report))
+    assert sentence in account_page(report)
+    plain = account_plain(report)
     assert plain['lack'] == 'planned'
     assert plain['jobs'][0]['outside_planned_time'] == 1
 
@@ -140,8 +140,8 @@ def test_a_period_before_the_journal_is_refused() -> None:
 
 
 def test_production_without_an_item_lacks_only_quality() -> None:
-    found = quiet((LOADED, queued(), *WORKS), (e.ComponentInService(component='a1'),))
-    shown = found.figures
+    report = quiet((LOADED, queued(), *WORKS), (e.ComponentInService(component='a1'),))
+    shown = report.figures
     assert (shown.availability, shown.performance) == (Fraction(1), Fraction(0))
     assert shown.quality is None
-    assert 'no quality: nothing was produced' in found.notes()
+    assert 'no quality: nothing was produced' in report.notes()

@@ -93,7 +93,7 @@ def the_day() -> Day:
 
 def seq_of(day: Day, hold: str) -> int:
     """Return the number of the event with which a hold stops the line: its stop reason."""
-    raised = (one.seq for one in day.events if isinstance(one, e.HoldRaised) and one.hold == hold)
+    raised = (row.seq for row in day.events if isinstance(row, e.HoldRaised) and row.hold == hold)
     return next(raised) + 1
 
 
@@ -136,7 +136,7 @@ def test_7_10_each_way_to_give_a_reason(tmp_path: Path) -> None:
         'no_node': None,
     }
     plain = account_plain(made)
-    times = {one['code']: (one['times'], one['seconds']) for one in plain['reasons']}
+    times = {reason['code']: (reason['times'], reason['seconds']) for reason in plain['reasons']}
     assert times == {
         'JAM': (2, 14 * MINUTE),
         'LUNCH': (2, 5 * MINUTE),
@@ -176,29 +176,29 @@ def test_7_10_a_code_is_of_its_own_stop_alone(tmp_path: Path) -> None:
     day.note('09:15', decided('resume', job='K'), e.JobResumed(job='K'))
     stops = account_plain(written(tmp_path / 'j', day))['line_stops']
     begins = (datetime.fromisoformat(stop['from']).astimezone(timezone.utc) for stop in stops)
-    found = {f'{one:%H:%M}': stop['code'] for one, stop in zip(begins, stops, strict=True)}
+    actual = {f'{moment:%H:%M}': stop['code'] for moment, stop in zip(begins, stops, strict=True)}
     expected = {'07:40': 'JAM', '08:20': None, '08:40': 'LUNCH', '08:50': 'JAM'}
     expected |= {'08:56': None, '09:00': 'JAM', '09:10': None}
-    assert {begin: found.get(begin, 'no stop') for begin in expected} == expected
+    assert {begin: actual.get(begin, 'no stop') for begin in expected} == expected
 
 
-def test_7_10_a_pause_that_was_given_its_reason_afterwards_is_of_one_reason(
+def test_7_10_pause_explained_afterwards_has_one_reason(
     tmp_path: Path,
 ) -> None:
     """One press pauses; the pause with a reason takes its place, and `resume` names the first."""
     day = the_day()
-    raised = [e.HoldRaised(hold=one, reason='paused', owner='ann') for one in ('8', '9')]
+    raised = [e.HoldRaised(hold=number, reason='paused', owner='ann') for number in ('8', '9')]
     queued = e.JobQueued(job='K', script='test', digest=digest(SCRIPT), quantity=5)
     day.note('07:32', queued, e.JobStarted(job='K'), started('more', 'a2'))
     day.note('07:34', decided('pause'), raised[0], stopped('operator'), to('Held'))
     day.note('07:35', decided('pause', 'LUNCH'), raised[1])
     day.note('07:35', decided('resume', 'LUNCH', hold='8'), e.HoldReleased(hold='8'))
     day.note('07:39', decided('resume'), e.HoldReleased(hold='9'), stopped(''), to('Execute'))
-    found = codes(written(tmp_path / 'j', day))
-    assert (found['operator 8'], found['operator 9']) == ('LUNCH', 'LUNCH')
+    actual = codes(written(tmp_path / 'j', day))
+    assert (actual['operator 8'], actual['operator 9']) == ('LUNCH', 'LUNCH')
 
 
-def test_7_10_a_later_classification_counts_and_changes_no_other_figure(tmp_path: Path) -> None:
+def test_7_10_later_classification_changes_reasons_only(tmp_path: Path) -> None:
     before, day = written(tmp_path / 'before', the_day()), the_day()
     named = {stop.span.hold: stop.span.seq for stop in before.figures.times.line_stops}
     assert (named['1'], named['2']) == (seq_of(day, '1'), seq_of(day, '2'))
@@ -208,8 +208,8 @@ def test_7_10_a_later_classification_counts_and_changes_no_other_figure(tmp_path
     assert codes(after) == {**codes(before), 'own_fault 1': 'LUNCH', 'own_fault 2': 'JAM'}
     shown, was = after.figures.times, before.figures.times
     assert [stop[:2] for stop in shown.line_stops] == [stop[:2] for stop in was.line_stops]
-    assert [one for one in shown.stops if one.is_shown] == [
-        one for one in was.stops if one.is_shown
+    assert [cause for cause in shown.stops if cause.is_shown] == [
+        cause for cause in was.stops if cause.is_shown
     ]
     assert after.figures.availability == before.figures.availability
 
@@ -243,15 +243,13 @@ def test_7_10_a_stop_is_known_by_its_name(tmp_path: Path, *, is_booked: bool) ->
 
 @examples(3, 300)
 @given(lines(), st.randoms(use_true_random=False))
-def test_7_10_a_second_opinion_finds_the_same_reasons_in_drawn_runs(
-    plan: Plan, random: Random
-) -> None:
+def test_7_10_drawn_runs_match_the_naive_reasons(plan: Plan, random: Random) -> None:
     bench = ProductBench(plan)
     operate(bench, plan.moments)
     if not bench.run.records:
         return
     records = with_codes(bench.run.records, random)
-    events = [from_record(one) for one in records]
+    events = [from_record(entry) for entry in records]
     begin, end = us_of(events[0].time), us_of(events[-1].time) + 1
     planned = Planned.of([(begin, end)])
     fold = whole_fold(planned, events)
@@ -266,11 +264,11 @@ def test_7_10_a_second_opinion_finds_the_same_reasons_in_drawn_runs(
         reason = mine[stop.seq]
         assert (reason.code if reason is not None else '') == naive_code(stop, records), stop
     known = Counter(stop.reason.code if stop.reason else '' for stop in times.line_stops)
-    summed = Counter({one.code: one.times for one in shares(times.by_reason)})
+    summed = Counter({entry.code: entry.times for entry in shares(times.by_reason)})
     assert summed == known
 
 
-def test_days_side_by_side_tell_the_reasons_of_the_largest_losses(tmp_path: Path) -> None:
+def test_days_side_by_side_name_reasons_of_losses(tmp_path: Path) -> None:
     period = written(tmp_path / 'j', the_day()).period
     half = (period.begin_us + period.end_us) // 2
     halves = [
@@ -279,7 +277,7 @@ def test_days_side_by_side_tell_the_reasons_of_the_largest_losses(tmp_path: Path
     ]
     with closing(SqliteRecords(tmp_path / 'j')) as records:
         report = beside(Reading(records, pytest.fail), [('a', halves[0]), ('b', halves[1])], None)
-    largest = {one['loss']: one['reasons'] for one in beside_plain(report, None)['largest_losses']}
+    largest = {row['loss']: row['reasons'] for row in beside_plain(report, None)['largest_losses']}
     assert largest['own_fault'] == [
         {'code': 'JAM', 'times': 1, 'seconds': 10 * MINUTE},
         {'code': None, 'times': 1, 'seconds': 5 * MINUTE},

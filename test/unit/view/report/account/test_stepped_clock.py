@@ -63,7 +63,7 @@ def of_all(day: Day) -> Account:
 
 
 @pytest.mark.parametrize('of', [lambda r: whole(r, 'j'), lambda r: of_job(r, 'J', 'j')])
-def test_a_period_is_as_long_as_the_time_that_passed(of: object) -> None:
+def test_period_is_as_long_as_time_passed(of: object) -> None:
     assert callable(of)
     reading = Reading(set_back().records())
     period = of(reading)
@@ -76,7 +76,7 @@ def test_a_period_is_as_long_as_the_time_that_passed(of: object) -> None:
     assert made.figures.times.producing_us == 11 * MINUTE
 
 
-def test_a_report_names_the_step_with_the_times_of_the_clock() -> None:
+def test_report_names_clock_step_with_clock_times() -> None:
     notes = of_all(set_back()).notes()
     (named,) = (
         note for note in notes if note.startswith('the clock was set back by 3600 s, from')
@@ -85,7 +85,7 @@ def test_a_report_names_the_step_with_the_times_of_the_clock() -> None:
     assert not any('cell file are too long' in note for note in notes)
 
 
-def test_events_before_a_period_count_though_the_clock_showed_more() -> None:
+def test_earlier_events_count_despite_later_clock_reading() -> None:
     day = Day()
     day.note('08:00', NODE)
     day.note('11:01', e.ClockStepped(seconds=10800.0), *BEGUN[1:], work(1))
@@ -96,7 +96,7 @@ def test_events_before_a_period_count_though_the_clock_showed_more() -> None:
     assert made.figures.times.producing_us == 5 * MINUTE
 
 
-def test_a_clock_that_is_set_forward_makes_no_time() -> None:
+def test_clock_set_forward_adds_no_time() -> None:
     day = Day()
     day.note('08:00', *BEGUN, work(1))
     day.note('11:00', e.ClockStepped(seconds=3600.0))
@@ -127,16 +127,16 @@ def of_shift(day: Day, shift: Shift) -> Account:
     return account(Reading(day.records()), period, LINE.cell)
 
 
-def test_a_moment_belongs_to_the_shift_whose_hours_the_clock_showed() -> None:
-    early, late = (of_shift(over_two_shifts(), one) for one in (EARLY, LATE))
+def test_moment_belongs_to_shift_shown_by_clock() -> None:
+    early, late = (of_shift(over_two_shifts(), shift) for shift in (EARLY, LATE))
     assert early.figures.times.producing_us == (10 + 5) * MINUTE
     assert late.figures.times.producing_us == (10 + 20) * MINUTE
     assert (early.figures.produced, late.figures.produced) == (1, 3)
-    for one in (early, late):
-        assert any('the clock was set back by 900 s' in note for note in one.notes())
+    for shift in (early, late):
+        assert any('the clock was set back by 900 s' in note for note in shift.notes())
 
 
-def test_a_shift_that_runs_is_told_as_a_report_tells_it() -> None:
+def test_live_account_of_shift_matches_fresh_account() -> None:
     day = over_two_shifts()
     period = shift_on(EARLY, Day.date(), timezone.utc)
     live = LiveAccount(lambda _: Now(period), None)
@@ -151,7 +151,7 @@ def test_a_shift_that_runs_is_told_as_a_report_tells_it() -> None:
         assert account_plain(seen.account) == account_plain(fresh.account)
 
 
-def test_a_clock_that_is_behind_when_a_node_starts_was_set_back() -> None:
+def test_clock_behind_at_node_start_was_set_back() -> None:
     day = Day()
     day.note('18:00', *BEGUN, work(1))
     day.note('18:10', out(1))
@@ -166,9 +166,7 @@ def test_a_clock_that_is_behind_when_a_node_starts_was_set_back() -> None:
 @pytest.mark.parametrize(
     ('by_s', 'stepped', 'started'), [(3600.0, '11:10', '11:40'), (-3600.0, '09:10', '09:40')]
 )
-def test_a_proven_step_leaves_the_time_without_a_node(
-    by_s: float, stepped: str, started: str
-) -> None:
+def test_proven_step_keeps_time_without_node(by_s: float, stepped: str, started: str) -> None:
     day = Day()
     day.note('10:00', *BEGUN, work(1))
     day.note('10:10', out(1))
@@ -179,7 +177,7 @@ def test_a_proven_step_leaves_the_time_without_a_node(
     assert sum('the clock was set' in note for note in made.notes()) == 1
 
 
-def test_an_attempt_over_a_step_took_the_time_that_passed() -> None:
+def test_attempt_over_step_takes_the_time_passed() -> None:
     day = Day()
     day.note('10:00', *BEGUN, work(1))
     day.note('09:10', e.ClockStepped(seconds=-3600.0))
@@ -187,8 +185,8 @@ def test_an_attempt_over_a_step_took_the_time_that_passed() -> None:
         job='J', item='J/1', section=2, task='work', attempt=1, reason='aborted', message=''
     )
     day.note('09:12', failed, DONE)
-    (found,) = of_all(day).figures.times.failing
-    assert found.us == 12 * MINUTE
+    (failing,) = of_all(day).figures.times.failing
+    assert failing.us == 12 * MINUTE
 
 
 # --- books of the version before --------------------------------------------------------------
@@ -203,7 +201,7 @@ def in_old_books(path: Path, events: Sequence[e.Event], monkeypatch: pytest.Monk
         book_all(store, path)
 
 
-def test_books_of_the_version_before_are_read_and_told_as_they_are(
+def test_books_of_previous_version_are_read_and_noted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, day = tmp_path / 'journal', set_back()
@@ -225,7 +223,7 @@ def test_books_of_the_version_before_are_read_and_told_as_they_are(
     assert times.lost_us == {Loss.NO_ORDER: 50 * MINUTE}
 
 
-def test_books_that_begin_anew_keep_the_steps_of_the_time_before(tmp_path: Path) -> None:
+def test_restarted_books_keep_earlier_clock_steps(tmp_path: Path) -> None:
     path, day = tmp_path / 'journal', set_back()
     hours = Period.all_planned('hours', us_of(at('17:00')), us_of(at('17:15')))
 

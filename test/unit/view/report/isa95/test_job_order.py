@@ -63,7 +63,7 @@ BY_RECIPE = dataclasses.replace(
 def listed(order: JobOrder) -> ListedJob:
     """Return the job that an order becomes, as the journal tells of it."""
     made = work_order(order, recipes=RECIPES)
-    terms = {one.name: getattr(made.terms, one.name) for one in dataclasses.fields(Terms)}
+    terms = {field.name: getattr(made.terms, field.name) for field in dataclasses.fields(Terms)}
     queued = e.JobQueued(
         job=made.order or '',
         script=made.script or 'generated',
@@ -79,9 +79,9 @@ def listed(order: JobOrder) -> ListedJob:
     followed = FollowedJobs()
     followed.begin()
     followed.follow(read)
-    found = followed.get('WO-7')
-    assert found is not None
-    return found
+    followed_job = followed.get('WO-7')
+    assert followed_job is not None
+    return followed_job
 
 
 def with_parameters(*parameters: Parameter) -> JobOrder:
@@ -94,7 +94,7 @@ def statuses(order: JobOrder, **more: Any) -> set[tuple[str, ReturnStatus]]:
     return {(finding.where, finding.status) for finding in caught.value.findings}
 
 
-def test_ids_quantity_parameters_and_times_are_those_of_a_work_order() -> None:
+def test_job_order_fields_become_work_order_fields() -> None:
     made = work_order(WHOLE)
     assert (made.order, made.script, made.quantity) == ('WO-7', 'filling', 12)
     assert made.params == {'lot': 'A7', 'speed': 2.5}
@@ -118,22 +118,22 @@ def test_names_of_opc_40001_3_and_resources_are_details() -> None:
     assert details['EquipmentRequirements'] == [{'ID': 'camera', 'EquipmentUse': 'inspection'}]
 
 
-def test_an_order_is_told_as_it_was_given_from_the_journal_alone() -> None:
+def test_journal_alone_restores_the_job_order() -> None:
     assert job_order(listed(WHOLE)) == WHOLE
 
 
-def test_other_details_are_told_as_one_parameter_and_taken_back() -> None:
+def test_other_details_survive_as_one_parameter() -> None:
     order = with_parameters(Parameter('Details', '{"mine": [1, 2]}'), Parameter('RunsPlanned', 2))
-    told = job_order(listed(order))
-    assert Parameter('Details', '{"mine": [1, 2]}') in told.parameters
-    assert work_order(told).terms.details['mine'] == [1, 2]
+    reported = job_order(listed(order))
+    assert Parameter('Details', '{"mine": [1, 2]}') in reported.parameters
+    assert work_order(reported).terms.details['mine'] == [1, 2]
 
 
-def test_details_under_a_name_of_the_standard_are_reported_as_other_details() -> None:
+def test_details_with_standard_names_become_other_details() -> None:
     job = dataclasses.replace(listed(WHOLE), details={'PlannedSetupTime': 'long', 'Customers': []})
-    told = {one.id: one.value for one in job_order(job).parameters}
-    assert told['Details'] == '{"PlannedSetupTime": "long"}'
-    assert 'PlannedSetupTime' not in told
+    values = {parameter.id: parameter.value for parameter in job_order(job).parameters}
+    assert values['Details'] == '{"PlannedSetupTime": "long"}'
+    assert 'PlannedSetupTime' not in values
 
 
 def test_other_parameters_are_of_the_script() -> None:
@@ -210,14 +210,14 @@ def test_everything_that_is_wrong_is_told_at_once() -> None:
 # --- by recipe ----------------------------------------------------------------------------------
 
 
-def test_a_work_master_may_be_a_recipe_and_equipment_binds_its_operations() -> None:
+def test_recipe_order_binds_operations_to_equipment() -> None:
     made = work_order(BY_RECIPE, ['arm', 'camera'], RECIPES)
     assert made.script == ''
     assert made.recipe == RecipeChoice(('WM-100',), 3, {'insert': 'arm'})
     assert (made.quantity, made.params) == (12, {'lot': 'A7'})
 
 
-def test_an_unknown_recipe_name_is_taken_for_a_script() -> None:
+def test_unknown_recipe_name_becomes_script_name() -> None:
     made = work_order(BY_RECIPE)
     assert (made.script, made.recipe) == ('WM-100', None)
     assert made.params == {'lot': 'A7', 'RecipeVersion': 3}
@@ -253,7 +253,7 @@ def test_mistakes_of_an_order_by_recipe(
     assert statuses(order, components=['arm', 'camera'], recipes=RECIPES) == {found}
 
 
-def test_an_order_by_recipe_is_told_as_it_was_given() -> None:
+def test_order_by_recipe_is_restored_unchanged() -> None:
     assert job_order(listed(BY_RECIPE)) == BY_RECIPE
 
 
@@ -278,12 +278,12 @@ def test_an_order_by_recipe_is_told_as_it_was_given() -> None:
         ({'work_masters': (WorkMaster('filling'),), 'parameters': ()}, {'script': 'filling'}),
     ],
 )
-def test_an_update_of_a_job_by_recipe_names_the_recipe(
+def test_update_of_recipe_job_names_recipe(
     changed: dict[str, Any], asked: dict[str, object]
 ) -> None:
     order = dataclasses.replace(BY_RECIPE, **changed)
-    found = changes(order, listed(BY_RECIPE), recipes=RECIPES)
-    named = {key: found[key] for key in ('script', 'recipe', 'version', 'bind') if key in found}
+    update = changes(order, listed(BY_RECIPE), recipes=RECIPES)
+    named = {key: update[key] for key in ('script', 'recipe', 'version', 'bind') if key in update}
     assert named == asked
 
 
@@ -300,7 +300,7 @@ def test_an_update_names_only_what_it_changes() -> None:
     assert asked['details'] == {**now.details, 'Customers': ['Other']}
 
 
-def test_an_update_with_the_whole_order_keeps_the_script_as_it_was_read() -> None:
+def test_full_order_update_keeps_script() -> None:
     asked = changes(WHOLE, listed(WHOLE))
     assert 'script' not in asked
     assert asked['start'] == '2027-01-15T08:00:00+00:00'
@@ -308,7 +308,7 @@ def test_an_update_with_the_whole_order_keeps_the_script_as_it_was_read() -> Non
     assert changes(other, listed(WHOLE))['script'] == 'another'
 
 
-def test_an_update_that_says_nothing_is_a_request_all_the_same() -> None:
+def test_empty_update_is_still_a_request() -> None:
     assert changes(JobOrder('WO-7'), None) == {'job': 'WO-7'}
     # Another script is for engineers: who may not ask for it is told all the same that it is none.
     masters = (WorkMaster('another'),)

@@ -42,7 +42,7 @@ ENDED = ListedJob(
 
 
 def data(job: ListedJob, **more: str) -> dict[str, object]:
-    return {one.id: one.value for one in response_of(job, **more).data}
+    return {parameter.id: parameter.value for parameter in response_of(job, **more).data}
 
 
 def test_times_counts_and_result() -> None:
@@ -73,19 +73,17 @@ def test_times_counts_and_result() -> None:
         (JobWord.ABORTED, 4, JobResult.UNSUCCESSFUL),
     ],
 )
-def test_a_job_is_successful_if_it_began_every_item(
-    word: JobWord, started: int, result: JobResult
-) -> None:
+def test_job_succeeds_when_all_items_began(word: JobWord, started: int, result: JobResult) -> None:
     job = replace(ENDED, status=replace(ENDED.status, state=word, started=started))
     assert data(job)['JobResult'] == result
 
 
-def test_ending_and_its_reason_are_told_until_the_line_has_drained() -> None:
+def test_ending_is_reported_until_line_has_drained() -> None:
     status = replace(ENDED.status, state=JobWord.RUNNING, ending='stopping', expected_end_s=2.5)
-    found = data(replace(ENDED, status=status, reason='no material'))
-    assert found['Ending'] == 'stopping'
-    assert found['ReasonForStateChange'] == Text('no material')
-    assert found['EstimatedRemainingTime'] == 10_000.0
+    values = data(replace(ENDED, status=status, reason='no material'))
+    assert values['Ending'] == 'stopping'
+    assert values['ReasonForStateChange'] == Text('no material')
+    assert values['EstimatedRemainingTime'] == 10_000.0
 
 
 def test_an_interrupted_job_says_why_the_line_stands() -> None:
@@ -104,9 +102,7 @@ def test_an_interrupted_job_says_why_the_line_stands() -> None:
         (JobWord.ABORTED, None, True),
     ],
 )
-def test_a_job_has_a_response_once_it_has_started(
-    word: JobWord, started_at: float | None, has: bool
-) -> None:
+def test_job_has_response_once_started(word: JobWord, started_at: float | None, has: bool) -> None:
     assert has_response(replace(ENDED.status, state=word, started_at=started_at)) is has
 
 
@@ -127,8 +123,8 @@ def test_a_journal_tells_the_same_response() -> None:
 
 def test_the_recipe_of_the_script_is_told() -> None:
     status = replace(ENDED.status, recipe='WM-100', recipe_version=3)
-    told = data(replace(ENDED, status=status))
-    assert (told['RecipeID'], told['RecipeVersion']) == ('WM-100', 3)
+    values = data(replace(ENDED, status=status))
+    assert (values['RecipeID'], values['RecipeVersion']) == ('WM-100', 3)
     record = JobRecord('W', 'filling', 4, 1.0, recipe='WM-100', recipe_version=3, status='running')
     response = response_of_record(record)
     assert response is not None

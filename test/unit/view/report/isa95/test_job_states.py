@@ -27,7 +27,7 @@ def test_every_state_of_a_job_has_its_number() -> None:
     assert {word.substate for word in JobWord} - {''} == set(SUBSTATES['Interrupted'])
 
 
-def test_a_substate_follows_its_state_and_names_its_machine() -> None:
+def test_substate_follows_state_and_names_machine() -> None:
     assert states_of(JobWord.RUNNING) == (State('Running', 3),)
     top, sub = states_of(JobWord.SUSPENDED)
     assert top == State('Interrupted', 4)
@@ -36,7 +36,7 @@ def test_a_substate_follows_its_state_and_names_its_machine() -> None:
     assert sub.machine in names
 
 
-def test_a_job_that_waits_for_its_start_says_so() -> None:
+def test_waiting_job_has_substate_waiting() -> None:
     _, sub = states_of(JobWord.ALLOWED_TO_START, awaits_start=True)
     assert sub == State('Waiting', 1, 'AllowedToStartSubstates')
     assert len(states_of(JobWord.NOT_ALLOWED_TO_START, awaits_start=True)) == 1
@@ -66,5 +66,5 @@ def test_jobs_are_found_by_number_or_by_text(asked: list[State], words: set[JobW
         ([State('', 3), State('', 1, 'InterruptedSubstates')], False),
     ],
 )
-def test_a_state_that_no_job_can_have_is_not_known(asked: list[State], is_known: bool) -> None:
+def test_impossible_job_state_is_not_known(asked: list[State], is_known: bool) -> None:
     assert are_known(asked) is is_known

@@ -31,7 +31,7 @@ def a_terminal(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     os.close(person)
 
 
-def test_keys_come_without_a_line_end_and_the_terminal_is_as_before_afterwards(
+def test_terminal_is_restored_after_reading_keys(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A terminal that shows what is typed, and waits for a line, does so again."""

@@ -95,8 +95,8 @@ def test_answers_that_nobody_reads_do_not_pile_up(
             ]
             await becomes(lambda: not bench.server.bserver.clients)
             client.uaclient.protocol.transport.abort()  # or it would wait for an answer
-            for one in asked:
-                one.cancel()
+            for request in asked:
+                request.cancel()
             await asyncio.gather(*asked, return_exceptions=True)
 
     insecure(work)

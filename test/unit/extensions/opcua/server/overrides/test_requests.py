@@ -58,8 +58,8 @@ def test_nobody_registers_another_server_here(secure: Served) -> None:
         async with channel(client):
             server = ua.RegisteredServer(ServerUri='urn:evil', ServerNames=[ua.LocalizedText('x')])
             params = ua.RegisterServer2Parameters(server)
-            found = await code_of(client.uaclient.register_server2(params))
-            assert found == CODES.BadServiceUnsupported
+            code = await code_of(client.uaclient.register_server2(params))
+            assert code == CODES.BadServiceUnsupported
             assert 'urn:evil' not in bench.server.inside._known_servers
 
     secure(work)

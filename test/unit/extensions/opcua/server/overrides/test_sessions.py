@@ -15,7 +15,7 @@ from bt_orchestrator.extensions.opcua.server.overrides import limits
 CODES = ua.StatusCodes
 
 
-def test_a_connection_has_one_session_and_none_stays_behind(insecure: Served) -> None:
+def test_connection_has_one_session_and_leaves_none(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         client = bench.plain()
         async with channel(client):
@@ -51,13 +51,13 @@ def test_a_session_whose_client_is_gone_makes_room(
         await becomes(lambda: not bench.server.bserver.clients)
         assert len(bench.server.inside.sessions) == 1  # it may come back
         async with bench.plain(), bench.plain('ann'):
-            names = [one.user.name for one in bench.server.inside.sessions]
+            names = [session.user.name for session in bench.server.inside.sessions]
             assert names == ['mes', 'ann']
 
     insecure(work)
 
 
-def test_large_requests_are_answered_whole_and_let_others_have_their_turn(
+def test_large_request_is_complete_without_blocking_others(
     insecure: Served,
 ) -> None:
     async def work(bench: Bench) -> None:
@@ -71,10 +71,10 @@ def test_large_requests_are_answered_whole_and_let_others_have_their_turn(
             wanted = ua.BrowseParameters(NodesToBrowse=[browse] * 60)
 
             async def large() -> None:
-                found = await session.browse(wanted)
+                results = await session.browse(wanted)
                 done.append('large')
-                assert len(found) == 60
-                assert len({len(one.References) for one in found}) == 1
+                assert len(results) == 60
+                assert len({len(result.References) for result in results}) == 1
 
             async def small() -> None:
                 await other.get_node(bench.variable.nodeid).read_value()
@@ -90,9 +90,9 @@ def test_the_token_of_a_session_cannot_be_guessed(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         async with bench.plain(), bench.plain('ann'):
             first, second = bench.server.inside.sessions
-            for one in (first, second):
-                assert isinstance(one.auth_token.Identifier, bytes)
-                assert len(one.auth_token.Identifier) == 32
+            for session in (first, second):
+                assert isinstance(session.auth_token.Identifier, bytes)
+                assert len(session.auth_token.Identifier) == 32
             assert first.auth_token != second.auth_token
 
     insecure(work)
@@ -123,7 +123,7 @@ async def go_on(bench: Bench, former: asyncua.Client, name: str = 'mes') -> asyn
     return client
 
 
-def test_a_session_goes_on_at_another_connection_and_not_at_both(insecure: Served) -> None:
+def test_session_moves_to_another_connection(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         async with bench.plain() as former:
             client = await go_on(bench, former)
@@ -144,8 +144,8 @@ def test_a_session_goes_on_at_another_connection_and_not_at_both(insecure: Serve
 def test_nobody_goes_on_with_the_session_of_another(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         async with bench.plain() as former:
-            found = await code_of(go_on(bench, former, 'ann'))
-            assert found == CODES.BadIdentityChangeNotSupported
+            code = await code_of(go_on(bench, former, 'ann'))
+            assert code == CODES.BadIdentityChangeNotSupported
             node = former.get_node(bench.variable.nodeid)
             assert await node.read_value() == 1
 

@@ -28,7 +28,7 @@ def test_republish_of_what_is_not_there_says_so(insecure: Served) -> None:
     insecure(work)
 
 
-def test_republish_repeats_what_was_not_acknowledged_as_often_as_it_is_asked(
+def test_republish_repeats_unacknowledged_result_on_every_request(
     insecure: Served,
 ) -> None:
     async def work(bench: Bench) -> None:
@@ -37,8 +37,8 @@ def test_republish_repeats_what_was_not_acknowledged_as_often_as_it_is_asked(
             inside._not_acknowledged_results[77] = ua.PublishResult()
             inside._not_acknowledged_results[77].NotificationMessage.SequenceNumber = 77
             for _ in range(2):
-                told = await first.uaclient.session.republish(own, 77)
-                assert told.SequenceNumber == 77
+                message = await first.uaclient.session.republish(own, 77)
+                assert message.SequenceNumber == 77
 
     insecure(work)
 
@@ -67,8 +67,8 @@ USES: dict[str, Callable[[Any, int], Awaitable[Any]]] = {
 def test_nobody_uses_the_subscription_of_another(insecure: Served, use: str) -> None:
     async def work(bench: Bench) -> None:
         async with two(bench) as (_, second, own):
-            found = await code_of(USES[use](second.uaclient.session, own))
-            assert found == CODES.BadSubscriptionIdInvalid
+            code = await code_of(USES[use](second.uaclient.session, own))
+            assert code == CODES.BadSubscriptionIdInvalid
 
     insecure(work)
 
@@ -92,11 +92,11 @@ async def transfer(client: asyncua.Client, own: int) -> ua.TransferResult:
     return result
 
 
-def test_a_subscription_is_taken_over_by_its_own_user_alone(insecure: Served) -> None:
+def test_only_owner_takes_over_subscription(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         async with two(bench) as (_, other, own):
-            found = await transfer(other, own)
-            assert found.StatusCode.value == CODES.BadUserAccessDenied
+            result = await transfer(other, own)
+            assert result.StatusCode.value == CODES.BadUserAccessDenied
         async with two(bench, 'mes') as (first, same, own):
             assert (await transfer(same, own)).StatusCode.is_good()
             inside = bench.server.inside.subscription_service.subscriptions[own]
@@ -112,7 +112,7 @@ def test_a_subscription_is_taken_over_by_its_own_user_alone(insecure: Served) ->
     insecure(work)
 
 
-def test_a_server_that_was_started_anew_gives_other_ids_than_before(insecure: Served) -> None:
+def test_restarted_server_gives_new_subscription_ids(insecure: Served) -> None:
     # A client that comes back asks for the subscription that it had, and would get another's.
     async def work(bench: Bench) -> None:
         async def told(*_: object) -> None:
@@ -134,8 +134,8 @@ def test_a_server_that_was_started_anew_gives_other_ids_than_before(insecure: Se
 def test_news_and_acknowledgements_are_of_the_session(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         async with two(bench) as (_, _, own), bench.plain('eve') as third:
-            found = await code_of(third.uaclient.session.publish([]))
-            assert found == CODES.BadNoSubscription
+            code = await code_of(third.uaclient.session.publish([]))
+            assert code == CODES.BadNoSubscription
             acks = [ua.SubscriptionAcknowledgement(own, 9999)]
             _, (result,) = _of_user(bench, 'mes').publish(acks)
             assert result.value == CODES.BadSequenceNumberUnknown
@@ -147,14 +147,12 @@ def test_news_and_acknowledgements_are_of_the_session(insecure: Served) -> None:
 
 def _of_user(bench: Bench, name: str) -> Session:
     """Return the session of a user, as it is inside the server."""
-    (found,) = (one for one in bench.server.inside.sessions if one.user.name == name)
-    return found
+    (session,) = (entry for entry in bench.server.inside.sessions if entry.user.name == name)
+    return session
 
 
 @pytest.mark.parametrize('wanted', [0.0, 1e-9, -5.0, float('nan'), float('inf'), 1e30])
-def test_no_publishing_interval_keeps_the_loop_busy_or_lives_for_ever(
-    insecure: Served, wanted: float
-) -> None:
+def test_publishing_interval_and_lifetime_are_limited(insecure: Served, wanted: float) -> None:
     async def work(bench: Bench) -> None:
         async with bench.plain() as client:
             params = ua.CreateSubscriptionParameters(wanted, 2**32 - 1, 2**32 - 1, 0, True, 0)
@@ -169,7 +167,7 @@ def test_no_publishing_interval_keeps_the_loop_busy_or_lives_for_ever(
     insecure(work)
 
 
-def test_there_are_not_too_many_subscriptions_and_watched_nodes(
+def test_subscriptions_and_monitored_items_are_limited(
     insecure: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(limits, 'SUBSCRIPTIONS_OF_SESSION', 2)
@@ -191,19 +189,19 @@ def test_there_are_not_too_many_subscriptions_and_watched_nodes(
     insecure(work)
 
 
-def test_queues_of_watched_nodes_end_also_when_they_are_changed(insecure: Served) -> None:
+def test_monitored_item_queues_stay_limited_when_modified(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         async with two(bench) as (first, _, own):
             inside = bench.server.inside.subscription_service.subscriptions[own]
             ((number, item),) = inside.monitored_item_srv._monitored_items.items()
             assert item.queue_size == limits.DATA_QUEUES[0]
             for wanted in (0, 2**32 - 1):
-                one = ua.MonitoredItemModifyRequest(
+                request = ua.MonitoredItemModifyRequest(
                     number, ua.MonitoringParameters(QueueSize=wanted, Filter=None)
                 )
                 unknown = ua.MonitoredItemModifyRequest(9999, ua.MonitoringParameters())
                 params = ua.ModifyMonitoredItemsParameters(
-                    SubscriptionId=own, ItemsToModify=[unknown, one]
+                    SubscriptionId=own, ItemsToModify=[unknown, request]
                 )
                 bad, good = await first.uaclient.session.modify_monitored_items(params)
                 assert bad.StatusCode.value == CODES.BadMonitoredItemIdInvalid
@@ -216,8 +214,8 @@ def test_queues_of_watched_nodes_end_also_when_they_are_changed(insecure: Served
 def test_a_filter_fits_its_node_and_ends() -> None:
     def condition(*operands: int) -> ua.EventFilter:
         elements = [
-            ua.ContentFilterElement(ua.FilterOperator.Not, [ua.ElementOperand(one)])
-            for one in operands
+            ua.ContentFilterElement(ua.FilterOperator.Not, [ua.ElementOperand(operand)])
+            for operand in operands
         ]
         return ua.EventFilter([], ua.ContentFilter(elements))
 
@@ -226,8 +224,8 @@ def test_a_filter_fits_its_node_and_ends() -> None:
     assert refused_filter(False, data, is_required=False) is None
     assert refused_filter(True, events, is_required=True) is None
     assert refused_filter(True, condition(1, 2), is_required=True) == CODES.BadEventFilterInvalid
-    for is_event, found in (
+    for is_event, wrong_filter in (
         (False, events), (True, data), (True, None), (True, condition(0)), (True, condition(1, 0)),
         (True, condition(1, 1)), (True, ua.EventFilter([ua.SimpleAttributeOperand()] * 300)),
     ):  # fmt: skip
-        assert refused_filter(is_event, found, is_required=is_event) is not None
+        assert refused_filter(is_event, wrong_filter, is_required=is_event) is not None
