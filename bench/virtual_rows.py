@@ -121,7 +121,7 @@ def _order_s(waiting: int, orders: int) -> float:
         jobs = [Job(f'WO-{next(numbers)}', script, 1, {'label': 'A7'}) for _ in range(number)]
         assert engine.ask(AddJobs(tuple(jobs))).accepted
 
-    def one() -> None:
+    def give_one() -> None:
         give(1)
         before = len(engine.state.queue)
         while len(engine.state.queue) == before:
@@ -131,10 +131,10 @@ def _order_s(waiting: int, orders: int) -> float:
 
     give(waiting)
     for _ in range(5):
-        one()  # until the line is full
+        give_one()  # until the line is full
     began = time.process_time()
     for _ in range(orders):
-        one()
+        give_one()
     used_s = time.process_time() - began
     simulation.close()
     return used_s / orders

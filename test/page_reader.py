@@ -102,24 +102,24 @@ class PageReader:
         self._environment = {**os.environ, 'PATH': path}
         self._terminals: list[tuple[str, ProgramProcess]] = []
 
-    def follow(self, one: Typed | Saved) -> None:
+    def follow(self, typed: Typed | Saved) -> None:
         """Do what the page says next, and fail where it shows something else."""
-        if isinstance(one, Saved):
-            file = self.here / one.name
-            assert file.parent.is_dir(), one.place
-            file.write_text(one.text)
+        if isinstance(typed, Saved):
+            file = self.here / typed.name
+            assert file.parent.is_dir(), typed.place
+            file.write_text(typed.text)
             return
-        words = shlex.split(one.command)
+        words = shlex.split(typed.command)
         if words[0] == 'cd':
             self.here /= words[1]
-            assert self.here.is_dir(), one.place
-        elif one.verb in STAYING:
-            self._start(one, words[1:])
-        elif one.verb in LOOKING:
-            self._look(one)
+            assert self.here.is_dir(), typed.place
+        elif typed.verb in STAYING:
+            self._start(typed, words[1:])
+        elif typed.verb in LOOKING:
+            self._look(typed)
         else:
-            printed = self._type(one)
-            assert one.shows(printed), f'{one.place}\n{printed}'
+            printed = self._type(typed)
+            assert typed.shows(printed), f'{typed.place}\n{printed}'
 
     def leave(self) -> None:
         """Press Ctrl-C in every terminal, the last one first, and expect a clean end."""
@@ -131,31 +131,31 @@ class PageReader:
         for _, process in self._terminals:
             process.kill()
 
-    def _start(self, one: Typed, words: list[str]) -> None:
-        if one.is_after_interrupt:
+    def _start(self, typed: Typed, words: list[str]) -> None:
+        if typed.is_after_interrupt:
             verbs = [verb for verb, _ in self._terminals]
-            assert one.verb in verbs, f'{one.place}: nothing like it runs'
-            self._interrupt(len(verbs) - 1 - verbs[::-1].index(one.verb))
-        name = f'{one.verb}_{len([*self._prints.iterdir()])}'
+            assert typed.verb in verbs, f'{typed.place}: nothing like it runs'
+            self._interrupt(len(verbs) - 1 - verbs[::-1].index(typed.verb))
+        name = f'{typed.verb}_{len([*self._prints.iterdir()])}'
         process = ProgramProcess(words, self._prints, name, cwd=self.here)
-        self._terminals.append((one.verb, process))
-        for line in one.shown.splitlines():
-            assert process.wait_ready(line) == line, one.place
+        self._terminals.append((typed.verb, process))
+        for line in typed.shown.splitlines():
+            assert process.wait_ready(line) == line, typed.place
 
     def _interrupt(self, terminal: int) -> None:
         _, process = self._terminals.pop(terminal)
         assert process.stop() == 0, process.errors
         process.assert_clean()
 
-    def _look(self, one: Typed) -> None:
+    def _look(self, typed: Typed) -> None:
         deadline = time.monotonic() + PATIENCE_S
-        while not one.shows(printed := self._type(one)):
-            assert time.monotonic() < deadline, f'{one.place}\n{printed}'
+        while not typed.shows(printed := self._type(typed)):
+            assert time.monotonic() < deadline, f'{typed.place}\n{printed}'
             time.sleep(_LOOK_S)
 
-    def _type(self, one: Typed) -> str:
+    def _type(self, typed: Typed) -> str:
         done = subprocess.run(
-            ['sh', '-c', one.command],
+            ['sh', '-c', typed.command],
             cwd=self.here,
             env=self._environment,
             stdin=subprocess.DEVNULL,
@@ -166,5 +166,5 @@ class PageReader:
             check=False,
         )
         # What is refused is shown; nothing shown means that all went well.
-        assert done.returncode == 0 or one.shown, f'{one.place}\n{done.stdout}'
+        assert done.returncode == 0 or typed.shown, f'{typed.place}\n{done.stdout}'
         return done.stdout

@@ -58,13 +58,22 @@ def sentences(text: str) -> Iterator[str]:
 
 
 @cache
-def modules() -> dict[str, ast.Module]:
-    """Return what is in each file of the package, by the path of the file."""
-    paths = sorted((ROOT / 'bt_orchestrator').rglob('*.py'))
+def modules(folder: str = 'bt_orchestrator') -> dict[str, ast.Module]:
+    """Return what is in each file of the package, or of a folder, by the path of the file."""
+    paths = sorted((ROOT / folder).rglob('*.py'))
     return {
         path.relative_to(ROOT).as_posix(): ast.parse(path.read_text(encoding='utf-8'))
         for path in paths
     }
+
+
+def long_test_names(module: ast.Module, most: int) -> Iterator[str]:
+    """Yield the names of tests with more words; the numbers of the rule are none."""
+    for node in _nodes(module):
+        if isinstance(node, ast.FunctionDef) and node.name.startswith('test_'):
+            words = [word for word in node.name.split('_')[1:] if not word.isdigit()]
+            if len(words) > most:
+                yield node.name
 
 
 def first_lines(module: ast.Module) -> Iterator[str]:

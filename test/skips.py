@@ -40,8 +40,8 @@ def pytest_collectreport(report: pytest.CollectReport) -> None:
         _note(report.nodeid, report.longrepr)
 
 
-def _note(test: str, found: object) -> None:
-    reason = str(found[2] if isinstance(found, tuple) else found)
+def _note(test: str, longrepr: object) -> None:
+    reason = str(longrepr[2] if isinstance(longrepr, tuple) else longrepr)
     if not is_allowed(reason):
         _reasons.append(f'{test}: {reason}')
 

@@ -77,13 +77,13 @@ class Measured:
     def _of(self, who: str, begin: float, end: float) -> list[Mapping[str, Any]]:
         return [p for p in self._pings if p['who'] == who and begin <= p['at'] <= end]
 
-    def _add_sizes(self, found: Figures, begin: float, end: float) -> None:
+    def _add_sizes(self, figures: Figures, begin: float, end: float) -> None:
         samples = [s for s in self._samples if begin <= s['at'] <= end]
         if samples:
             first, last = samples[0], samples[-1]
-            found.peak_mb = max(s['mb'] for s in samples) - first['mb']
-            found.grown_mb = last['mb'] - first['mb']
-            found.journal_mb = (max(s['bytes'] for s in samples) - first['bytes']) / MB
+            figures.peak_mb = max(s['mb'] for s in samples) - first['mb']
+            figures.grown_mb = last['mb'] - first['mb']
+            figures.journal_mb = (max(s['bytes'] for s in samples) - first['bytes']) / MB
 
 
 def _records(file: Path) -> list[Mapping[str, Any]]:

@@ -152,7 +152,7 @@ class LinkContract(FollowingContract):
         assert asked_of(link, 'job.cancel', job=name).accepted
 
     @pytest.mark.parametrize(
-        ('name', 'given', 'said'),
+        ('name', 'given', 'message'),
         [
             ('cell.clear', {}, 'either every slot, as in 1=WO-1/3 and 2=empty'),
             ('cell.clear', {'belt': ['1=O-1/1']}, 'clear'),
@@ -180,12 +180,12 @@ class LinkContract(FollowingContract):
         ],
     )
     def test_a_refusal_says_why_and_is_on_record(
-        self, link: CellLink, name: str, given: dict[str, Any], said: str
+        self, link: CellLink, name: str, given: dict[str, Any], message: str
     ) -> None:
         before = happen(link)
         answer = asked_of(link, name, **given)
         assert not answer.accepted
-        assert said in answer.message
+        assert message in answer.message
         if name != 'job.update' or 'start' not in given:
             (event,) = link.events_after(before).events
             assert event.event == 'operator.refused'

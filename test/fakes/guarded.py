@@ -54,9 +54,9 @@ class Bench:
     def trust(self) -> Trust:
         return self.security.trust
 
-    def trusted(self, found: x509.Certificate | None = None) -> x509.Certificate:
+    def trusted(self, cert: x509.Certificate | None = None) -> x509.Certificate:
         """Trust the certificate of a client."""
-        made = found or certificate()
+        made = cert or certificate()
         trust_it(self.trust, made)
         return made
 
@@ -69,7 +69,7 @@ class Bench:
 
     async def secure(
         self,
-        found: x509.Certificate,
+        cert: x509.Certificate,
         name: str = 'mes',
         password: str = PASSWORD,
         *,
@@ -80,18 +80,18 @@ class Bench:
         """Return a client with a certificate."""
         client = self.plain(name, password)
         client.application_uri = uri
-        own, key = write_client(self.folder, found)
+        own, key = write_client(self.folder, cert)
         server = self.security.own.certificate.public_bytes(Encoding.DER)
         await client.set_security(policy, own, key, server_certificate=server, mode=mode)
         return client
 
 
-def trust_it(trust: Trust, found: x509.Certificate) -> None:
+def trust_it(trust: Trust, cert: x509.Certificate) -> None:
     """Trust a certificate as people do: after it was refused."""
     try:
-        trust.check(found.public_bytes(Encoding.DER))
+        trust.check(cert.public_bytes(Encoding.DER))
     except Untrusted:
-        trust.trust(thumbprint(found))
+        trust.trust(thumbprint(cert))
 
 
 class Served:

@@ -142,8 +142,8 @@ def is_first_pass(past: Records, out: Record) -> bool:
     )
 
 
-def is_decision(one: Record) -> bool:
-    return bool(one['event'] == 'operator.decided')
+def is_decision(record: Record) -> bool:
+    return bool(record['event'] == 'operator.decided')
 
 
 def product_of(past: Records, job: str) -> str:
@@ -155,25 +155,25 @@ def product_of(past: Records, job: str) -> str:
 # --- what was done again ----------------------------------------------------------------------
 
 
-def done_again(past: Records, one: Record) -> Row | None:
-    if one.get('item') is None:
+def done_again(past: Records, record: Record) -> Row | None:
+    if record.get('item') is None:
         return None
-    if one['event'] == 'task.started' and one['attempt'] > 1:
-        decision = 'retry' if was_held(past, one) else 'retries'
-        return failed(past, one, 'attempt', decision, product_of(past, one['job']))
-    if one['event'] != 'round.begun':
+    if record['event'] == 'task.started' and record['attempt'] > 1:
+        decision = 'retry' if was_held(past, record) else 'retries'
+        return failed(past, record, 'attempt', decision, product_of(past, record['job']))
+    if record['event'] != 'round.begun':
         return None
     ends = [
         failure
-        for failure in of_item(past, one['item'])
-        if failure['event'] == 'task.failed' and failure['task'] in one['tasks']
+        for failure in of_item(past, record['item'])
+        if failure['event'] == 'task.failed' and failure['task'] in record['tasks']
     ]
     decision = 'again' if was_held(past, ends[-1]) else 'repeat'
-    return failed(past, ends[-1], 'round', decision, product_of(past, one['job']))
+    return failed(past, ends[-1], 'round', decision, product_of(past, record['job']))
 
 
-def same_task(one: Record, other: Record) -> bool:
-    return all(one.get(name) == other.get(name) for name in ('job', 'item', 'task'))
+def same_task(first: Record, other: Record) -> bool:
+    return all(first.get(name) == other.get(name) for name in ('job', 'item', 'task'))
 
 
 def last_failure(past: Records, about: Record) -> Record | None:
@@ -330,9 +330,9 @@ def measured(past: Records, end: Record) -> Iterator[tuple[tuple[Any, ...], floa
             yield (product, end['task'], component, field, low, high), value
 
 
-def beside(key: tuple[Any, ...], found: Sequence[float]) -> Values:
+def beside(key: tuple[Any, ...], starts_s: Sequence[float]) -> Values:
     low, high = key[-2:]
-    below = sum(low is not None and value < low for value in found)
-    above = sum(high is not None and value > high for value in found)
-    mean = sum((Fraction(value) for value in found), start=Fraction(0)) / len(found)
-    return Values(len(found), below, above, min(found), mean, max(found))
+    below = sum(low is not None and value < low for value in starts_s)
+    above = sum(high is not None and value > high for value in starts_s)
+    mean = sum((Fraction(value) for value in starts_s), start=Fraction(0)) / len(starts_s)
+    return Values(len(starts_s), below, above, min(starts_s), mean, max(starts_s))

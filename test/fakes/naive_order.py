@@ -77,8 +77,8 @@ def _keeps_order(bound: dict[str, tuple[int, str, Capability]], recipe: Recipe) 
     return all(len({bound[op][0] for op in rework.operations}) == 1 for rework in recipe.reworks)
 
 
-def _named(one: Operation) -> Iterator[Reference]:
-    for value in one.options.values():
+def _named(operation: Operation) -> Iterator[Reference]:
+    for value in operation.options.values():
         if isinstance(value, Condition):
             yield from value.references
 
@@ -97,10 +97,10 @@ def _places(script: Script) -> dict[str, _Place]:
     }
 
 
-def _is_before(one: _Place, other: _Place) -> bool:
-    if one[:2] != other[:2]:
-        return one[:2] < other[:2]
-    return one[2] == other[2] and one[3] < other[3]
+def _is_before(first: _Place, other: _Place) -> bool:
+    if first[:2] != other[:2]:
+        return first[:2] < other[:2]
+    return first[2] == other[2] and first[3] < other[3]
 
 
 def _not_once(script: Script, recipe: Recipe) -> Iterator[str]:
@@ -121,9 +121,9 @@ def _not_able(script: Script, recipe: Recipe, overrides: Overrides, cell: Cell) 
             yield f'{op.id} is not where it is bound'
 
 
-def _befores(one: Operation, script: Script) -> set[str]:
-    named = {r.name for r in script.tasks[one.id].references if r.source == 'results'}
-    return {*one.after, *one.needs.values(), *named}
+def _befores(operation: Operation, script: Script) -> set[str]:
+    named = {r.name for r in script.tasks[operation.id].references if r.source == 'results'}
+    return {*operation.after, *operation.needs.values(), *named}
 
 
 def _out_of_order(

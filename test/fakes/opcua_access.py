@@ -117,10 +117,10 @@ def certificate(
     return builder.sign(issuer[1] if issuer else key, hashes.SHA256())
 
 
-def write_client(folder: Path, found: x509.Certificate) -> tuple[Path, Path]:
+def write_client(folder: Path, certificate: x509.Certificate) -> tuple[Path, Path]:
     """Write a certificate and its key for asyncua's client; returns the files."""
     paths = folder / 'client.der', folder / 'client.pem'
-    paths[0].write_bytes(found.public_bytes(Encoding.DER))
+    paths[0].write_bytes(certificate.public_bytes(Encoding.DER))
     paths[1].write_bytes(
         client_key().private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
     )

@@ -61,15 +61,15 @@ def test_a_door_says_how_it_knows_who_asks() -> None:
 
 
 @pytest.mark.parametrize(
-    ('orders', 'told'),
+    ('orders', 'message'),
     [
         ([WorkOrder('boxes', 'a', -1)], r'orders\[0\].quantity must be'),
         ([WorkOrder('boxes', 'a', 1, {'a': '\ud800'})], 'not a valid'),
     ],
 )
-def test_what_no_message_can_carry_is_refused_here(orders: list[WorkOrder], told: str) -> None:
+def test_what_no_message_can_carry_is_refused_here(orders: list[WorkOrder], message: str) -> None:
     """The generated code of ROS 2 ends the whole process at some of it."""
-    with pytest.raises(CommandRefused, match=told):
+    with pytest.raises(CommandRefused, match=message):
         call('queue.add', orders=orders)
 
 

@@ -140,10 +140,10 @@ def test_a_status_comes_back_from_json(status: CellStatus) -> None:
 
 @given(STATUSES, STATUSES)
 @settings(max_examples=50, deadline=None)
-def test_reused_writer_writes_the_same_status(one: CellStatus, other: CellStatus) -> None:
+def test_reused_writer_writes_the_same_status(first: CellStatus, other: CellStatus) -> None:
     writer = StatusWriter()
-    mixed = changed(other, sections=one.sections, jobs=one.jobs[:1] + other.jobs)
-    for status in (one, named_once(mixed), one, other):
+    mixed = changed(other, sections=first.sections, jobs=first.jobs[:1] + other.jobs)
+    for status in (first, named_once(mixed), first, other):
         assert cell_status(sent(writer.message(status))) == status
 
 

@@ -80,11 +80,11 @@ class Client(Driver):
     def wait_state(self, order: str, *states: str) -> str:
         """Wait until a subscription to JobOrderList has told one of these states."""
 
-        def found() -> str:
+        def reached() -> str:
             now = self.told_state(order)
             return now if now in states else ''
 
-        return str(self.wait_until(found, f'{order} in {states}'))
+        return str(self.wait_until(reached, f'{order} in {states}'))
 
     def told_state(self, order: str) -> str:
         """Return the state that a subscription to JobOrderList has told last; `gone`: none."""

@@ -29,11 +29,11 @@ def lay() -> Iterator[Lay]:
     """Give a function that lays a wire to a port."""
     laid: list[Proxy] = []
 
-    def one(port: int) -> Proxy:
+    def lay(port: int) -> Proxy:
         laid.append(Proxy(port))
         return laid[-1]
 
-    yield one
+    yield lay
     for wire in laid:
         wire.close()
 

@@ -16,8 +16,8 @@ URI = 'urn:bt_orchestrator:test'
 
 
 @uamethod  # type: ignore[untyped-decorator]
-def add(parent: ua.NodeId, one: int, other: int) -> int:
-    return one + other
+def add(parent: ua.NodeId, first: int, other: int) -> int:
+    return first + other
 
 
 @pytest.fixture

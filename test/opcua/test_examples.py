@@ -34,8 +34,8 @@ def examples() -> list[Path]:
     return [*today, *changed]
 
 
-def differ(one: Path, other: Path) -> bool:
-    return one.read_text(encoding='utf-8') != other.read_text(encoding='utf-8')
+def differ(first: Path, other: Path) -> bool:
+    return first.read_text(encoding='utf-8') != other.read_text(encoding='utf-8')
 
 
 DONE = """\

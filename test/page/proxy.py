@@ -53,9 +53,9 @@ class Proxy:
         self._is_cut = False
         self._do(self._set(self._passing.set))
 
-    def lose(self, one: Filter) -> None:
+    def lose(self, lost: Filter) -> None:
         """Send from now on what the filter makes of the page's answers."""
-        self._filter = one
+        self._filter = lost
 
     @property
     def connections(self) -> int:
@@ -70,8 +70,8 @@ class Proxy:
         self._thread.join()
         self._loop.close()
 
-    def _do(self, one: Coroutine[Any, Any, _T]) -> _T:
-        return asyncio.run_coroutine_threadsafe(one, self._loop).result(PATIENCE_S)
+    def _do(self, work: Coroutine[Any, Any, _T]) -> _T:
+        return asyncio.run_coroutine_threadsafe(work, self._loop).result(PATIENCE_S)
 
     async def _listen(self) -> asyncio.Server:
         return await asyncio.start_server(self._connect, '127.0.0.1', 0)

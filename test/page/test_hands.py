@@ -71,8 +71,8 @@ _BROKEN = """
 IN_DOUBT = ['component_3a.TASK_A#2=cancel', 'component_3b.TASK_A#2=cancel']
 
 
-def answers_at(one: Stand) -> list[tuple[str, str]]:
-    made = [event for event in one.happened('operator.decided') if 'hold' in event]
+def answers_at(seat: Stand) -> list[tuple[str, str]]:
+    made = [event for event in seat.happened('operator.decided') if 'hold' in event]
     return [(event['hold'], event['answer']) for event in made]
 
 

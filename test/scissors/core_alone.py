@@ -160,4 +160,4 @@ def use(extension: Extension, tests: Sequence[str]) -> None:
 if __name__ == '__main__':
     name, folder, *given = sys.argv[1:]
     os.chdir(folder)
-    use(next(one for one in EXTENSIONS if one.name == name), given)
+    use(next(extension for extension in EXTENSIONS if extension.name == name), given)

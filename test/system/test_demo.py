@@ -146,7 +146,7 @@ def test_resume_without_killed_demo_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ('wrong', 'said'),
+    ('wrong', 'message'),
     [
         (['--fail', 'componnt_3a.#1=abort'], 'did you mean `component_3a`'),
         (['--fail', 'component_3a.#1=abrt'], 'one of false, reject, abort'),
@@ -156,11 +156,11 @@ def test_resume_without_killed_demo_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_wrong_options_are_reported_before_anything_starts(
-    wrong: Sequence[str], said: str, tmp_path: Path
+    wrong: Sequence[str], message: str, tmp_path: Path
 ) -> None:
     demo = ProgramProcess(['demo', *wrong], tmp_path, 'demo')
     assert demo.wait() in (1, 2)
-    assert said in demo.errors
+    assert message in demo.errors
     assert demo.output == ''
     assert not (tmp_path / 'bt_orchestrator').exists(), 'the last demo is left as it is'
 

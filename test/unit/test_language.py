@@ -84,9 +84,20 @@ def of_messages() -> Complaints:
 
 
 def of_names() -> Complaints:
+    """Of the package, of its tests, and of the bench."""
+    everywhere = {**prose.modules(), **prose.modules('test'), **prose.modules('bench')}
     return {
         path: [name for name in prose.variables(module) if name in LIST['names']]
-        for path, module in prose.modules().items()
+        for path, module in everywhere.items()
+        if not path.startswith('test/data/')  # of a release
+    }
+
+
+def of_test_names() -> Complaints:
+    most = LIST['most_words_of_a_test']
+    return {
+        path: [*prose.long_test_names(module, most)]
+        for path, module in prose.modules('test').items()
     }
 
 
@@ -96,6 +107,7 @@ KINDS: dict[str, Callable[[], Complaints]] = {
     'words of messages': of_messages,
     'words of docstrings': partial(of_code, prose.first_lines),
     'names in code': of_names,
+    'names of tests': of_test_names,
     'words of help': partial(of_help, banned_in),
     'sentences of help': partial(of_help, long_in),
 }
@@ -109,10 +121,12 @@ def test_the_language_is_plain(kind: str) -> None:
     )
 
 
-@pytest.mark.parametrize('one', CONSTRUCTIONS, ids=lambda one: one.name)
-def test_banned_constructions_are_caught_and_good_sentences_pass(one: Construction) -> None:
-    assert [it.partition(':')[0] for it in banned_in([one.caught])] == [one.name]
-    assert list(banned_in([one.fine])) == []
+@pytest.mark.parametrize('construction', CONSTRUCTIONS, ids=lambda construction: construction.name)
+def test_banned_constructions_are_caught_and_good_sentences_pass(
+    construction: Construction,
+) -> None:
+    assert [it.partition(':')[0] for it in banned_in([construction.caught])] == [construction.name]
+    assert list(banned_in([construction.fine])) == []
 
 
 def test_a_long_sentence_is_caught() -> None:
@@ -126,6 +140,11 @@ def test_names_are_those_of_variables_and_parameters() -> None:
         'class Check:\n    said: str\n    def of(self, one):\n        found = [it for it in one]'
     )
     assert sorted(prose.variables(ast.parse(code))) == ['found', 'it', 'one', 'self']
+
+
+def test_words_of_a_test_name_are_counted() -> None:
+    code = 'def test_3_1_a_b_c(): ...\ndef test_a_b(): ...\ndef of_a_b_c_d(): ...'
+    assert [*prose.long_test_names(ast.parse(code), 2)] == ['test_3_1_a_b_c']
 
 
 def test_sentences_of_a_page_are_its_readable_text() -> None:

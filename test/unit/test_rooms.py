@@ -36,7 +36,7 @@ MOST_ENTRIES = 14
 """At the top of the package: folders, and files."""
 
 BEFORE = {
-    **{f'extensions/{one}/verb': 'cli' for one in ('page', 'opcua')},
+    **{f'extensions/{name}/verb': 'cli' for name in ('page', 'opcua')},
     'extensions/opcua/mes': 'mes',
     'extensions/opcua': 'opcua',
     'extensions/page': 'web',
@@ -48,7 +48,7 @@ BEFORE = {
     'extensions/recipes/planning': 'planning',
     'extensions/recipes/reading': 'script',
     'model/proof': 'proof',
-    **{f'ports/{one}': one for one in ('doors', 'following', 'news', 'spare_log')},
+    **{f'ports/{name}': name for name in ('doors', 'following', 'news', 'spare_log')},
     'ros/node_parameters': 'node_parameters',
     'script/users': 'users',
 }

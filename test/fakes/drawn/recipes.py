@@ -82,32 +82,34 @@ class DrawnRecipe:
         conveyor = replace(cell.conveyor, component=components['conveyor'])
         return replace(cell, components=components, conveyor=conveyor)
 
-    def _component(self, one: Component) -> Component:
-        is_shared = len(one.sections) != 1
+    def _component(self, component: Component) -> Component:
+        is_shared = len(component.sections) != 1
         skills = self._random.sample(
             self._skills, min(len(self._skills), self._random.randint(0, 3))
         )
         if is_shared and not self._shares:
             skills = []
         can = {name: self._capability(name) for name in skills}
-        if one.name in {'a1', 'b2'} and (one.name == 'a1' or self._chance(0.2)):
+        if component.name in {'a1', 'b2'} and (component.name == 'a1' or self._chance(0.2)):
             can['put'] = Capability('put', 'TASK_A', options={'qty_change': 1})
-        if one.name == f'a{self.size}' or (one.name == f'b{self.size}' and self._chance(0.3)):
+        if component.name == f'a{self.size}' or (
+            component.name == f'b{self.size}' and self._chance(0.3)
+        ):
             can['take'] = Capability('take', 'TASK_B', options={'qty_change': -1})
         return replace(
-            one,
+            component,
             durations_s={task: self._random.choice(SECONDS) for task in TASKS},
             capabilities=can,
-            workspaces=self._spaces(one) if is_shared or self._chance(0.4) else (),
-            prepare=self._preparation(one.name) if self._chance(0.3) else None,
+            workspaces=self._spaces(component) if is_shared or self._chance(0.4) else (),
+            prepare=self._preparation(component.name) if self._chance(0.3) else None,
         )
 
-    def _spaces(self, one: Component) -> tuple[str, ...]:
+    def _spaces(self, component: Component) -> tuple[str, ...]:
         """Draw workspaces; those of one section have names of their own unless they are shared."""
         names = self._random.sample(SPACES, self._random.randint(1, 2))
         if self._shares and self._chance(0.5):
             return tuple(names)
-        return tuple(f'{name}_{"_".join(map(str, one.sections))}' for name in names)
+        return tuple(f'{name}_{"_".join(map(str, component.sections))}' for name in names)
 
     def _preparation(self, name: str) -> Preparation:
         after = ('conveyor',) if self._chance(0.5) else ()

@@ -28,13 +28,13 @@ def test_the_extras_are_the_extensions() -> None:
     assert extras == {entry.name: list(entry.packages.values()) for entry in EXTENSIONS}
 
 
-@pytest.mark.parametrize('one', EXTENSIONS, ids=lambda one: one.name)
-def test_none_is_forgotten_by_the_contract(one: Extension) -> None:
+@pytest.mark.parametrize('extension', EXTENSIONS, ids=lambda case: case.name)
+def test_none_is_forgotten_by_the_contract(extension: Extension) -> None:
     contracts = (ROOT / 'pyproject.toml').read_text()
     contract = contracts.split('id = "extensions"')[1].partition('[[')[0]
     assert 'independence' in contract
-    assert f'"{one.room}"' in contract
-    assert not one.verb or one.verb in VERBS
+    assert f'"{extension.room}"' in contract
+    assert not extension.verb or extension.verb in VERBS
 
 
 def test_extension_folders_match_the_table() -> None:

@@ -82,7 +82,7 @@ def test_each_answer_of_list_has_own_record(
 
 
 @pytest.mark.parametrize(
-    ('tasks', 'answer', 'said'),
+    ('tasks', 'answer', 'message'),
     [
         (('look', 'mark', 'place'), 'mark_done', 'answer it singly'),
         (('look', 'mark'), 'retry', 'a list can answer it with mark_done, skip, reject'),
@@ -94,11 +94,11 @@ def test_invalid_answer_list_is_refused_whole(
     capsys: pytest.CaptureFixture[str],
     tasks: tuple[str, ...],
     answer: str,
-    said: str,
+    message: str,
 ) -> None:
     assert main(['answer', ids(link, *tasks), answer, '--reason', 'looked']) == 1
     errors = capsys.readouterr().err
-    assert said in errors
+    assert message in errors
     assert errors.endswith('nothing was answered\n')
     assert decided(store) == []
     assert len(link.status().holds) == 3

@@ -29,7 +29,7 @@ def command(request: Request) -> list[str]:
     return [request.about.value, word] if request.about in (*IN_GROUPS, About.QUEUE) else [word]
 
 
-ASKED = [one for one in TABLE if one.about is not About.HOLD]
+ASKED = [request for request in TABLE if request.about is not About.HOLD]
 
 
 @pytest.mark.parametrize('request_', ASKED, ids=lambda request: request.name)
@@ -118,7 +118,7 @@ def test_queue_alone_lists(line: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ('line', 'said'),
+    ('line', 'message'),
     [
         ('cell', 'arguments are required: ACTION'),
         ('cell puase', "found 'puase'; did you mean pause?"),
@@ -127,10 +127,12 @@ def test_queue_alone_lists(line: str) -> None:
         ('component --reason x', 'arguments are required: ACTION'),
     ],
 )
-def test_a_wrong_action_is_told(line: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_action_is_told(
+    line: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit, match='2'):
         main(line.split())
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('word', ['pause', 'stop', 'abort', 'reset', 'start', 'resume'])

@@ -47,7 +47,7 @@ def test_a_named_file_is_taken_without_a_word(
 
 
 @pytest.mark.parametrize(
-    ('there', 'said'),
+    ('there', 'message'),
     [
         (['line.db', 'line.db-mark'], 'argument --cell: expected a cell file; there is no cell'),
         (['cell.yaml'], 'found none; name it: --journal FILE'),
@@ -56,10 +56,10 @@ def test_a_named_file_is_taken_without_a_word(
     ],
 )
 def test_a_folder_without_one_file_is_wrong_use(
-    folder: Path, capsys: pytest.CaptureFixture[str], there: list[str], said: str
+    folder: Path, capsys: pytest.CaptureFixture[str], there: list[str], message: str
 ) -> None:
     files(folder, *there)
     with pytest.raises(SystemExit) as left:
         parsed()
     assert left.value.code == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err

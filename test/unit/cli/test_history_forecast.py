@@ -82,7 +82,7 @@ def test_as_a_chart(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ('words', 'status', 'said'),
+    ('words', 'status', 'message'),
     [
         (('--job', 'WO-2'), 1, 'knows no start of job WO-2'),
         ((), 2, '--forecast compares one job, on its cell: --job JOB --cell CELL'),
@@ -94,9 +94,9 @@ def test_what_cannot_be_compared(
     capsys: pytest.CaptureFixture[str],
     words: tuple[str, ...],
     status: int,
-    said: str,
+    message: str,
 ) -> None:
-    assert said in compared(journal, capsys, *words, status=status)
+    assert message in compared(journal, capsys, *words, status=status)
 
 
 def test_a_cell_file_is_for_a_forecast(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -244,7 +244,7 @@ def test_without_a_verb_all_of_them_are_listed(capsys: pytest.CaptureFixture[str
 
 
 @pytest.mark.parametrize(
-    ('words', 'said'),
+    ('words', 'message'),
     [
         (['statsu'], "found 'statsu'; did you mean status?"),
         (['status', '--jsn'], 'unrecognized arguments: --jsn; did you mean --json?'),
@@ -253,11 +253,11 @@ def test_without_a_verb_all_of_them_are_listed(capsys: pytest.CaptureFixture[str
     ],
 )
 def test_what_was_probably_meant(
-    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit):
         main(words)
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 class _Terminal(io.StringIO):
@@ -293,7 +293,7 @@ RCLError.__module__ = 'rclpy._rclpy_pybind11'
 
 
 @pytest.mark.parametrize(
-    ('domain', 'said'),
+    ('domain', 'message'),
     [
         ('abc', "ROS_DOMAIN_ID: 'abc' is not a domain; set a whole number from 0 to 232; "),
         ('7', 'ROS 2 says: no memory; '),
@@ -302,7 +302,7 @@ RCLError.__module__ = 'rclpy._rclpy_pybind11'
 def test_ros_that_cannot_be_used(
     use: Use,
     domain: str,
-    said: str,
+    message: str,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -310,7 +310,7 @@ def test_ros_that_cannot_be_used(
     use(raising(RCLError('no memory, at /src/rcl/init.c:49\nmore')))
     assert main(['check']) == 1
     said_all = capsys.readouterr().err
-    assert said_all.startswith(f'bt-orchestrator check: error: {said}')
+    assert said_all.startswith(f'bt-orchestrator check: error: {message}')
     assert said_all.endswith('bt-orchestrator doctor looks at all of it\n')
 
 

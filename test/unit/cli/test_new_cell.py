@@ -98,7 +98,7 @@ def test_a_folder_that_cannot_be_made_is_named(here: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ('words', 'said'),
+    ('words', 'message'),
     [
         (['2x', '--sections', '2'], '`2x` cannot be a cell name.*`cell_2x`'),
         (['a b', '--sections', '2'], '`a_b`'),
@@ -108,7 +108,7 @@ def test_a_folder_that_cannot_be_made_is_named(here: Path) -> None:
         (['mine', '--sections', '1001'], 'from 1 to 1000, not 1001'),
     ],
 )
-def test_wrong_use(words: list[str], said: str, here: Path) -> None:
-    with pytest.raises(WrongUse, match=said):
+def test_wrong_use(words: list[str], message: str, here: Path) -> None:
+    with pytest.raises(WrongUse, match=message):
         write(*words)
     assert [*here.iterdir()] == []

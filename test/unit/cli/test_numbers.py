@@ -8,7 +8,7 @@ from bt_orchestrator.cli.main import main
 
 
 @pytest.mark.parametrize(
-    ('words', 'told'),
+    ('words', 'message'),
     [
         ('events --journal j --count -5', 'argument --count: expected'),
         ('events --journal j --count=-5', 'expected a whole number from 0'),
@@ -27,11 +27,13 @@ from bt_orchestrator.cli.main import main
         ('queue update WO-1 --quantity=-1', 'expected a whole number from 0'),
     ],
 )
-def test_what_cannot_be_is_told(words: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_cannot_be_is_told(
+    words: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit) as ended:
         main(words.split())
     assert ended.value.code == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_a_node_name_with_a_space(capsys: pytest.CaptureFixture[str]) -> None:

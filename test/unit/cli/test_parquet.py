@@ -74,17 +74,17 @@ def test_what_is_interrupted_leaves_the_tables_of_before(
 
 
 @pytest.mark.parametrize(
-    ('words', 'said'),
+    ('words', 'message'),
     [
         ((), 'parquet is two tables in a folder; name it: -o FOLDER'),
         (('-o', 'x', '--follow'), 'parquet is written when all events are known'),
     ],
 )
 def test_wrong_use(
-    journal: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...], said: str
+    journal: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...], message: str
 ) -> None:
     assert events(journal, *words) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_a_folder_that_cannot_be_written(

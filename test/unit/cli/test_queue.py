@@ -16,7 +16,7 @@ DUE = 1779084000.0
 
 
 @pytest.mark.parametrize(
-    ('line', 'told'),
+    ('line', 'message'),
     [
         ('job hold a', 'arguments are required: --reason'),
         ('job hold --reason w', 'arguments are required: JOB'),
@@ -42,11 +42,11 @@ DUE = 1779084000.0
         ('queue stop-after lunch --reason w', "expected one of item, job, never; found 'lunch'"),
     ],
 )
-def test_wrong_use_is_told(line: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_use_is_told(line: str, message: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         raise SystemExit(main(shlex.split(line)))
     assert ended.value.code == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_running_jobs_stand_apart_from_the_queue() -> None:

@@ -54,12 +54,12 @@ def test_a_script_that_gets_stuck_is_drawn(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ('name', 'found'), [('x.gif', 'x.gif has the ending .gif'), ('x', 'x has no ending')]
+    ('name', 'message'), [('x.gif', 'x.gif has the ending .gif'), ('x', 'x has no ending')]
 )
-def test_an_ending_that_names_no_format(name: str, found: str, tmp_path: Path) -> None:
+def test_an_ending_that_names_no_format(name: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(WrongUse) as wrong:
         rendered(STUCK, '-o', tmp_path / name)
-    assert str(wrong.value) == f'{found}; expected one of .svg, .png, .pdf, .dot'
+    assert str(wrong.value) == f'{message}; expected one of .svg, .png, .pdf, .dot'
     assert list(tmp_path.iterdir()) == []
 
 
@@ -106,7 +106,7 @@ def test_drawn_status_replaces_output_file_atomically(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ('content', 'told'),
+    ('content', 'message'),
     [
         (None, 'this is a pipe or a device, and no ordinary file'),
         ('[' * 100_000, 'is not JSON: '),
@@ -115,10 +115,12 @@ def test_drawn_status_replaces_output_file_atomically(tmp_path: Path) -> None:
         ('[]', 'holds no status of a cell'),
     ],
 )
-def test_a_file_that_is_no_status_is_told(content: str | None, told: str, tmp_path: Path) -> None:
+def test_a_file_that_is_no_status_is_told(
+    content: str | None, message: str, tmp_path: Path
+) -> None:
     saved = tmp_path / 'status.json'
     os.mkfifo(saved) if content is None else saved.write_bytes(content.encode('latin-1'))
-    with pytest.raises(CannotRead, match=told):
+    with pytest.raises(CannotRead, match=message):
         rendered(
             'reference_process', '--trees', TREES, '-o', tmp_path / 'x.svg', '--status', saved
         )

@@ -32,7 +32,7 @@ def test_each_kind_of_argument_is_read() -> None:
 
 
 @pytest.mark.parametrize(
-    ('words', 'told'),
+    ('words', 'message'),
     [
         (('position',), 'expected job=..., position=...; found .position.'),
         (('place=1',), 'expected job=..., position=...; found .place=1.'),
@@ -41,8 +41,10 @@ def test_each_kind_of_argument_is_read() -> None:
         (('job=A', 'job=B'), 'job is given twice'),
     ],
 )
-def test_wrong_arguments_are_told_with_the_right_ones(words: tuple[str, ...], told: str) -> None:
-    with pytest.raises(WrongUse, match=told):
+def test_wrong_arguments_are_told_with_the_right_ones(
+    words: tuple[str, ...], message: str
+) -> None:
+    with pytest.raises(WrongUse, match=message):
         read('job.move', *words)
 
 
@@ -54,7 +56,7 @@ def test_without_a_name_all_requests_are_listed(capsys: pytest.CaptureFixture[st
 
 
 @pytest.mark.parametrize(
-    ('words', 'told'),
+    ('words', 'message'),
     [
         (('cell.fly',), "there is no request 'cell.fly'; `request` alone lists all"),
         (('job.next', 'job=A'), 'request job.next: say why, with --reason TEXT'),
@@ -62,7 +64,7 @@ def test_without_a_name_all_requests_are_listed(capsys: pytest.CaptureFixture[st
     ],
 )
 def test_wrong_use_is_told_before_anything_is_asked(
-    words: tuple[str, ...], told: str, capsys: pytest.CaptureFixture[str]
+    words: tuple[str, ...], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(['request', *words]) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err

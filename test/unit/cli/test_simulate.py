@@ -326,7 +326,7 @@ def test_two_runs_have_no_single_chart(quick_cell: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ('result', 'said'),
+    ('result', 'message'),
     [
         ('nothing.x=1', '--result is TASK.FIELD=VALUE, with a task of the scripts: '),
         ('inspect.mesurement=1', 'has no field `mesurement`'),
@@ -334,11 +334,11 @@ def test_two_runs_have_no_single_chart(quick_cell: Path) -> None:
         ('inspect.measurement', 'a result is FIELD=VALUE'),
     ],
 )
-def test_unknown_task_result_is_wrong_use(tmp_path: Path, result: str, said: str) -> None:
+def test_unknown_task_result_is_wrong_use(tmp_path: Path, result: str, message: str) -> None:
     asked = order(tmp_path, 'order', script='inspect_and_assemble', quantity=1)
     with pytest.raises(WrongUse) as wrong:
         simulated(asked, '--on-hold', 'mark_done', '--result', result)
-    assert said in str(wrong.value)
+    assert message in str(wrong.value)
 
 
 def test_order_start_is_counted_from_run_begin(

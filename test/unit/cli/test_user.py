@@ -128,7 +128,7 @@ def test_panels_are_named_listed_and_taken_back(
 
 
 @pytest.mark.parametrize(
-    ('words', 'typed', 'status', 'said'),
+    ('words', 'typed', 'status', 'message'),
     [
         (('add', 'bob', '--role', 'view'), '', 2, 'no password came'),
         (('add', 'bob', '--role', 'view'), 'short\n', 2, '8 to 200 characters; found 5'),
@@ -146,12 +146,12 @@ def test_what_is_refused_changes_nothing(
     words: tuple[str, ...],
     typed: str,
     status: int,
-    said: str,
+    message: str,
 ) -> None:
     assert user(path, 'add', 'ann', '--role', 'operate', typed=PASSWORD) == 0
     before = path.read_bytes()
     assert user(path, *words, typed=typed) == status
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert path.read_bytes() == before
 
 

@@ -13,7 +13,7 @@ STRING = FieldType('str', 'string')
 
 
 @pytest.mark.parametrize(
-    ('result', 'said'),
+    ('result', 'message'),
     [
         ({}, ''),
         ({'task_result': False, 'measurement': 2.5}, ''),
@@ -28,8 +28,8 @@ STRING = FieldType('str', 'string')
         ({'message': 7, 'text': 'seven'}, 'text: seven'),
     ],
 )
-def test_message_else_every_text(result: dict[str, Any], said: str) -> None:
-    assert controller_words(result) == said
+def test_message_else_every_text(result: dict[str, Any], message: str) -> None:
+    assert controller_words(result) == message
 
 
 @pytest.mark.parametrize('result', [{'message': 'x' * 900}, {'a': 'x' * 300, 'b': 'y' * 300}])

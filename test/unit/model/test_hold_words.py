@@ -54,15 +54,15 @@ def test_why() -> None:
 
 
 @pytest.mark.parametrize(
-    ('said', 'words'),
+    ('message', 'words'),
     [
         ('no grip\nat (1, 2)', 'aborted (no grip at (1, 2))'),
         ('\x1b[2Jgone', 'aborted (\ufffd[2Jgone)'),
         (' \n', 'aborted'),
     ],
 )
-def test_controller_message_is_one_printable_line(said: str, words: str) -> None:
-    assert why_words('aborted', said) == words
-    assert hold_words(hold(message=said)).endswith(words)
-    of_cell = hold(job=None, section=None, item=None, task=None, message=said)
+def test_controller_message_is_one_printable_line(message: str, words: str) -> None:
+    assert why_words('aborted', message) == words
+    assert hold_words(hold(message=message)).endswith(words)
+    of_cell = hold(job=None, section=None, item=None, task=None, message=message)
     assert hold_name(of_cell).isprintable()

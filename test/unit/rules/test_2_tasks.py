@@ -218,12 +218,14 @@ def test_2_5_a_component_that_says_nothing_is_not_ready() -> None:
 BELT_TOPIC = 'state: {topic: /belt/state, type: std_msgs/msg/String, field: data, ready: [READY]}'
 
 
-@pytest.mark.parametrize(('fault', 'found'), [('#0=not_ready', 'it is'), ('#0=silent', 'nothing')])
-def test_2_5_belt_rests_while_conveyor_is_not_ready(fault: str, found: str) -> None:
+@pytest.mark.parametrize(
+    ('fault', 'reading'), [('#0=not_ready', 'it is'), ('#0=silent', 'nothing')]
+)
+def test_2_5_belt_rests_while_conveyor_is_not_ready(fault: str, reading: str) -> None:
     run = Line(faults={'conveyor': fault}, belt=BELT_TOPIC).run()
     assert not run.all('belt.index_started')
     assert not run.all('task.started', component='conveyor')
-    assert run.waits()['belt'].startswith(f'waiting for /belt/state = READY; {found}')
+    assert run.waits()['belt'].startswith(f'waiting for /belt/state = READY; {reading}')
     assert run.states[-1] == 'Execute'
 
 
@@ -461,7 +463,7 @@ def test_2_6_own_cancel_by_abort_job_is_no_failure() -> None:
 
 
 @pytest.mark.parametrize(
-    ('end', 'options', 'told', 'hold'),
+    ('end', 'options', 'message', 'hold'),
     [
         (GoalEnd(GoalStatus.CANCELED), '', 'task.continued', ''),
         (GoalEnd(GoalStatus.ABORTED), '', 'task.continued', ''),
@@ -474,7 +476,7 @@ def test_2_6_own_cancel_by_abort_job_is_no_failure() -> None:
     ],
 )
 def test_2_6_whatever_end_follows_the_cancel_of_abort_job(
-    end: GoalEnd, options: str, told: str, hold: str
+    end: GoalEnd, options: str, message: str, hold: str
 ) -> None:
     text = with_section(2, f'- {{id: work, @a2, retries: 3{options}}}').replace(
         'qty_change: -1', 'qty_change: -1, runs_for: all'
@@ -484,7 +486,7 @@ def test_2_6_whatever_end_follows_the_cancel_of_abort_job(
     (goal,) = (goal for _, goal in run.sim.orchestrator.flights.without_end.values())
     run.sim.gateway._clients['a2'].end(goal, end)  # type: ignore[arg-type]
     run.sim.orchestrator.settle()
-    assert run.all(told, task='work')
+    assert run.all(message, task='work')
     assert [open_hold.reason for open_hold in run.state.holds.values()] == [hold][: bool(hold)]
     assert run.starts('work') == [3.0]
     assert run.go().ended is not bool(hold)

@@ -353,13 +353,13 @@ def with_flag(script: Script, changed: Dependency) -> Script:
     return replace(script, dependencies=tuple(flags))
 
 
-def cured(script: Script, found: Deadlock) -> Script:
+def cured(script: Script, knot: Deadlock) -> Script:
     """Return the script with the change that the remedy's words ask for."""
-    flag = re.search(r'of flag (\w+)', found.remedy)
+    flag = re.search(r'of flag (\w+)', knot.remedy)
     assert flag is not None
     before = next(dependency for dependency in script.dependencies if dependency.flag == flag[1])
-    capacity = re.search(r'capacity (\d+)', found.remedy)
-    initial = re.search(r'initial count (\d+)', found.remedy)
+    capacity = re.search(r'capacity (\d+)', knot.remedy)
+    initial = re.search(r'initial count (\d+)', knot.remedy)
     changed = replace(
         before,
         capacity=int(capacity[1]) if capacity else before.capacity,

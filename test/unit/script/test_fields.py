@@ -55,9 +55,9 @@ def test_long_name_list_is_checked_without_pairwise_comparison(
     read, report = fields(f'name: x\nmembers: [{", ".join(["a"] * 500)}, [b], "", c]')
     compared = []
 
-    def equals(one: Scalar, other: object) -> bool:
+    def equals(first: Scalar, other: object) -> bool:
         compared.append(other)
-        return one is other
+        return first is other
 
     monkeypatch.setattr(Scalar, '__eq__', equals)
     assert [name.text for name in read.names('members')] == [*'a' * 500, 'c']

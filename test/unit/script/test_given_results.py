@@ -42,7 +42,7 @@ def test_results_are_read_as_their_types(words: list[str], results: dict[str, ob
 
 
 @pytest.mark.parametrize(
-    ('text', 'said'),
+    ('text', 'message'),
     [
         ('{mesurement: 3.5}', 'has no field `mesurement`'),
         ('{measurement: high}', '`measurement` must be a number (float32), not the text `high`'),
@@ -57,10 +57,10 @@ def test_results_are_read_as_their_types(words: list[str], results: dict[str, ob
         ('x' * 100_000, 'the results have 100000 characters; expected at most 64000'),
     ],
 )
-def test_unfit_result_is_refused_with_explanation(text: str, said: str) -> None:
+def test_unfit_result_is_refused_with_explanation(text: str, message: str) -> None:
     with pytest.raises(CommandRefused) as refused:
         given_results(text, ACTION)
-    assert said in str(refused.value)
+    assert message in str(refused.value)
 
 
 @pytest.mark.parametrize('value', ['nan', '.nan', 'NaN', 'inf', '-.inf', 'Infinity', '1e999'])
@@ -71,7 +71,7 @@ def test_non_finite_number_is_refused_in_every_notation(value: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ('words', 'said'),
+    ('words', 'message'),
     [
         (['measurement'], 'a result is FIELD=VALUE'),
         (['=3'], 'a result is FIELD=VALUE'),
@@ -80,8 +80,8 @@ def test_non_finite_number_is_refused_in_every_notation(value: str) -> None:
         (['a=1', 'a.b=2'], 'a is given as a whole and in parts'),
     ],
 )
-def test_malformed_result_word_is_wrong_usage(words: list[str], said: str) -> None:
-    with pytest.raises(ValueError, match=said):
+def test_malformed_result_word_is_wrong_usage(words: list[str], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         results_of(words)
 
 

@@ -83,11 +83,11 @@ KINDS = {
 
 
 @pytest.mark.parametrize('expected', READERS)
-@pytest.mark.parametrize('found', KINDS)
-def test_wrong_file_kind_is_reported_in_one_line(expected: str, found: str) -> None:
-    findings = mistakes(lambda: READERS[expected](KINDS[found]))
+@pytest.mark.parametrize('kind', KINDS)
+def test_wrong_file_kind_is_reported_in_one_line(expected: str, kind: str) -> None:
+    findings = mistakes(lambda: READERS[expected](KINDS[kind]))
     hint = 'check which file is named'
-    if (expected, found) == ('work order', 'a script'):
+    if (expected, kind) == ('work order', 'a script'):
         hint = 'name a file with `script: a` and `quantity`'
-    is_so = [f'1:1: this is {found}, and a {expected} is expected; {hint}']
-    assert (findings == is_so) == (found != f'a {expected}')
+    is_so = [f'1:1: this is {kind}, and a {expected} is expected; {hint}']
+    assert (findings == is_so) == (kind != f'a {expected}')

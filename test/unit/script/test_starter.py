@@ -42,8 +42,8 @@ def server(action: str, type_name: str, *state_topics: str) -> FoundServer:
     return FoundServer(action, type_name, '/controllers', state_topics)
 
 
-def texts(sections: int, found: Sequence[FoundServer] = ()) -> dict[str, str]:
-    return starter_files('mine', plan_cell(sections, found, TYPES), {})
+def texts(sections: int, servers: Sequence[FoundServer] = ()) -> dict[str, str]:
+    return starter_files('mine', plan_cell(sections, servers, TYPES), {})
 
 
 def read(files: dict[str, str]) -> tuple[Cell, Script]:
@@ -130,12 +130,12 @@ NAMES = st.sampled_from(['task', 'conveyor', 'index', 'loader', 'packer', 'stati
 SERVERS = st.builds(
     server,
     st.lists(NAMES, min_size=1, max_size=3).map(lambda parts: '/' + '/'.join(parts)),
-    st.sampled_from([*(one.name for one in (*ACTIONS, LAZY, MUTE)), 'strange/action/Thing']),
+    st.sampled_from([*(kind.name for kind in (*ACTIONS, LAZY, MUTE)), 'strange/action/Thing']),
 )
 
 
 @given(st.integers(1, 5), st.lists(SERVERS, unique_by=lambda device: device.action, max_size=7))
 def test_whatever_is_found_the_files_fit_each_other(
-    sections: int, found: list[FoundServer]
+    sections: int, servers: list[FoundServer]
 ) -> None:
-    read(texts(sections, found))
+    read(texts(sections, servers))

@@ -53,8 +53,8 @@ def looked(
     return LookingBack(reading, cell, TYPES, 'the journal').at(job, usual=usual)
 
 
-def difference_us(found: Retrospect) -> dict[str, int]:
-    return {pair.what: pair.more for pair in found.times() if pair.more}
+def difference_us(retrospect: Retrospect) -> dict[str, int]:
+    return {pair.what: pair.more for pair in retrospect.times() if pair.more}
 
 
 @pytest.mark.parametrize('job', ['J0', 'J1', 'J2'])
@@ -86,9 +86,9 @@ def test_a_clock_that_is_set_changes_no_difference(steps: Steps, job: str) -> No
     assert retrospect_plain(recap)['notes']
 
 
-def figures_of(found: Retrospect) -> list[object]:
-    pairs = [*found.times(), *found.items(), *found.busy(), found.total]
-    return [found.late_us, *pairs, *found.tasks()]
+def figures_of(retrospect: Retrospect) -> list[object]:
+    pairs = [*retrospect.times(), *retrospect.items(), *retrospect.busy(), retrospect.total]
+    return [retrospect.late_us, *pairs, *retrospect.tasks()]
 
 
 def test_forecast_does_not_need_previously_used_ids(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,9 +26,9 @@ def script(section: str, line: Line = LINE, more: str = '') -> Script:
     return line.script(text.replace('qty_change: -1', 'qty_change: -1, runs_for: all') + more)
 
 
-def expected(found: Script, line: Line = LINE) -> Expected | None:
-    rates = list(rates_of(found, RatesSeen()))
-    return PaceJudge(line.cell, TYPES, MemoryStore).expected(found, rates)
+def expected(script: Script, line: Line = LINE) -> Expected | None:
+    rates = list(rates_of(script, RatesSeen()))
+    return PaceJudge(line.cell, TYPES, MemoryStore).expected(script, rates)
 
 
 def sure(section: str, line: Line = LINE) -> Expected:
@@ -37,9 +37,9 @@ def sure(section: str, line: Line = LINE) -> Expected:
     return estimate
 
 
-def near(found: Expected, mean_s: float) -> bool:
+def near(expected: Expected, mean_s: float) -> bool:
     """Tell whether a mean is where the figure says, with room for one case in twenty."""
-    return abs(found.per_item_s - mean_s) < 2 * found.sure_s
+    return abs(expected.per_item_s - mean_s) < 2 * expected.sure_s
 
 
 @pytest.mark.parametrize('share', [0.0, 0.05, 0.3, 1.0])

@@ -68,11 +68,11 @@ def proposed(simulation: Simulation) -> Proposal:
     return what_if(simulation).propose()
 
 
-def late_s(found: Consequence, simulation: Simulation) -> float:
+def late_s(consequence: Consequence, simulation: Simulation) -> float:
     """Return how late jobs end together, of what would be."""
     now_s = simulation.clock.now()
     dues = {name: entry.job.terms.due for name, entry in simulation.state.jobs.items()}
-    ends = {entry.job: entry.ends_s for entry in found.after}
+    ends = {entry.job: entry.ends_s for entry in consequence.after}
     return sum(
         max(0.0, now_s + (ends[name] or 0.0) - due)
         for name, due in dues.items()

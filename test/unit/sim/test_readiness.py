@@ -33,17 +33,17 @@ def not_ready(seconds: float | None) -> Fault:
 
 
 @pytest.mark.parametrize(
-    ('fault', 'said'),
+    ('fault', 'steps'),
     [
         (None, [(0.0, True)]),
         (not_ready(2.0), [(0.0, False), (2.0, True)]),
         (not_ready(None), [(0.0, False)]),
     ],
 )
-def test_how_it_begins(fault: Fault | None, said: list[tuple[float, bool]]) -> None:
+def test_how_it_begins(fault: Fault | None, steps: list[tuple[float, bool]]) -> None:
     bench = Bench()
     bench.readiness.begin(fault)
-    assert bench.run() == said
+    assert bench.run() == steps
 
 
 def test_the_last_withdrawal_says_when_it_ends() -> None:

@@ -86,7 +86,7 @@ def test_reach(variables: dict[str, str], verdict: Verdict, words: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ('variables', 'said', 'is_near'),
+    ('variables', 'message', 'is_near'),
     [
         ({}, 'LOCALHOST', True),
         ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}, 'LOCALHOST', True),
@@ -105,10 +105,10 @@ def test_reach(variables: dict[str, str], verdict: Verdict, words: str) -> None:
     ],
 )
 def test_who_keeps_to_this_computer(
-    variables: dict[str, str], said: str | None, *, is_near: bool
+    variables: dict[str, str], message: str | None, *, is_near: bool
 ) -> None:
     keep_to_this_computer(variables)
-    assert variables.get('ROS_AUTOMATIC_DISCOVERY_RANGE') == said
+    assert variables.get('ROS_AUTOMATIC_DISCOVERY_RANGE') == message
     assert is_local(variables, 'rmw_fastrtps_cpp') is is_near
     assert not is_local(variables, 'rmw_zenoh_cpp')
 

@@ -188,21 +188,21 @@ def expected_works() -> Counter[tuple[str | None, str]]:
     )
 
 
-def assert_right(node: Node, store: MortalStore, told: str) -> None:
+def assert_right(node: Node, store: MortalStore, message: str) -> None:
     """Check that nothing is lost, twice, made by another version, or where it must not be."""
     state = node.engine.state
-    assert works_of(store) == expected_works(), told
-    assert not state.jobs, told
+    assert works_of(store) == expected_works(), message
+    assert not state.jobs, message
     made = {name: (job.recipe_version, job.progress.packed) for name, job in state.ended.items()}
-    assert made == {name: (VERSIONS[name], QUANTITIES[name]) for name in VERSIONS}, told
+    assert made == {name: (VERSIONS[name], QUANTITIES[name]) for name in VERSIONS}, message
     queued = Counter(record.job for record in store.read() if isinstance(record, e.JobQueued))
-    assert queued == Counter([*VERSIONS]), told
+    assert queued == Counter([*VERSIONS]), message
     is_out = False
     for event in store.read():
         if isinstance(event, (e.ComponentOutOfService, e.ComponentInService)):
             is_out = isinstance(event, e.ComponentOutOfService)
         elif isinstance(event, e.TaskStarted):
-            assert not (is_out and event.component == 'robot_a'), told
+            assert not (is_out and event.component == 'robot_a'), message
 
 
 @pytest.mark.parametrize('part', range(PARTS))

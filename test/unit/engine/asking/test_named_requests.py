@@ -63,7 +63,7 @@ def test_a_change_of_nothing_is_refused(bench: RequestBench) -> None:
 
 
 @pytest.mark.parametrize(
-    ('name', 'arguments', 'told'),
+    ('name', 'arguments', 'message'),
     [
         ('cell.fly', '', "there is no request 'cell.fly'; one of cell.reset, cell.start"),
         ('job.move', '{"job": "A"}', 'job.move needs position: place in the queue, from 1'),
@@ -85,11 +85,11 @@ def test_a_change_of_nothing_is_refused(bench: RequestBench) -> None:
     ],
 )
 def test_malformed_request_is_refused_on_record(
-    bench: RequestBench, name: str, arguments: str, told: str
+    bench: RequestBench, name: str, arguments: str, message: str
 ) -> None:
     answer = bench.ask_named(name, arguments)
     assert not answer.accepted
-    assert told in answer.message
+    assert message in answer.message
     (refused,) = bench.records('operator.refused')
     assert (refused.who, refused.message[:60]) == ('Ann', answer.message[:60])
     assert refused.command in name

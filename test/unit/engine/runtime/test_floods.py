@@ -110,7 +110,7 @@ def test_endless_text_is_refused_at_low_cost(cell: Cell, command: Callable[[By],
 
 
 @pytest.mark.parametrize(
-    ('command', 'said'),
+    ('command', 'message'),
     [
         (Pause(by(reason=LONG)), 'reason has 5000000 characters; expected at most 2000'),
         (Pause(by(who=LONG)), 'who has 5000000 characters; expected at most 200'),
@@ -124,12 +124,12 @@ def test_endless_text_is_refused_at_low_cost(cell: Cell, command: Callable[[By],
     ids=lambda value: type(value).__name__,
 )
 def test_7_1_long_text_is_refused_and_cut_on_record(
-    cell: Cell, command: Command, said: str
+    cell: Cell, command: Command, message: str
 ) -> None:
     before = cell.bytes
     answer = cell.ask(command)
     assert not answer.accepted
-    assert answer.message.startswith(said)
+    assert answer.message.startswith(message)
     (refused,) = cell.of('operator.refused')
     assert max(len(value) for value in refused.values() if isinstance(value, str)) <= 2000
     assert cell.bytes - before < 40_000

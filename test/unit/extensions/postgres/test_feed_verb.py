@@ -65,7 +65,7 @@ def test_gap_is_reported_and_sets_exit_status(
 
 
 @pytest.mark.parametrize(
-    ('words', 'said', 'status'),
+    ('words', 'message', 'status'),
     [
         (('--to', 'nonsense'), "expected the address of a plant's database", 1),
         (('--to', 'postgresql:///plant?host=/nowhere'), 'cannot be reached', 1),
@@ -77,14 +77,14 @@ def test_what_is_refused(
     journal: Path,
     capsys: pytest.CaptureFixture[str],
     words: tuple[str, ...],
-    said: str,
+    message: str,
     status: int,
 ) -> None:
     try:
         exit_code = main(['feed', '--journal', str(journal), *words])
     except SystemExit as end:
         exit_code = int(str(end.code))
-    assert (exit_code, said in capsys.readouterr().err) == (status, True)
+    assert (exit_code, message in capsys.readouterr().err) == (status, True)
 
 
 def test_missing_package_error_says_how_to_install(

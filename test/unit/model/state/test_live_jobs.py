@@ -128,21 +128,21 @@ def test_it_is_as_in_a_list(data: st.DataObject) -> None:
         plain.check(jobs)
 
 
-def _act(act: str, one: JobState, jobs: LiveJobs, plain: Plain, data: st.DataObject) -> None:
-    name = one.job.id
+def _act(act: str, job_state: JobState, jobs: LiveJobs, plain: Plain, data: st.DataObject) -> None:
+    name = job_state.job.id
     if act == 'start':
         jobs.start(name, 1.0)
         assert jobs[name].started_at == 1.0
-        plain.queue.remove(one)
-        plain.line.append(one)
+        plain.queue.remove(job_state)
+        plain.line.append(job_state)
     elif act in ('hold', 'release'):
         jobs.hold(name, held=act == 'hold')
         assert jobs[name].held is (act == 'hold')
     elif act == 'move':
         place = data.draw(st.integers(1, len(plain.queue)))
         jobs.move(name, place)
-        plain.queue.remove(one)
-        plain.queue.insert(place - 1, one)
+        plain.queue.remove(job_state)
+        plain.queue.insert(place - 1, job_state)
     elif act == 'change':
         digest = data.draw(st.sampled_from(sorted(SCRIPTS)))
         with jobs.changing(name) as changed:
@@ -153,8 +153,8 @@ def _act(act: str, one: JobState, jobs: LiveJobs, plain: Plain, data: st.DataObj
         jobs.abort(name, 'why')
         assert jobs[name].aborting
     else:
-        assert jobs.remove(name) is one
-        (plain.line if one in plain.line else plain.queue).remove(one)
+        assert jobs.remove(name) is job_state
+        (plain.line if job_state in plain.line else plain.queue).remove(job_state)
 
 
 def test_there_is_always_room_between_two_jobs() -> None:

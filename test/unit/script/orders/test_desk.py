@@ -160,7 +160,7 @@ def test_a_change_keeps_what_it_does_not_say(
 
 
 @pytest.mark.parametrize(
-    ('terms', 'told'),
+    ('terms', 'message'),
     [
         (AskedTerms(priority=2**15), '`priority` must be at most 32767, not the number 32768'),
         (AskedTerms(start=-1.0), '`start` must be between 1970 and 2038'),
@@ -176,13 +176,13 @@ def test_a_change_keeps_what_it_does_not_say(
     ],
 )
 def test_unstorable_terms_are_reported_beside_other_findings(
-    desk: OrderDesk, terms: AskedTerms, told: str
+    desk: OrderDesk, terms: AskedTerms, message: str
 ) -> None:
     (refused,) = jobs(desk, order(order='A', terms=terms))
     assert isinstance(refused, Refused)
-    first, second = sorted(map(str, refused.findings), key=lambda text: told not in text)
+    first, second = sorted(map(str, refused.findings), key=lambda text: message not in text)
     assert re.match(r'order A, (\w+):1:1: `\1` ', first)
-    assert told in first
+    assert message in first
     assert 'the order names no quantity' in second
 
 

@@ -231,7 +231,7 @@ THUMBPRINT = '5d362cc2a1b0c9d8e7f6a5b4c3d2e1f00a1b2c3d'
 
 
 @pytest.mark.parametrize(
-    ('kind', 'name', 'named', 'said'),
+    ('kind', 'name', 'named', 'message'),
     [
         ('user', 'eve', True, 'there is no user eve; there are: ann'),
         ('address', 'panel.plant', True, "'panel.plant' is no IP address"),
@@ -240,12 +240,12 @@ THUMBPRINT = '5d362cc2a1b0c9d8e7f6a5b4c3d2e1f00a1b2c3d'
     ],
 )
 def test_a_panel_that_cannot_be_is_refused(
-    users: UsersFile, kind: str, name: str, named: bool, said: str
+    users: UsersFile, kind: str, name: str, named: bool, message: str
 ) -> None:
     users.add('ann', Role.OPERATE, PASSWORD)
     with pytest.raises(NoSuchChange) as refused:
         users.change_panel(kind, name, named=named)
-    assert said in str(refused.value)
+    assert message in str(refused.value)
 
 
 def test_panels_that_somebody_damaged_let_nobody_in(users: UsersFile, path: Path) -> None:

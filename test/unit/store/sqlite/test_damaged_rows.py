@@ -54,7 +54,9 @@ DAMAGE: dict[str, tuple[str, str]] = {
     'another number': ('UPDATE events SET seq = 70 WHERE seq = 20', '20'),
     'gone': ('DELETE FROM events WHERE seq = 7', '7'),
 }
-EVERY = pytest.mark.parametrize('statement', [one for one, _ in DAMAGE.values()], ids=DAMAGE)
+EVERY = pytest.mark.parametrize(
+    'statement', [statement for statement, _ in DAMAGE.values()], ids=DAMAGE
+)
 
 
 @EVERY

@@ -48,7 +48,7 @@ def killed(path: Path, last: int) -> Path:
     return path
 
 
-def found(path: Path) -> int:
+def last_seq(path: Path) -> int:
     """Return the last event that the next node finds."""
     store = SqliteStore(path)
     try:
@@ -104,7 +104,7 @@ def test_a_copy_becomes_a_history_of_its_own(copy: Path, path: Path) -> None:
 def test_log_of_a_copy_is_restored_too(tmp_path: Path, path: Path) -> None:
     copy = killed(tmp_path / 'copy.sqlite3', 30)
     copy.with_name('copy.sqlite3-shm').unlink()
-    assert bring_back(copy, path).last_seq == found(path) == 30
+    assert bring_back(copy, path).last_seq == last_seq(path) == 30
 
 
 @pytest.mark.parametrize(('name', 'last'), [('journal_schema_1.sqlite3', 156), ('killed', 184)])
@@ -126,12 +126,12 @@ def test_existing_journal_is_kept_under_another_name(copy: Path, there: Path) ->
     assert files(there.parent) == before
     aside = bring_back(copy, there, move_aside=True).aside
     assert aside is not None
-    assert found(there) == 10
+    assert last_seq(there) == 10
     for name, content in before.items():
         if not name.startswith('written'):
             ending = name.removeprefix(there.name)
             assert aside.with_name(aside.name + ending).read_bytes() == content
-    assert found(aside) == 30
+    assert last_seq(aside) == 30
 
 
 @pytest.mark.parametrize('parts', [('',), ('-wal',), ('', '-wal', '-shm')])
@@ -155,7 +155,7 @@ def test_a_journal_in_use_is_left_alone(copy: Path, path: Path) -> None:
         bring_back(copy, path, move_aside=True)
     store.append([JobStarted(seq=4, time=2.0, job='WO-4')])
     store.close()
-    assert found(path) == 4
+    assert last_seq(path) == 4
 
 
 def test_a_journal_in_use_is_no_copy(copy: Path, path: Path) -> None:
@@ -227,13 +227,13 @@ def test_interrupted_restore_leaves_whole_journal_or_none(
         else:
             break
         if there.exists():
-            seen.append(found(there))
+            seen.append(last_seq(there))
         else:
             seen.append(0)
             with pytest.raises(JournalUnusable, match=r'journal\.sqlite3 is missing'):
                 SqliteStore(there)
         bring_back(copy, there, move_aside=True)
-        assert found(there) == 10
+        assert last_seq(there) == 10
         asides = {file.suffix.partition('Z')[2] for file in there.parent.glob('*.aside-*')}
         assert {'', '-mark'} <= asides
     assert seen == sorted(seen, key=[30, 0, 10].index)

@@ -224,16 +224,16 @@ def test_no_drawn_mix_is_faster_than_its_bottleneck(
 
 
 @pytest.mark.parametrize(
-    ('rest', 'said'),
+    ('rest', 'message'),
     [
         ((), '      5.0%  waits for flag 4'),
         ((0.04,), '      4.0%  1 other wait'),
         ((0.04, 0.03), '      7.0%  2 other waits, at most 4.0% each'),
     ],
 )
-def test_waits_that_are_not_shown_are_counted(rest: tuple[float, ...], said: str) -> None:
+def test_waits_that_are_not_shown_are_counted(rest: tuple[float, ...], message: str) -> None:
     result = mixed((THREE, 1))
     shares = (0.2, 0.1, 0.1, 0.1, 0.05, *rest)
     waits = tuple(WaitLoad('flag', f'flag {n}', 1.0, share) for n, share in enumerate(shares))
     first = replace(result.sections[0], waits=waits)
-    assert list(detail_lines(replace(result, sections=(first,), components=())))[-1] == said
+    assert list(detail_lines(replace(result, sections=(first,), components=())))[-1] == message

@@ -51,11 +51,11 @@ zones: {table: [left, pack]}
 
 @pytest.fixture(scope='module')
 def journal(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return ToldItem().write(tmp_path_factory.mktemp('told') / 'cell.sqlite3')
+    return ToldItem().write(tmp_path_factory.mktemp('record') / 'cell.sqlite3')
 
 
 @pytest.fixture(scope='module')
-def told(journal: Path) -> ItemHistory:
+def record(journal: Path) -> ItemHistory:
     with journal_reading(journal) as reading:
         history = item_history(reading, ITEM)
     assert history is not None
@@ -66,8 +66,8 @@ def entries(history: ItemHistory, kind: str) -> list[Entry]:
     return [step for chapter in chapters(history) for step in chapter.entries if step.kind == kind]
 
 
-def test_record_shows_waits_and_end_of_attempts(told: ItemHistory) -> None:
-    press = [attempt for attempt in entries(told, 'task') if attempt.what.startswith('press')]
+def test_record_shows_waits_and_end_of_attempts(record: ItemHistory) -> None:
+    press = [attempt for attempt in entries(record, 'task') if attempt.what.startswith('press')]
     assert [(attempt.what, attempt.seconds, attempt.words) for attempt in press] == [
         ('press', 1.0, 'failed: aborted (aborted by the simulated controller)'),
         ('press, attempt 2', 1.0, 'failed: aborted (aborted by the simulated controller)'),
@@ -84,33 +84,33 @@ def test_record_shows_waits_and_end_of_attempts(told: ItemHistory) -> None:
     assert ('arguments', 'special_argument_1: deep') in press[0].details
 
 
-def test_record_shows_answers_reasons_and_restart(told: ItemHistory) -> None:
-    assert [(entry.what, entry.words) for entry in entries(told, 'decision')] == [
+def test_record_shows_answers_reasons_and_restart(record: ItemHistory) -> None:
+    assert [(entry.what, entry.words) for entry in entries(record, 'decision')] == [
         ('Ann, engineer, decided retry of hold 1', 'the part sat askew'),
         ('Ben, engineer, decided resume of hold 2', 'belt and gripper looked at'),
     ]
-    assert [(entry.what, entry.seconds) for entry in entries(told, 'hold')] == [
+    assert [(entry.what, entry.seconds) for entry in entries(record, 'hold')] == [
         ('hold 1, press', 41.0),
         ('hold 2, the whole cell', 20.0),
     ]
-    (restart,) = entries(told, 'restart')
+    (restart,) = entries(record, 'restart')
     assert restart.what.startswith('the orchestrator was started again, 12.0 s after')
 
 
-def test_the_end_says_why(told: ItemHistory) -> None:
-    assert (told.how, told.lots) == ('rejected', {'grease': 'L-77'})
-    assert 'found 7.5' in told.rejected
-    weigh = next(entry for entry in entries(told, 'task') if entry.what == 'weigh')
+def test_the_end_says_why(record: ItemHistory) -> None:
+    assert (record.how, record.lots) == ('rejected', {'grease': 'L-77'})
+    assert 'found 7.5' in record.rejected
+    weigh = next(entry for entry in entries(record, 'task') if entry.what == 'weigh')
     assert ('refused', 'item_present: true, measurement: 7.5') in weigh.details
 
 
-def test_what_stood_and_worked_beside_it_is_told(told: ItemHistory) -> None:
-    assert [(chapter.title, chapter.beside) for chapter in chapters(told)] == [
+def test_what_stood_and_worked_beside_it_is_told(record: ItemHistory) -> None:
+    assert [(chapter.title, chapter.beside) for chapter in chapters(record)] == [
         ('Section 1', 'section 2: WO-7/1'),
         ('Section 2', 'section 1: WO-7/3'),
         ('Section 3', 'section 2: WO-7/3'),
     ]
-    place = entries(told, 'task')[0]
+    place = entries(record, 'task')[0]
     assert ('at work at the same time', 'a2 TASK_A (WO-7/1)') in place.details
 
 
@@ -127,11 +127,11 @@ def test_passed_failure_makes_item_nonconforming() -> None:
     assert outcomes == [('packed', ['check']), ('packed', [])]
 
 
-def test_all_of_its_time_is_accounted_for(told: ItemHistory) -> None:
-    assert told.started is not None
-    assert told.ended is not None
-    uses = time_uses(told)
-    assert sum(use.seconds for use in uses) == pytest.approx(told.ended - told.started)
+def test_all_of_its_time_is_accounted_for(record: ItemHistory) -> None:
+    assert record.started is not None
+    assert record.ended is not None
+    uses = time_uses(record)
+    assert sum(use.seconds for use in uses) == pytest.approx(record.ended - record.started)
     assert 'something that the journal does not tell' not in ' '.join(use.words for use in uses)
 
 
@@ -427,7 +427,7 @@ def test_chart_is_cut_to_requested_period(
 
 
 @pytest.mark.parametrize(
-    ('options', 'status', 'said'),
+    ('options', 'status', 'message'),
     [
         (['--job', 'WO-9'], 1, 'knows no job WO-9'),
         (['--from', '2001-01-01', '--to', '2001-01-02'], 1, 'no component worked'),
@@ -438,8 +438,8 @@ def test_a_chart_of_nothing_is_a_sentence(
     words: list[str],
     options: list[str],
     status: int,
-    said: str,
+    message: str,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main([*words, '--gantt', *options]) == status
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err

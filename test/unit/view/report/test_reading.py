@@ -24,31 +24,31 @@ def store(tmp_path: Path) -> Iterator[SqliteStore]:
 
 
 @pytest.fixture
-def told() -> list[str]:
+def messages() -> list[str]:
     return []
 
 
 @pytest.fixture
-def reading(store: SqliteStore, told: list[str]) -> Iterator[Reading]:
+def reading(store: SqliteStore, messages: list[str]) -> Iterator[Reading]:
     with closing(SqliteRecords(store._path)) as records:
-        yield Reading(records, told.append)
+        yield Reading(records, messages.append)
 
 
 def seqs(page: RecordPage) -> list[int]:
     return [record.seq for record in page.records]
 
 
-def test_what_comes_is_followed(store: SqliteStore, reading: Reading, told: list[str]) -> None:
+def test_what_comes_is_followed(store: SqliteStore, reading: Reading, messages: list[str]) -> None:
     pages = reading.pages(Wanted(job='WO-1'))
     assert seqs(next(pages)) == [1, 4, 10, 13, 16, 19]
     assert seqs(next(pages)) == []
     store.append(events(21, 30))
     assert seqs(next(pages)) == [25, 28]
-    assert not told
+    assert not messages
 
 
 def test_another_history_is_read_from_its_beginning(
-    store: SqliteStore, reading: Reading, told: list[str]
+    store: SqliteStore, reading: Reading, messages: list[str]
 ) -> None:
     """Other events stand under numbers that were told already."""
     pages = reading.pages(Wanted(after_seq=18), is_continued=True)
@@ -58,36 +58,36 @@ def test_another_history_is_read_from_its_beginning(
     page = next(pages)
     assert seqs(page) == list(range(1, 18))
     assert page.history == store.history
-    assert told == [f'the journal goes on as history {store.history}; from its beginning:']
+    assert messages == [f'the journal goes on as history {store.history}; from its beginning:']
 
 
 @pytest.mark.parametrize(('wanted', 'gap'), [(Wanted(4), '5 to 9'), (Wanted(), '1 to 9')])
 def test_what_was_removed_meanwhile_is_told(
-    store: SqliteStore, reading: Reading, told: list[str], wanted: Wanted, gap: str
+    store: SqliteStore, reading: Reading, messages: list[str], wanted: Wanted, gap: str
 ) -> None:
     store.begin_with(Snapshot(9, 'stamp', '{}'))
     store.remove_batch(10)
     assert seqs(next(reading.pages(wanted, is_continued=True))) == list(range(10, 21))
-    assert told == [f'events {gap} are not in the journal any more']
+    assert messages == [f'events {gap} are not in the journal any more']
     assert reading.lost == 0
 
 
 def test_who_begins_anew_misses_nothing(
-    store: SqliteStore, reading: Reading, told: list[str]
+    store: SqliteStore, reading: Reading, messages: list[str]
 ) -> None:
     store.begin_with(Snapshot(9, 'stamp', '{}'))
     store.remove_batch(10)
     assert seqs(next(reading.pages(Wanted()))) == list(range(10, 21))
-    assert not told
+    assert not messages
 
 
 def test_a_damage_is_told_and_counted_once(
-    store: SqliteStore, reading: Reading, told: list[str]
+    store: SqliteStore, reading: Reading, messages: list[str]
 ) -> None:
     store._database.execute('DELETE FROM events WHERE seq IN (7, 8, 20)')
     for _ in range(2):
         assert len(list(reading.each(Wanted()))) == 17
-        assert len(told) == 2
+        assert len(messages) == 2
         assert reading.lost == 3
 
 

@@ -167,7 +167,7 @@ def test_an_empty_position_stands_in_brackets() -> None:
 
 
 @pytest.mark.parametrize(
-    ('component', 'said'),
+    ('component', 'message'),
     [
         (statuses.component('arm'), ''),
         (statuses.component('arm', available=False), 'arm: no action server at /arm/task'),
@@ -188,8 +188,8 @@ def test_an_empty_position_stands_in_brackets() -> None:
         ),
     ],
 )
-def test_why_a_component_can_be_sent_nothing(component: ComponentStatus, said: str) -> None:
-    assert words.trouble(component) == said
+def test_why_a_component_can_be_sent_nothing(component: ComponentStatus, message: str) -> None:
+    assert words.trouble(component) == message
 
 
 @pytest.mark.parametrize(
@@ -296,11 +296,11 @@ def test_what_a_controller_says_cannot_steer_the_terminal() -> None:
 
 
 @pytest.mark.parametrize(
-    ('seconds', 'said'),
+    ('seconds', 'message'),
     [(0.04, '0.0 s'), (99.9, '99.9 s'), (100, '1:40'), (3599, '59:59'), (359999, '99:59:59')],
 )
-def test_durations(seconds: float, said: str) -> None:
-    assert words.duration(seconds) == said
+def test_durations(seconds: float, message: str) -> None:
+    assert words.duration(seconds) == message
 
 
 def test_job_waiting_for_start_is_shown_everywhere() -> None:

@@ -97,7 +97,7 @@ def test_a_refused_client_is_listed_trusted_and_removed(
 
 
 @pytest.mark.parametrize(
-    ('words', 'said'),
+    ('words', 'message'),
     [
         (('trust', 'ab'), "begins with 'ab'; there are: none"),
         (('trust', 'ab', 'cd'), 'expected one thumbprint'),
@@ -107,7 +107,7 @@ def test_a_refused_client_is_listed_trusted_and_removed(
     ],
 )
 def test_wrong_use_of_trust(
-    words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+    words: tuple[str, ...], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(['opcua', *words]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err

@@ -14,13 +14,13 @@ from bt_orchestrator.extensions.opcua.server.library import OpcUaUnusable, why_p
 from bt_orchestrator.extensions.opcua.server.nodesets import AccessRefused
 
 
-@pytest.mark.parametrize('found', ['2.0.9', '2.2.0', '2.10.0', '3.0'])
+@pytest.mark.parametrize('version', ['2.0.9', '2.2.0', '2.10.0', '3.0'])
 def test_the_inside_of_another_asyncua_is_left_alone(
-    monkeypatch: pytest.MonkeyPatch, found: str
+    monkeypatch: pytest.MonkeyPatch, version: str
 ) -> None:
     assert why_plain() == ''
-    monkeypatch.setattr(library, 'version', lambda _: found)
-    assert why_plain() == f'asyncua {found} has another inside than 2.1.x, which is known'
+    monkeypatch.setattr(library, 'version', lambda _: version)
+    assert why_plain() == f'asyncua {version} has another inside than 2.1.x, which is known'
 
 
 def test_without_asyncua_it_is_said_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,8 +20,8 @@ def field(path: str) -> ua.SimpleAttributeOperand:
     return ua.SimpleAttributeOperand(ua.NodeId(), names, ua.AttributeIds.Value)
 
 
-def value(one: object) -> ua.LiteralOperand:
-    return ua.LiteralOperand(Value=ua.Variant(one))
+def value(operand: object) -> ua.LiteralOperand:
+    return ua.LiteralOperand(Value=ua.Variant(operand))
 
 
 def passes(operator: ua.FilterOperator, *operands: Any, with_: Any = Evaluator) -> bool:

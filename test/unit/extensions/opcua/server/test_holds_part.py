@@ -30,9 +30,9 @@ class Scene:
         self.part._notices = self  # type: ignore[assignment]
         self.part._place = Place(ua.NodeId('T', 4), 4, ua.NodeId('cell', 4), 'cell')
 
-    def tell(self, told: Told, *nodes: ua.NodeId) -> None:
+    def tell(self, message: Told, *nodes: ua.NodeId) -> None:
         """As `Notices`."""
-        self.told.append(told)
+        self.told.append(message)
 
     def show(self, *holds: Hold) -> CellStatus:
         """Show a status with these holds."""

@@ -151,18 +151,18 @@ def test_the_key_of_another_is_refused(folders: Pki) -> None:
 
 
 @pytest.mark.parametrize(
-    ('options', 'said'),
+    ('options', 'message'),
     [({'days': (-10, -1)}, 'has expired on'), ({'uri': ''}, 'has no application URI')],
 )
 def test_site_certificate_must_be_valid(
-    folders: Pki, monkeypatch: pytest.MonkeyPatch, options: dict[str, object], said: str
+    folders: Pki, monkeypatch: pytest.MonkeyPatch, options: dict[str, object], message: str
 ) -> None:
     client_key()  # made before there is no other
     monkeypatch.setattr(rsa, 'generate_private_key', lambda **_: client_key())
     made(folders)
     path, _ = files(folders)
     path.write_bytes(certificate(**options).public_bytes(Encoding.PEM))  # type: ignore[arg-type]
-    assert said in refusal(folders)
+    assert message in refusal(folders)
 
 
 def test_unwritable_folder_gives_clear_error(tmp_path: Path) -> None:

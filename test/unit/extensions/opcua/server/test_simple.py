@@ -51,8 +51,8 @@ def count(number: int) -> ua.Variant:
     return ua.Variant(number, ua.VariantType.UInt32)
 
 
-def texts(*found: str) -> ua.Variant:
-    return ua.Variant(list(found), ua.VariantType.String)
+def texts(*lines: str) -> ua.Variant:
+    return ua.Variant(list(lines), ua.VariantType.String)
 
 
 def order(id_: str, quantity: int = 1, *parameters: str) -> tuple[Any, ...]:

@@ -34,8 +34,8 @@ def trust(pki: Pki) -> Trust:
     return Trust(pki)
 
 
-def der(found: x509.Certificate) -> bytes:
-    return found.public_bytes(Encoding.DER)
+def der(cert: x509.Certificate) -> bytes:
+    return cert.public_bytes(Encoding.DER)
 
 
 def refusal(trust: Trust, content: bytes | x509.Certificate) -> str:
@@ -44,10 +44,8 @@ def refusal(trust: Trust, content: bytes | x509.Certificate) -> str:
     return str(refused.value)
 
 
-def put(folder: Path, found: x509.Certificate, name: str = 'one.der') -> None:
-    (folder / name).write_bytes(
-        found.public_bytes(Encoding.PEM if 'pem' in name else Encoding.DER)
-    )
+def put(folder: Path, cert: x509.Certificate, name: str = 'one.der') -> None:
+    (folder / name).write_bytes(cert.public_bytes(Encoding.PEM if 'pem' in name else Encoding.DER))
 
 
 @pytest.mark.parametrize('name', ['one.der', 'one.pem', 'One.CRT', 'a b [c].cer'])

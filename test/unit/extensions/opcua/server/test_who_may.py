@@ -138,8 +138,8 @@ def test_viewer_cannot_act_with_any_method(scene: Scene) -> None:
 
 
 COMMANDS = [
-    *((one, '') for one in verbs(About.CELL)),
-    *((one, ORDERED) for one in verbs(About.JOB)),
+    *((verb, '') for verb in verbs(About.CELL)),
+    *((verb, ORDERED) for verb in verbs(About.JOB)),
 ]
 
 

@@ -35,7 +35,7 @@ VALUES = {
 
 _tickets = itertools.count(1)
 
-every_request = pytest.mark.parametrize('request_', TABLE, ids=lambda one: one.name)
+every_request = pytest.mark.parametrize('request_', TABLE, ids=lambda case: case.name)
 
 
 def new_ticket() -> str:

@@ -15,10 +15,10 @@ def filled(*seqs: int, before: int = 0) -> Ring:
     return ring
 
 
-def told(found: Lost | list[Happened]) -> object:
-    if isinstance(found, Lost):
-        return (found.first, found.last)
-    return [fact.event.seq for fact in found]
+def told(lost: Lost | list[Happened]) -> object:
+    if isinstance(lost, Lost):
+        return (lost.first, lost.last)
+    return [fact.event.seq for fact in lost]
 
 
 def test_an_empty_ring_begins_where_it_was_told() -> None:

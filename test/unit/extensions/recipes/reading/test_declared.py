@@ -35,14 +35,16 @@ def test_newest_version_of_recipe_declares_its_parameters(tmp_path: Path) -> Non
     assert [list(recipe.newest.params) for recipe in recipes(tmp_path)] == [['new'], ['lot']]
 
 
-@pytest.mark.parametrize(('broken', 'found'), [(1, [[2]]), (2, [])])
+@pytest.mark.parametrize(('broken', 'versions'), [(1, [[2]]), (2, [])])
 def test_recipe_with_faulty_newest_version_is_not_orderable(
-    tmp_path: Path, broken: int, found: list[list[int]]
+    tmp_path: Path, broken: int, versions: list[list[int]]
 ) -> None:
     for version in (1, 2):
         params = 'no.name' if version == broken else 'lot'
         (tmp_path / f'{version}.yaml').write_text(HEAD.format('A', version, params))
-    assert [[entry.version for entry in recipe.versions] for recipe in recipes(tmp_path)] == found
+    assert [
+        [entry.version for entry in recipe.versions] for recipe in recipes(tmp_path)
+    ] == versions
 
 
 def test_operations_declare_what_they_do(tmp_path: Path) -> None:

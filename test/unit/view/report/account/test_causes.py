@@ -74,7 +74,7 @@ def test_verdict_rejects_and_names_failed_bound() -> None:
 
 
 @pytest.mark.parametrize(
-    ('answers', 'told', 'first_pass'),
+    ('answers', 'steps', 'first_pass'),
     [
         (('reject',), [('rejected', f'work at a2 result_refused ({BOUND}), answer reject', 1)], 0),
         (
@@ -99,11 +99,11 @@ def test_verdict_rejects_and_names_failed_bound() -> None:
     ],
 )
 def test_answers_are_decisions(
-    answers: tuple[str, ...], told: list[tuple[str, str, int]], first_pass: int
+    answers: tuple[str, ...], steps: list[tuple[str, str, int]], first_pass: int
 ) -> None:
     line = Line(results={'a2': {'measurement': 0.5, 'item_present': True}})
     run = run_of(line, VERDICT, *answers)
-    assert causes(run) == told
+    assert causes(run) == steps
     assert sum(made.first_pass for made in times(run).made) == first_pass
 
 

@@ -33,9 +33,9 @@ def times(day: Day, end: str, *, is_whole: bool = True, begin: str = '06:00') ->
     return fold.until(us_of(at(end)))
 
 
-def minutes(found: Times) -> dict[str, float]:
-    lost = {loss.value: us / US / 60 for loss, us in found.lost_us.items()}
-    return lost | ({'production': found.producing_us / US / 60} if found.producing_us else {})
+def minutes(times: Times) -> dict[str, float]:
+    lost = {loss.value: us / US / 60 for loss, us in times.lost_us.items()}
+    return lost | ({'production': times.producing_us / US / 60} if times.producing_us else {})
 
 
 def at_work(clock: str = '06:00') -> Day:

@@ -54,10 +54,10 @@ def looked(account: LiveAccount, clock: str, history: str = 'day') -> Live:
     return shown
 
 
-def report_of(found: Live, clock: str) -> object:
+def report_of(live: Live, clock: str) -> object:
     """Return what the report of the same period says that is made at that moment."""
     return account_plain(
-        account(Reading(journal(DAY.events, at(clock))), found.account.period, LINE.cell)
+        account(Reading(journal(DAY.events, at(clock))), live.account.period, LINE.cell)
     )
 
 

@@ -224,7 +224,7 @@ def test_unknown_recipe_name_becomes_script_name() -> None:
 
 
 @pytest.mark.parametrize(
-    ('changed', 'found'),
+    ('changed', 'status'),
     [
         ({'equipment': ({'ID': 'drill'},)}, ('EquipmentRequirements', NOT_ACCEPTED)),
         (
@@ -247,10 +247,10 @@ def test_unknown_recipe_name_becomes_script_name() -> None:
     ],
 )
 def test_mistakes_of_an_order_by_recipe(
-    changed: dict[str, Any], found: tuple[str, ReturnStatus]
+    changed: dict[str, Any], status: tuple[str, ReturnStatus]
 ) -> None:
     order = dataclasses.replace(BY_RECIPE, **changed)
-    assert statuses(order, components=['arm', 'camera'], recipes=RECIPES) == {found}
+    assert statuses(order, components=['arm', 'camera'], recipes=RECIPES) == {status}
 
 
 def test_order_by_recipe_is_restored_unchanged() -> None:
