@@ -22,7 +22,7 @@ AT_ONCE = 'TEST_PROCESSES_AT_ONCE'
 LOOK_S = 1.0
 """For so long the machine is looked at: a program that starts is seen within it."""
 
-IDLE = 0.15
+IDLE = 0.2
 """Share of the time of all cores in which nothing runs."""
 
 LONGEST_S = 120.0
