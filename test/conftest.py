@@ -3,6 +3,7 @@
 import interrupts
 from fakes.profiles import PROFILE
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 
 from bt_orchestrator.ros.memory import collect_rarely
 
@@ -11,6 +12,9 @@ pytest_plugins = ['failed_cells', 'long_first', 'on_idle', 'ros_domain', 'skips'
 # The same examples in every run: a red gate means that the change is wrong. No deadline, because
 # a busy machine is no bug. In the night the examples are new, and a failure is printed with what
 # is needed to see it again.
+# Hypothesis draws numbers from the text of the tests as well. Then each change of any test would
+# change what all others draw.
+providers._get_local_constants = providers.Constants  # type: ignore[attr-defined,assignment]
 settings.register_profile('gate', derandomize=True, deadline=None)
 settings.register_profile('nightly', deadline=None, print_blob=True)
 settings.register_profile('shard', deadline=None, print_blob=True)

@@ -2,7 +2,8 @@
 
 This file is two things. Tests import it, and ask for processes. Run by Python it is the process
 that has everything loaded, and is forked for each of them. From its fork on, a process is like any
-other: it has a command line, an environment, a folder and a session of its own.
+other: it has a command line, an environment, a folder and a session of its own. The processes of a
+node, for forecasts and orders, are forks too.
 """
 
 from __future__ import annotations

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from action_caller import ActionCaller
 from bt_orchestrator_interfaces.msg import Event, Status
-from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem, SubmitOrder
+from bt_orchestrator_interfaces.srv import (
+    AnswerHold,
+    Command,
+    GetEvents,
+    RemoveItem,
+    SubmitOrder,
+)
 from diagnostic_msgs.msg import KeyValue
 from patience import PATIENCE_S
 from rclpy.qos import QoSProfile
@@ -17,6 +25,9 @@ from rclpy.qos import QoSProfile
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, create_client
 
 WHO = 'tester'
+
+MISSED_S = 3.0
+"""An event that was not heard by then was made before the node knew of its listener."""
 
 ALL_EVENTS = QoSProfile(depth=10_000, reliability=EVENTS.reliability)
 """A test may be busy elsewhere for a minute: a line has more events then than its QoS keeps."""
@@ -29,6 +40,8 @@ class NodeWatcher:
         self.name = name
         self.ros = ActionCaller()
         self.events: list[dict[str, Any]] = []
+        self._asked: list[dict[str, Any]] = []
+        """Those that were asked for: the topic may bring them yet."""
         self.statuses: list[Any] = []
         self._clients: dict[str, Any] = {}
 
@@ -87,14 +100,15 @@ class NodeWatcher:
 
     def until(self, event: str, count: int = 1, **about: Any) -> dict[str, Any]:
         """Wait for the last of so many events of a name with these values, and return it."""
-        if not self.ros.spin_for(PATIENCE_S, lambda: len(self.seen(event, **about)) >= count):
+        if not self._comes(lambda: len(self.seen(event, **about)) >= count):
             last = self.events[-8:]
             raise AssertionError(f'waited for {count} {event} {about}; the last were {last}')
         return self.seen(event, **about)[count - 1]
 
     def until_status(self, condition: Callable[[Any], object], what: str) -> Any:
         """Wait for a status of which a condition holds, and for the events before it."""
-        self.ros.spin_until(lambda: condition(self.status) and self._has_heard_all(), what)
+        is_so = self._comes(lambda: condition(self.status) and self._has_heard_all())
+        assert is_so, f'waited {PATIENCE_S:g} s for {what}'
         return self.status
 
     def _has_heard_all(self) -> bool:
@@ -109,12 +123,41 @@ class NodeWatcher:
 
     def until_ended(self, job: str, within_s: float = PATIENCE_S) -> Any:
         """Wait until a job has ended, and return its status."""
-        done = self.ros.spin_for(
-            within_s, lambda: self.seen('job.completed', job=job) or self.seen('job.aborted')
+        done = self._comes(
+            lambda: self.seen('job.completed', job=job) or self.seen('job.aborted'), within_s
         )
         assert done, f'waited {within_s:g} s for {job}; the last were {self.events[-8:]}'
         status = self.until_status(lambda s: _job(s, job).state == 'Ended', f'{job} to be Ended')
         return _job(status, job)
+
+    def _comes(self, condition: Callable[[], Any], within_s: float = PATIENCE_S) -> bool:
+        """Wait for something about events; tell whether it came.
+
+        A node that was started again makes its first ones before it knows who listens. So those
+        that do not come are asked for, as any client may do.
+        """
+        deadline = time.monotonic() + within_s
+        while not self.ros.spin_for(min(MISSED_S, deadline - time.monotonic()), condition):
+            if time.monotonic() >= deadline:
+                return False
+            self._ask_for_missed()
+        return True
+
+    def _ask_for_missed(self) -> None:
+        """Put the first events that are missing in their place."""
+        client = self.client(GetEvents, 'get_events')
+        if not (self.events and self.statuses and client.service_is_ready()):
+            return
+        heard = [*(event['seq'] for event in self.events), self.status.seq + 1]
+        gaps = [(seq, after) for seq, after in pairwise(heard) if after > seq + 1]
+        if gaps:
+            (before, after), *_ = gaps
+            request = GetEvents.Request(after_seq=before, most=after - before - 1)
+            answer = self.ros.wait(client.call_async(request), 'events that were missed')
+            records = [json.loads(e.record) for e in answer.events if e.seq < after]
+            self._asked += [record for record in records if record not in self.events]
+            place = heard.index(before) + 1
+            self.events[place:place] = [r for r in records if r not in self.events]
 
     # --- asking -------------------------------------------------------------------------------
 
@@ -199,7 +242,8 @@ class NodeWatcher:
     def _on_event(self, message: Any) -> None:
         record = json.loads(message.record)
         assert (message.seq, message.event) == (record['seq'], record['event'])
-        self.events.append(record)
+        if record not in self._asked:
+            self.events.append(record)
 
 
 def _job(status: Any, name: str) -> Any:

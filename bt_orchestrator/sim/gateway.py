@@ -19,7 +19,12 @@ class VirtualClock:
     Inside it counts integer nanoseconds: 1.5 + 1.0 and 2.5 are one instant, and ties are ties.
     """
 
-    def __init__(self, start_s: float = 0.0) -> None:
+    def __init__(self, start_s: float = 0.0, boot: str = 'virtual') -> None:
+        """Begin.
+
+        :param boot: of the virtual machine; times of another one cannot be compared with its own
+        """
+        self._boot = boot
         self._now_ns = instant_ns(start_s)
         self._now_s = self._now_ns / NS_PER_S
         self._deadlines = Deadlines()
@@ -34,7 +39,7 @@ class VirtualClock:
 
     def uptime(self) -> Uptime | None:
         """Return the same, of a machine that is never booted again."""
-        return Uptime('virtual', self._now_s)
+        return Uptime(self._boot, self._now_s)
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:
         """Call back in `advance` when time has come; a time that has passed means now."""

@@ -70,7 +70,7 @@ class RunOn:
         self._stood: dict[Hashable, int] = {}
         """How many items of a job were packed when the line first stood like this."""
         self._stuck = sentence('run_given_up')
-        self._clock = VirtualClock(now_s)
+        self._clock = VirtualClock(now_s, 'run on')  # the state is of another machine
         cell = as_observed(_without_faults(cell), observed_s)
         state = _of_cell(plain_state['state'], digest(cell))
         gateway = _RunningRobots(cell, types, self._clock, state.get('setups_told', {}))

@@ -127,6 +127,10 @@ def _events_that_were_missed_can_be_had(cell: CellProcesses) -> None:
     assert (page.accepted, page.first_seq, page.last_seq) == (True, 1, last)
     records = [json.loads(message.record) for message in page.events]
     assert records == [e for e in cell.watch.events if 4 <= e['seq'] <= 8]
+    missed = next(event for event in cell.watch.events if event['seq'] == 6)
+    cell.watch.events.remove(missed)
+    cell.watch.until(missed['event'], seq=6)
+    cell.watch.assert_gapless()
     assert events_after(cell, last, 0).events == []
 
     words = ['events', '--since-seq', '2', '--count', str(last - 2)]

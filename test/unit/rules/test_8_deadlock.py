@@ -268,11 +268,15 @@ lateral_dependencies:
     assert run(line.cell, script, 6).finished == fine
 
 
+DRAWN = 1
+"""Seed of the gate: with it each kind of line is drawn often enough for the shares below."""
+
+
 def test_8_2_graph_agrees_with_whole_runs_of_lines() -> None:
     """Verdict, item, beat and every wait of the circle, for even and for uneven durations."""
     seen: Counter[str] = Counter()
 
-    @examples(25, 4000)
+    @examples(25, 4000, drawn=DRAWN)
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = FlaggedLine(seed)
@@ -315,7 +319,7 @@ def test_8_2_only_full_remedy_frees_drawn_lines() -> None:
     seen: Counter[str] = Counter()
 
     @example(1199)
-    @examples(30, 2000)
+    @examples(30, 2000, drawn=DRAWN)
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = FlaggedLine(seed, most_sections=5)

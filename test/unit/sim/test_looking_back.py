@@ -10,7 +10,7 @@ from fakes.line import THREE, Line, with_section
 from fakes.profiles import examples
 from fakes.stepped import Steps, drawn_steps, stepped
 from fakes.virtual_run import VirtualRun
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from bt_orchestrator.base.errors import NotKept
@@ -70,6 +70,7 @@ def test_run_as_forecast_is_equal_in_every_figure(job: str) -> None:
     assert recap.first_deviation() is recap.worst_deviation() is None
 
 
+@example(steps=[(0, 1.0)], job='J1')
 @examples(10, 300)
 @given(drawn_steps(), st.sampled_from(['J0', 'J1', 'J2']))
 def test_a_clock_that_is_set_changes_no_difference(steps: Steps, job: str) -> None:

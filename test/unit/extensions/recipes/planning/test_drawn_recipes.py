@@ -275,11 +275,15 @@ def bindings(drawn: DrawnRecipe) -> list[dict[str, str]]:
     return [dict(pairs) for pairs in product(*ways)] if 1 < many <= MOST_RUNS else []
 
 
+DRAWN = 2
+"""Seed of the gate: with it there is a binding that matters."""
+
+
 def test_the_engine_finds_no_binding_that_is_faster() -> None:
     """Small cells, each of their bindings run; where sections share nothing it is the fastest."""
     seen: Counter[str] = Counter()
 
-    @examples(8, 2000)
+    @examples(8, 2000, drawn=DRAWN)
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = DrawnRecipe(seed, shares=False, most_operations=12)
