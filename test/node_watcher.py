@@ -153,8 +153,10 @@ class NodeWatcher:
         if gaps:
             (before, after), *_ = gaps
             request = GetEvents.Request(after_seq=before, most=after - before - 1)
-            answer = self.ros.wait(client.call_async(request), 'events that were missed')
-            records = [json.loads(e.record) for e in answer.events if e.seq < after]
+            future = client.call_async(request)
+            if not self.ros.spin_for(MISSED_S, future.done):
+                return  # the node has ended meanwhile
+            records = [json.loads(e.record) for e in future.result().events if e.seq < after]
             self._asked += [record for record in records if record not in self.events]
             place = heard.index(before) + 1
             self.events[place:place] = [r for r in records if r not in self.events]
