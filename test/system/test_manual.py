@@ -89,8 +89,8 @@ def test_7_11_9_goal_survives_node_kill_while_panel_stays(
     cell.start_node()
     cell.node.wait_ready()
     panel.stay('running')
-    cell.watch.until('task.adopted', task='manual')
     panel.stay('done')
+    cell.watch.until('task.adopted', task='manual')
     (ended,) = cell.goals(event='ended', component='worker')
     assert ended['status'] == 'succeeded'
     assert cell.watch.seen('task.cancel_requested') == []
