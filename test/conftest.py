@@ -1,9 +1,11 @@
 """Settings of every test."""
 
 import interrupts
+import pytest
 from fakes.profiles import PROFILE
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
+from hypothesis.internal.constants_ast import Constants
 
 from bt_orchestrator.ros.memory import collect_rarely
 
@@ -14,7 +16,7 @@ pytest_plugins = ['failed_cells', 'long_first', 'on_idle', 'ros_domain', 'skips'
 # is needed to see it again.
 # Hypothesis draws numbers from the text of the tests as well. Then each change of any test would
 # change what all others draw.
-providers._get_local_constants = providers.Constants  # type: ignore[attr-defined]
+pytest.MonkeyPatch().setattr(providers, '_get_local_constants', Constants)
 settings.register_profile('gate', derandomize=True, deadline=None)
 settings.register_profile('nightly', deadline=None, print_blob=True)
 settings.register_profile('shard', deadline=None, print_blob=True)

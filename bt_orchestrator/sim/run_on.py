@@ -37,8 +37,8 @@ CYCLES_RUN = 40
 CYCLES_KEPT = 2
 """Number of cycles still to begin that are run of a job once the line repeats itself."""
 
-SAME_S = 3
-"""Decimals of the seconds in which two moments of a line are compared."""
+DECIMALS = 3
+"""Of the seconds in which two moments of a line are compared."""
 
 LONGEST_S = 10.0
 """Seconds of real time for one run; jobs that have not ended then have no forecast."""
@@ -107,7 +107,8 @@ class RunOn:
                 self._stuck = sentence('nothing_goes_on')
                 return math.inf
             self._leave_out_what_repeats()
-        return self._clock.now() if self.state.jobs else math.inf
+        late_s = sum(self._put_back_s(job) for job in self._log.ended_s)
+        return self._clock.now() + late_s if self.state.jobs else math.inf
 
     def go_on_to_end_of(self, job: str) -> float | None:
         """Run on until a job has ended, however long it is, and return when that was.
@@ -120,8 +121,18 @@ class RunOn:
         return self._log.ended_s.get(job)
 
     def ends_s(self, by_s: float = math.inf) -> dict[str, float]:
-        """Return when each job ended, up to a moment of the run; those unknown are left out."""
-        return _stretched(self._log, self._left_out, by_s)
+        """Return when each job ended, up to a moment; those unknown are left out.
+
+        The time of the cycles that were left out is put back, of a job and of those in front.
+        """
+        late_s, ends = 0.0, {}
+        for job, end_s in self._log.ended_s.items():
+            late_s += self._put_back_s(job)
+            ends[job] = end_s + late_s
+        return {job: end_s for job, end_s in ends.items() if end_s <= by_s}
+
+    def _put_back_s(self, job: str) -> float:
+        return self._left_out.get(job, 0) * self._log.pace_s(job)
 
     @property
     def changeover_s(self) -> float:
@@ -153,18 +164,19 @@ class RunOn:
         Engine and virtual robots would do the same again. Only a script whose conditions ask for
         the number of an item is run whole.
         """
-        name = self._log.taken_packed()
-        if name is None or name in self._log.repeating_s or list(self.state.jobs.line) != [name]:
-            return
+        name = next(iter(self.state.jobs.line), '')
         packed_s = self._log.packed_s[name]
+        is_packed = packed_s[-1:] == [self._clock.now()]
+        if not is_packed or name in self._log.repeating_s or len(self.state.jobs.line) > 1:
+            return
         before = self._stood.setdefault(_standing(self.state, name, packed_s[-1]), len(packed_s))
         period = len(packed_s) - before
-        if period and not _counts(self.state.script(name)):
+        if period and not _tells_items_apart(self.state.script(name)):
             self._log.repeating_s[name] = (packed_s[-1] - packed_s[before - 1]) / period
             self._leave_out(name, CYCLES_KEPT, period)
 
     def _leave_out(self, name: str, kept: int, period: int = 1) -> None:
-        """Let a job have about so many cycles to begin; whole periods are left out."""
+        """Leave out whole periods of a job; about so many cycles to begin are kept."""
         job = self.state.jobs[name]
         more = (job.cycles_left - kept) // period * period
         if more > 0:
@@ -172,8 +184,8 @@ class RunOn:
             job.job = replace(job.job, quantity=job.job.quantity - more)
 
 
-def _counts(script: Script) -> bool:
-    """Tell whether one item may take another way than the next, by what it or its order is."""
+def _tells_items_apart(script: Script) -> bool:
+    """Tell whether a condition asks for the number of an item, or for its order."""
     return any(
         reference.source in ('item', 'order')
         for task in script.tasks.values()
@@ -183,7 +195,7 @@ def _counts(script: Script) -> bool:
 
 
 def _standing(state: CellState, name: str, now_s: float) -> Hashable:
-    """Return what the line will do next depends on, without the names of items and the time.
+    """Return all that decides what the line does next, without the names of items and the time.
 
     :param name: the only job on the line
     """
@@ -218,7 +230,9 @@ def _standing(state: CellState, name: str, now_s: float) -> Hashable:
                 place(key.item),
                 key.task,
                 task.phase,
-                task.phase is Phase.RUNNING and round(now_s - task.started, SAME_S),
+                task.attempt,
+                task.phase is Phase.RUNNING and round(now_s - task.started, DECIMALS),
+                task.phase is Phase.RETRYING and round(task.not_before - now_s, DECIMALS),
             )
             for key, task in state.tasks.items()
         ),
@@ -268,7 +282,6 @@ class _Log:
         self._changes_s: dict[e.TaskKey, float] = {}
         """When the changes of setups began that go on."""
         self.changeover_s = 0.0
-        self._packed: str | None = None
         self.packed_s: dict[str, list[float]] = defaultdict(list)
         self.repeating_s: dict[str, float] = {}
         """Seconds between two items, of jobs with which the line repeats itself."""
@@ -278,7 +291,6 @@ class _Log:
         """Note what matters."""
         for event in events:
             if isinstance(event, e.ItemRemoved):
-                self._packed = event.job
                 self.packed_s[event.job].append(event.time)
             elif isinstance(event, e.JobCompleted | e.JobAborted):
                 self.ended_s[event.job] = event.time
@@ -294,11 +306,6 @@ class _Log:
         elif isinstance(event, e.TaskSucceeded | e.TaskFailed) and event.key in self._changes_s:
             self.changeover_s += event.time - self._changes_s.pop(event.key)
 
-    def taken_packed(self) -> str | None:
-        """Return the job of an item that was packed since the last call; None: there was none."""
-        packed, self._packed = self._packed, None
-        return packed
-
     def pace_s(self, job: str) -> float:
         """Return the seconds between two items, where the line neither fills nor drains."""
         if job in self.repeating_s:
@@ -307,16 +314,6 @@ class _Log:
         edge = len(times) // 4
         middle = times[edge : len(times) - edge]
         return (middle[-1] - middle[0]) / (len(middle) - 1) if len(middle) > 1 else 0.0
-
-
-def _stretched(log: _Log, left_out: Mapping[str, int], by_s: float) -> dict[str, float]:
-    """Put back the time of the cycles that were left out, of a job and of those in front."""
-    late_s, ends = 0.0, {}
-    ended_s = {job: end_s for job, end_s in log.ended_s.items() if end_s <= by_s}
-    for job, end_s in ended_s.items():
-        late_s += left_out.get(job, 0) * log.pace_s(job)
-        ends[job] = end_s + late_s
-    return ends
 
 
 class _RunningRobots(VirtualGateway):

@@ -7,11 +7,11 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import until
 
 from bt_orchestrator.base.child_process import ChildFailed, ChildProcess, ChildTooLate
 
@@ -40,10 +40,7 @@ def is_gone(pid: int) -> bool:
 
 
 def until_gone(pid: int) -> None:
-    deadline = time.monotonic() + LONGEST_S
-    while not is_gone(pid):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    until(lambda: is_gone(pid), f'the end of {pid}', LONGEST_S)
 
 
 def test_one_process_answers_questions_of_every_size(child: ChildProcess) -> None:

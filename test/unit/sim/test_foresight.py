@@ -144,6 +144,19 @@ def test_items_with_differing_ways_are_all_run() -> None:
         assert forecast == pytest.approx(real_ends(simulation))
 
 
+def test_ends_are_known_up_to_returned_moment(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with running(100, 60, until_s=30.0) as (simulation, _):
+        plain = json.loads(json.dumps(state_to_plain(simulation.state)))
+        run = run_on.RunOn(simulation.state.cell, TYPES, plain, {}, simulation.clock.now())
+        monkeypatch.setattr('time.monotonic', lambda: float('J0' in run.ends_s()))
+        with closing(run):
+            known_s = run.go_on(1.0)
+            assert run.ends_s().keys() == run.ends_s(known_s).keys() == {'J0'}
+            assert known_s == pytest.approx(run.ends_s()['J0'])
+
+
 @examples(10, 500)
 @given(
     lines(Traits(faults=False, rejects=True, most_sections=5)), st.sampled_from([0.0, 7.3, 40.0])
