@@ -9,6 +9,7 @@ node, for forecasts and orders, are forks too.
 from __future__ import annotations
 
 import ctypes
+import gc
 import json
 import os
 import re
@@ -243,6 +244,7 @@ if __name__ == '__main__':
     sys.path.pop(0)  # the folder of the tests
     for _name in PRELOADED:
         import_module(_name)
+    gc.freeze()  # no fork looks for garbage among these objects, at its end least of all
     _serve(socket.socket(fileno=int(sys.argv[1])))
     if sys.argv[1] == 'run' and CHILDREN_BY_PYTHON not in os.environ:
         _fork_children()

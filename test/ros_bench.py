@@ -82,7 +82,7 @@ class RosBench:
         file.write_text(cell_text(self.cell))
         names = [name for name in self.cell.components if name != 'conveyor']
         self._server = SimCellProcess(file, '--only', ','.join(names), *fault_options(self.cell))
-        self._server.wait_until_ready()
+        self._server.wait_ready()
 
     def run_until(self, condition: Callable[[], Any], what: str, within_s: float = 60.0) -> None:
         if not self._spin(within_s, condition):

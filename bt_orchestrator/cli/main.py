@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import atexit
+import gc
 import io
 import os
 import sys
@@ -45,6 +47,10 @@ _MORE = f'{PROGRAM} VERB --help says more about a verb, and docs/glossary.md abo
 INTERRUPTED = 130
 PIPE_CLOSED = 141
 """Exit statuses of shells for SIGINT and SIGPIPE."""
+
+
+# At its end Python looks for garbage among all objects, several times. The system takes them all.
+atexit.register(gc.freeze)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -6,8 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 import rclpy
+from cell_fixtures import loaded
 from rclpy.context import Context
 from thread_servers import ThreadServers
+
+__all__ = ['context', 'loaded', 'servers']
 
 
 @pytest.fixture

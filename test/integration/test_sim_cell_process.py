@@ -78,7 +78,7 @@ def test_stop_signal_aborts_goals_and_exits_cleanly(
     start: Start, ros: ActionCaller, with_signal: signal.Signals
 ) -> None:
     cell = start()
-    assert cell.wait_until_ready() == 'sim-cell ready: 3 action servers'
+    assert cell.wait_ready() == 'sim-cell ready: 3 action servers'
     handles = [
         ros.start(name, Component, a_goal('TASK_C')) for name in ('/near/task', '/far/task')
     ]
@@ -90,12 +90,12 @@ def test_stop_signal_aborts_goals_and_exits_cleanly(
     for result in results:
         assert ros.wait(result, 'the result').status == GoalStatus.STATUS_ABORTED
     assert [record['status'] for record in cell.records(event='ended')] == ['aborted', 'aborted']
-    assert 'Traceback' not in ''.join(cell.errors)
+    assert 'Traceback' not in cell.errors
 
 
 def test_only_the_named_components_are_simulated(start: Start, ros: ActionCaller) -> None:
     cell = start('--only=far')
-    assert cell.wait_until_ready() == 'sim-cell ready: 1 action server'
+    assert cell.wait_ready() == 'sim-cell ready: 1 action server'
 
     assert ros.call('/far/task', Component, a_goal()).status == GoalStatus.STATUS_SUCCEEDED
     until_there_are(ros, {'/far/task'})
@@ -104,7 +104,7 @@ def test_only_the_named_components_are_simulated(start: Start, ros: ActionCaller
 def test_two_processes_share_a_cell_and_a_log(start: Start, ros: ActionCaller) -> None:
     cells = [start('--only=far,conveyor'), start('--only', 'near')]
     for cell in cells:
-        cell.wait_until_ready()
+        cell.wait_ready()
 
     for action in ('/far/task', '/near/task'):
         assert ros.call(action, Component, a_goal()).status == GoalStatus.STATUS_SUCCEEDED
@@ -112,18 +112,18 @@ def test_two_processes_share_a_cell_and_a_log(start: Start, ros: ActionCaller) -
 
 
 def test_relative_names_are_in_the_namespace(start: Start, ros: ActionCaller) -> None:
-    start('--namespace=cell_b', '--only=near,far').wait_until_ready()
+    start('--namespace=cell_b', '--only=near,far').wait_ready()
     until_there_are(ros, {'/cell_b/near/task', '/far/task'})
 
 
 def test_ros_arguments_are_obeyed(start: Start, ros: ActionCaller) -> None:
-    start('--only=near', '--ros-args', '-r', '__ns:=/cell_c').wait_until_ready()
+    start('--only=near', '--ros-args', '-r', '__ns:=/cell_c').wait_ready()
     until_there_are(ros, {'/cell_c/near/task'})
 
 
 def test_simulated_time_is_obeyed(start: Start, ros: ActionCaller) -> None:
     clock = ros.node.create_publisher(Clock, '/clock', 1)
-    start('--only=near', '--ros-args', '-p', 'use_sim_time:=true').wait_until_ready()
+    start('--only=near', '--ros-args', '-p', 'use_sim_time:=true').wait_ready()
     ros.spin_until(lambda: clock.get_subscription_count() == 1, 'it to listen to the clock')
     clock.publish(Clock(clock=Time(sec=1000)))
     stamps: list[int] = []
@@ -142,7 +142,7 @@ def test_simulated_time_is_obeyed(start: Start, ros: ActionCaller) -> None:
 
 
 def test_server_forgets_goal_after_result_timeout(start: Start, ros: ActionCaller) -> None:
-    start('--only=near', '--result-timeout=1.0').wait_until_ready()
+    start('--only=near', '--result-timeout=1.0').wait_ready()
     handle = ros.start('/near/task', Component, a_goal())
     ended = ros.result(handle)
     at_once = ros.result(handle)
@@ -162,11 +162,11 @@ def test_callback_error_does_not_end_the_process(
     os.mkfifo(pipe)
     reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
     cell = start('--only=near', f'--log={pipe}')
-    cell.wait_until_ready()
+    cell.wait_ready()
     os.close(reader)
 
     request = ros.request('/near/task', Component, a_goal())
-    ros.spin_until(lambda: 'Broken pipe' in ''.join(cell.errors), 'the error to be reported')
+    ros.spin_until(lambda: 'Broken pipe' in cell.errors, 'the error to be reported')
 
     assert not request.done()
     assert cell.stop() == 0
@@ -194,15 +194,15 @@ def test_wrong_use_is_told_and_ends_with_status_2(
     cell = start(*options)
 
     assert cell.wait() == 2
-    assert complaint in ''.join(cell.errors)
-    assert 'Traceback' not in ''.join(cell.errors)
+    assert complaint in cell.errors
+    assert 'Traceback' not in cell.errors
 
 
 def test_a_wrong_cell_file_is_refused_with_status_1(start: Start) -> None:
     cell = start(text=CELL.replace('sections: 2', 'sektions: 2'))
 
     assert cell.wait() == 1
-    assert 'cell.yaml:4:3: ' in ''.join(cell.errors)
+    assert 'cell.yaml:4:3: ' in cell.errors
 
 
 @pytest.mark.parametrize('verb', ['sim-cell', 'run'])

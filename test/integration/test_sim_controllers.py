@@ -64,13 +64,13 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimCellProcess]:
     with kept_domain():
         process = SimCellProcess(path, '--speed=2', '--feedback=0.5', *options)
         try:
-            line = process.wait_until_ready()
+            line = process.wait_ready()
             assert line == 'sim-cell ready: 15 action servers, 1 absent at first'
             yield process
         finally:
             status = process.stop()
     assert status == 0
-    assert 'Traceback' not in ''.join(process.errors)
+    assert 'Traceback' not in process.errors
 
 
 @pytest.fixture(scope='module')
