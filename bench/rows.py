@@ -80,7 +80,7 @@ TARGETS = {
     'queue': Target('CPU of an order, 800 jobs queued / 20', 2, 1.2),
     'drift_cpu': Target('CPU per task, last tenth / first tenth', 1.2, 1.05),
     'drift_memory': Target('memory, last tenth / first tenth', 1.2, 1.05),
-    'idle': Target('idle CPU, ours / rclpy node with the same timer, no clients', 2, 1.3),
+    'idle': Target('idle CPU, ours / rclpy node with a timer of 10 Hz, no clients', 2, 1.3),
     'simulator': Target('simulator, tasks a second', 5_000, 20_000, at_least=True),
     'check': Target('check of 200 sections and 2,000 tasks, s', 2, 0.3),
     'pace': Target(

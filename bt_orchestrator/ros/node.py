@@ -53,7 +53,7 @@ from bt_orchestrator.ros.identity import Presence
 from bt_orchestrator.ros.inspection.snapshot_source import TickStatistics
 from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.memory import collect_rarely, give_back, widen_buffers
-from bt_orchestrator.ros.node_parameters import NodeParameters
+from bt_orchestrator.ros.node_parameters import BUILTIN, NodeParameters
 from bt_orchestrator.ros.parameters import declare
 from bt_orchestrator.ros.qos import quieten
 from bt_orchestrator.ros.service_manager import ALIVE, READY, STOPPING, is_told, tell, watchdog
@@ -159,7 +159,7 @@ class TreeNode:
         self._gateway = RosGateway(
             node, cell, types, way, server_timeout_s=self.parameters.server_timeout
         )
-        pulse = Pulse(node)
+        pulse = self._pulse = Pulse(node)
         if is_told():  # the thread that ticks says so: a node that stands says nothing
             pulse.add(partial(tell, ALIVE))
         self._durations = ObservedDurations()
@@ -217,7 +217,8 @@ class TreeNode:
     def serve(self, stop: StopSignals) -> None:
         """Run the cell until a stop signal comes."""
         settle = self._inspected(self._ticks.timed(self.orchestrator.settle))
-        self.heart.start(lambda: self._beat(settle), self.parameters.tick_rate_hz)
+        rate_hz = self.parameters.tick_rate_hz
+        self.heart.start(lambda: self._beat(settle), rate_hz, self._pulse)
         self.heart.beat()  # nobody is told what a take-over has noted before it is kept
         self._status.publish_now()
         tell(READY, f'STATUS={self.ready_line}', watchdog(patient=False))
@@ -387,12 +388,17 @@ class TreeNode:
         )
         return status
 
-    def _beat(self, settle: Callable[[], bool]) -> None:
+    def _beat(self, settle: Callable[[], bool]) -> bool:
+        """Settle, and do what goes with it; tell whether the next beat is to come soon."""
         happened = settle()
         if self._leading is not None:
             self._leading.look()
-        if self._housekeeping is not None and self._is_durable:
+        is_watched = self.parameters.inspection != BUILTIN  # the library looks on at settles
+        if self._housekeeping is None:
+            return is_watched
+        if self._is_durable:
             self._housekeeping.turn(quiet=not happened)
+        return is_watched or self._housekeeping.wants_turns
 
     @property
     def _is_durable(self) -> bool:

@@ -105,8 +105,9 @@ class NodeParameters:
     tick_rate_hz: Annotated[
         float,
         Words(
-            'heartbeat of the tree, Hz, for time limits and statistics; a result, a command or a '
-            'state message wakes the tree at once, whatever the rate',
+            'heartbeat of the tree, Hz, while the journal is looked after or py_trees_ros looks '
+            'on; at rest it is one a second. A result, a command, a state message or the end of '
+            'a time limit wakes the tree at once, whatever the rate',
             low=0.1,
             high=1000.0,
             metavar='HZ',

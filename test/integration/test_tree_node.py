@@ -31,6 +31,7 @@ from bt_orchestrator.cli.bootstrap import (
 )
 from bt_orchestrator.cli.journal_file import open_journal, open_standby
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.ros.executor.alarms import steady_timer
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
 from bt_orchestrator.ros.node_parameters import NodeParameters
 from bt_orchestrator.ros.services.outputs import StatusTopic
@@ -41,6 +42,10 @@ pytestmark = pytest.mark.every_distro
 EXECUTORS = ['single']
 if importlib.util.find_spec('rclpy.experimental') is not None:
     EXECUTORS.append('events')
+
+
+LOOK_S = 0.02
+"""How often `StopWhen` is asked, where nothing happens."""
 
 
 class StopWhen(StopSignals):
@@ -93,6 +98,7 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
     making = (build_foresight, build_bookkeeping, build_generating, build_stop_search)
     parts = Parts(open_journal, open_standby, memory_store, *making)
     node = TreeNode(Node(NODE_NAME), parameters, parts, StopSignals(), print)
+    steady_timer(node.node, LOOK_S, lambda: None)
     yield node
     node.close()
     rclpy.try_shutdown()
@@ -190,6 +196,22 @@ def test_raising_settle_is_counted_and_retried(
     assert failing.calls == tree_node.heart.failures
 
     assert 'nothing' in ask(tree_node).message
+
+
+def test_node_at_rest_settles_once_a_second(
+    tree_node: TreeNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settles = 0
+
+    def nothing_happens() -> bool:
+        nonlocal settles
+        settles += 1
+        return False
+
+    monkeypatch.setattr(tree_node.orchestrator, 'settle', nothing_happens)
+    over = time.monotonic() + 3.0
+    tree_node.serve(StopWhen(lambda: time.monotonic() >= over))
+    assert 2 <= settles <= 10, 'three of the pulse, and not fifty a second'
 
 
 def test_first_status_shows_only_durable_events(

@@ -107,6 +107,15 @@ class Housekeeping:
         elif self._state.seq != self._failed_seq and (quiet or self._is_overdue):
             begin(self._piece())
 
+    @property
+    def wants_turns(self) -> bool:
+        """Tell whether turns that come soon after each other get on with something."""
+        if self._next_turn is not None or self._remove_before > self._removed_before:
+            return True
+        if self._books is not None and self._books.is_at_work:
+            return True
+        return 0 < self._quiet_turns < AT_REST and self._behind > 0
+
     def finish(self) -> None:
         """Store a snapshot for the next start, if the disk allows it."""
         try:
@@ -272,6 +281,11 @@ class BookWork:
         self._tried = 0
         """Last event at the last failure."""
         self._next_turn: Reply[None] | None = None
+
+    @property
+    def is_at_work(self) -> bool:
+        """Tell whether books are being made."""
+        return self._next_turn is not None
 
     def removable(self, before: int) -> int:
         """Return before which event retention may remove, of what it wants to remove."""

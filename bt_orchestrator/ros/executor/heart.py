@@ -1,4 +1,4 @@
-"""The causes of a settle: the heartbeat timer, and news (architecture, One settle); the pulse."""
+"""The causes of a settle: news, the heartbeat and the pulse (architecture, One settle)."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from rclpy.executors import Executor
 from rclpy.node import Node
+from rclpy.timer import Timer
 
 from bt_orchestrator.ports.spare_log import guarded
 from bt_orchestrator.ros.executor.alarms import steady_timer
@@ -13,7 +14,10 @@ from bt_orchestrator.ros.executor.executors import soon
 
 
 class Heart:
-    """Settles at a steady rate and as soon as there is something new.
+    """Settles as soon as there is something new, and once a second.
+
+    In between at a steady rate, as long as a settle says that there is something to do: each ring
+    of a timer costs an idle node half a millisecond.
 
     Everything runs in the executor's one thread. An exception in a settle is logged and counted;
     the next beat tries again.
@@ -22,15 +26,21 @@ class Heart:
     def __init__(self, node: Node, executor: Executor) -> None:
         self._node = node
         self._executor = executor
-        self._settle: Callable[[], object] = _nothing
+        self._settle: Callable[[], bool] = _nothing
+        self._timer: Timer | None = None
         self._scheduled = False
         self.failures = 0
         """How many settles ended with an exception."""
 
-    def start(self, settle: Callable[[], object], rate_hz: float) -> None:
-        """Begin to beat."""
+    def start(self, settle: Callable[[], bool], rate_hz: float, pulse: Pulse) -> None:
+        """Begin to beat.
+
+        :param settle: tells whether another beat at the steady rate has something to do
+        :param rate_hz: this rate
+        """
         self._settle = settle
-        steady_timer(self._node, 1.0 / rate_hz, self.beat)
+        self._timer = steady_timer(self._node, 1.0 / rate_hz, self.beat)
+        pulse.add(self.beat)
 
     def wake(self) -> None:
         """Settle soon, before the executor waits again."""
@@ -42,14 +52,26 @@ class Heart:
         """Settle now."""
         self._scheduled = False
         try:
-            self._settle()
+            goes_on = self._settle()
         except Exception as error:  # noqa: BLE001 - nothing may stop the cell
             self.failures += 1
             self._node.get_logger().error(f'settle failed ({self.failures}): {error!r}')
+            goes_on = True
+        self._beat_on(wanted=goes_on)
+
+    def _beat_on(self, *, wanted: bool) -> None:
+        timer = self._timer
+        if timer is None or wanted is not timer.is_canceled():
+            return
+        if wanted:
+            timer.reset()
+        else:
+            timer.cancel()
 
 
-def _nothing() -> None:
+def _nothing() -> bool:
     """Stand for the settle until there is an engine."""
+    return False
 
 
 # The work of each second, all in one turn of the executor.

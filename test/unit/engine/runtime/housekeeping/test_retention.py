@@ -176,6 +176,26 @@ def test_busy_line_cleans_up_ended_jobs_together(
     database.close()
 
 
+def test_turns_are_wanted_until_all_is_stored(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(housekeeping, 'AT_REST', AT_REST)
+    monkeypatch.setattr('bt_orchestrator.store.shared.rows.BATCH', 10)
+    run = LongRun(path, keep_jobs=0)
+    assert not run.housekeeping.wants_turns
+    run.job('J1')
+    run.rest(1)
+    while run.housekeeping.wants_turns:
+        run.rest(1)
+
+    def kept_now() -> tuple[int, list[int]]:
+        return run.store.first_seq(), [snapshot.seq for snapshot in run.store.snapshots()]
+
+    stored = kept_now()
+    assert stored[0] > 80, 'the events of J1 are gone'
+    run.rest(2 * AT_REST)
+    assert kept_now() == stored
+    run.kill()
+
+
 def test_busy_line_records_every_job(path: Path) -> None:
     run = LongRun(path)
     jobs = 2 * ENDED_KEPT
