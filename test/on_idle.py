@@ -19,10 +19,10 @@ from meeting_place import LOCKS
 AT_ONCE = 'TEST_PROCESSES_AT_ONCE'
 """Environment variable: how many processes never wait; without it none does."""
 
-LOOK_S = 1.0
+LOOK_S = 0.5
 """For so long the machine is looked at: a program that starts is seen within it."""
 
-IDLE = 0.2
+IDLE = 0.15
 """Share of the time of all cores in which nothing runs."""
 
 LONGEST_S = 120.0

@@ -180,20 +180,28 @@ def test_turns_are_wanted_until_all_is_stored(path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(housekeeping, 'AT_REST', AT_REST)
     monkeypatch.setattr('bt_orchestrator.store.shared.rows.BATCH', 10)
     run = LongRun(path, keep_jobs=0)
-    assert not run.housekeeping.wants_turns
+    assert turns_until_stored(run) == 0, 'nothing has happened'
     run.job('J1')
     run.rest(1)
-    while run.housekeeping.wants_turns:
-        run.rest(1)
+    assert turns_until_stored(run) > AT_REST
 
-    def kept_now() -> tuple[int, list[int]]:
-        return run.store.first_seq(), [snapshot.seq for snapshot in run.store.snapshots()]
-
-    stored = kept_now()
+    stored = kept_now(run)
     assert stored[0] > 80, 'the events of J1 are gone'
     run.rest(2 * AT_REST)
-    assert kept_now() == stored
+    assert kept_now(run) == stored
     run.kill()
+
+
+def turns_until_stored(run: LongRun) -> int:
+    for turns in itertools.count():
+        if not run.housekeeping.wants_turns:
+            return turns
+        run.rest(1)
+    raise AssertionError
+
+
+def kept_now(run: LongRun) -> tuple[int, list[int]]:
+    return run.store.first_seq(), [kept.seq for kept in run.store.snapshots()]
 
 
 def test_busy_line_records_every_job(path: Path) -> None:
