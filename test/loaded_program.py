@@ -27,10 +27,20 @@ from types import SimpleNamespace
 from typing import Any, BinaryIO
 
 PRELOADED = (
-    *('bt_orchestrator.cli.main', 'bt_orchestrator.cli.run', 'bt_orchestrator.cli.sim_cell'),
-    *('bt_orchestrator.cli.status', 'bt_orchestrator.ros.node', 'rclpy.action', 'rclpy.executors'),
+    *('bt_orchestrator.cli.main', 'bt_orchestrator.cli.run', 'bt_orchestrator.cli.bootstrap'),
+    *('bt_orchestrator.cli.sim_cell', 'bt_orchestrator.cli.status', 'bt_orchestrator.ros.node'),
+    *('bt_orchestrator.ros.executor.lean_executor', 'bt_orchestrator.store.sqlite.store'),
+    'bt_orchestrator.sim.controllers.process',
+    *('rclpy.action', 'rclpy.executors', 'std_msgs.msg'),
 )
 """What most processes of a cell import. No extension: a cell without it loads nothing of it."""
+
+TYPE_SUPPORTS = (
+    *('action_msgs', 'bt_orchestrator_interfaces', 'builtin_interfaces', 'diagnostic_msgs'),
+    *('rcl_interfaces', 'service_msgs', 'std_msgs', 'type_description_interfaces'),
+    'unique_identifier_msgs',
+)
+"""Packages whose messages they send."""
 
 CHILDREN_BY_PYTHON = 'CHILDREN_BY_PYTHON'
 """Environment variable: Python starts the processes of a node, as it does without this file."""
@@ -244,6 +254,8 @@ if __name__ == '__main__':
     sys.path.pop(0)  # the folder of the tests
     for _name in PRELOADED:
         import_module(_name)
+    for _name in TYPE_SUPPORTS:
+        import_module('rosidl_generator_py').import_type_support(_name)
     gc.freeze()  # no fork looks for garbage among these objects, at its end least of all
     _serve(socket.socket(fileno=int(sys.argv[1])))
     if sys.argv[1] == 'run' and CHILDREN_BY_PYTHON not in os.environ:
