@@ -23,7 +23,7 @@ LOOK_S = 0.5
 """For so long the machine is looked at: a program that starts is seen within it."""
 
 IDLE = 0.15
-"""Share of the time of all cores in which nothing runs."""
+"""Share of the time of all cores in which nothing runs but what gives way."""
 
 LONGEST_S = 120.0
 """Then a test begins all the same."""
@@ -66,12 +66,16 @@ def wait_for_idle() -> None:
 
 
 def idle_share(before: str, after: str) -> float:
-    """Return the share of the time between two texts of `TIMES` in which nothing ran."""
+    """Return the share of the time between two texts of `TIMES` in which nothing ran.
+
+    What runs at a lower priority gives way to a test.
+    """
     (start, was_idle), (other, is_idle) = (_spent(text) for text in (before, after))
     return (is_idle - was_idle) / max(other - start, 1)
 
 
 def _spent(text: str) -> tuple[int, int]:
-    """Return how long the cores were there, and were idle or waited for a disk."""
+    """Return how long the cores were there, and how long they could be had."""
     spent = [int(word) for word in text.partition('\n')[0].split()[1:9]]
-    return sum(spent), spent[3] + spent[4]
+    _, nice, _, idle, waits_for_disk, *_ = spent
+    return sum(spent), nice + idle + waits_for_disk

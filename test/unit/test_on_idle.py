@@ -10,6 +10,7 @@ import pytest
 BEFORE = 'cpu  100 10 40 800 50 0 0 0 0 0\ncpu0 50 5 20 400 25 0 0 0 0 0\n'
 BUSY = 'cpu  176 10 60 802 52 0 0 0 0 0\n'
 IDLE = 'cpu  180 10 80 880 60 0 0 0 0 0\n'
+GIVES_WAY = 'cpu  110 90 50 800 50 0 0 0 0 0\n'
 
 
 class Kernel:
@@ -22,7 +23,9 @@ class Kernel:
         return self.left.pop(0) if len(self.left) > 1 else self.left[0]
 
 
-@pytest.mark.parametrize(('after', 'share'), [(BUSY, 0.04), (IDLE, 0.43), (BEFORE, 0.0)])
+@pytest.mark.parametrize(
+    ('after', 'share'), [(BUSY, 0.04), (IDLE, 0.43), (GIVES_WAY, 0.8), (BEFORE, 0.0)]
+)
 def test_the_share_of_idle_time(after: str, share: float) -> None:
     assert on_idle.idle_share(BEFORE, after) == pytest.approx(share, abs=0.01)
 

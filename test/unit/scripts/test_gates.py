@@ -147,9 +147,30 @@ def test_the_gates_of_programs_run_together(clone: Path) -> None:
     program(pytest_, 'echo "$TEST_PROCESSES_AT_ONCE: $*" >>asked')
     done = gates(clone, '--only', 'integration,unit,opcua')
     assert done.returncode == 0, done.stdout + done.stderr
-    unit, programs = (clone / 'asked').read_text().splitlines()
-    assert re.fullmatch(r': .* test/unit', unit)
-    assert re.fullmatch(r'\d+: .* test/integration test/opcua', programs)
+    unit, programs = sorted((clone / 'asked').read_text().splitlines(), key=len)
+    assert re.fullmatch(r': .* test/unit --ignore=test/unit/extensions', unit)
+    folders = 'test/unit/extensions test/integration test/opcua'
+    assert re.fullmatch(rf'\d+: .* {folders}', programs)
+
+
+def test_unit_tests_alone_are_all_of_them(clone: Path) -> None:
+    program(clone / '.venv' / 'jazzy' / 'bin' / 'pytest', 'echo "$*" >>asked')
+    assert gates(clone, '--only', 'unit').returncode == 0
+    assert re.fullmatch(r'.* test/unit\n', (clone / 'asked').read_text())
+
+
+@pytest.mark.parametrize('status', [0, 1])
+def test_unit_tests_run_beside_the_programs(clone: Path, status: int) -> None:
+    waits = 'for _ in $(seq 1500); do [ -e begun ] && break; sleep 0.02; done; [ -e begun ]'
+    unit = f'*ignore*) {waits} && chrt --pid $$ && exit {status};;'
+    program(
+        clone / '.venv' / 'jazzy' / 'bin' / 'pytest',
+        f'case "$*" in {unit} *) touch begun; echo programs ran; esac',
+    )
+    done = gates(clone, '--only', 'unit,system')
+    assert done.returncode == status, done.stdout + done.stderr
+    assert done.stdout.index('programs ran') < done.stdout.index('SCHED_IDLE')
+    assert f'unit         {"FAILED" if status else "passed"} ' in done.stdout
 
 
 def test_ci_path_hides_manually_installed_programs(tmp_path: Path) -> None:
