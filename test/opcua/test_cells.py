@@ -84,7 +84,11 @@ class Jobs:
                 f'{order} to be {state}, or a hold',
             )
             for hold in watch.status.holds:
-                watch.answer(hold.id, next(word for word in ANSWERS if word in hold.answers))
+                word = next((word for word in ANSWERS if word in hold.answers), None)
+                if word is None:  # an item whose packing was skipped may not leave the belt
+                    watch.remove(hold.item)
+                else:
+                    watch.answer(hold.id, word)
 
     def command(self, verb: str) -> None:
         """Command the cell as a person at the line does."""
