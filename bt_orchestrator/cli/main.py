@@ -49,7 +49,7 @@ PIPE_CLOSED = 141
 """Exit statuses of shells for SIGINT and SIGPIPE."""
 
 
-# At its end Python looks for garbage among all objects, several times. The system takes them all.
+# At its end Python would look for garbage among all objects, though the system takes all memory.
 atexit.register(gc.freeze)
 
 

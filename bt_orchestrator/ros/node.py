@@ -393,12 +393,12 @@ class TreeNode:
         happened = settle()
         if self._leading is not None:
             self._leading.look()
-        is_watched = self.parameters.inspection != BUILTIN  # the library looks on at settles
+        is_inspected = self.parameters.inspection != BUILTIN  # the library looks on at settles
         if self._housekeeping is None:
-            return is_watched
+            return is_inspected
         if self._is_durable:
             self._housekeeping.turn(quiet=not happened)
-        return is_watched or self._housekeeping.wants_turns
+        return is_inspected or self._housekeeping.wants_turns
 
     @property
     def _is_durable(self) -> bool:

@@ -106,8 +106,8 @@ class NodeParameters:
         float,
         Words(
             'heartbeat of the tree, Hz, while the journal is looked after or py_trees_ros looks '
-            'on; at rest it is one a second. A result, a command, a state message or the end of '
-            'a time limit wakes the tree at once, whatever the rate',
+            'on; otherwise once a second. A result, a command, a state message or the end of a '
+            'time limit wakes the tree at once, whatever the rate',
             low=0.1,
             high=1000.0,
             metavar='HZ',

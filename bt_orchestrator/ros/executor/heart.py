@@ -16,8 +16,8 @@ from bt_orchestrator.ros.executor.executors import soon
 class Heart:
     """Settles as soon as there is something new, and once a second.
 
-    In between at a steady rate, as long as a settle says that there is something to do: each ring
-    of a timer costs an idle node half a millisecond.
+    While a settle says that there is more to do, it settles at a steady rate in between. At other
+    times it does not: each ring of a timer costs an idle node half a millisecond.
 
     Everything runs in the executor's one thread. An exception in a settle is logged and counted;
     the next beat tries again.
