@@ -18,6 +18,7 @@ from bench.chain import PLAIN
 from bench.counted_node import FILE
 from bench.recipe_files import OPERATIONS, able_cell_text, write_recipe
 from bench.rows import Row, percentile
+from bench.staged import ENDS
 from bench.stamped import FILE as STAMPS
 from bench.stand import (
     TASKS_A_CYCLE,
@@ -108,13 +109,28 @@ def own_part(rounds: int, cycles: int) -> Iterator[Row]:
                 target = ours if is_ours else chain
                 target.append(p50(_stamped(here, cycles, is_ours=is_ours)))
             writes.append(_cold_write_s(here.folder))
+        stages = _stages(here, cycles * min(rounds, 4))
     ratios = [(own - write) / plain for own, write, plain in zip(ours, writes, chain, strict=True)]
     notes = {
         'ours, p50, ms': p50(ours) * 1e3,
         'chain, p50, ms': p50(chain) * 1e3,
         'cold durable write, p50, ms': p50(writes) * 1e3,
+        **stages,
     }
     yield Row('own_part', ratios, notes)
+
+
+def _stages(here: Stand, cycles: int) -> dict[str, float]:
+    """Return the medians of what our own part consists of, in ms."""
+    file = here.folder / here.name('stages')
+    os.environ[STAMPS] = str(file)
+    here.ours(cycles, 'FULL', SINGLE, program='bench.staged')
+    kinds = zip(('one goal', 'several goals'), json.loads(file.read_text()), strict=True)
+    return {
+        f'{kind}: {stage}, ms': p50([turn[stage] for turn in turns[WARM_UP:]]) * 1e3
+        for kind, turns in kinds
+        for stage in ENDS
+    }
 
 
 def _stamped(here: Stand, cycles: int, *, is_ours: bool) -> list[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import NamedTuple, Protocol
 
 from bt_orchestrator.model.events import Event
@@ -107,6 +107,9 @@ class EventStore(Protocol):
 
 class Journal(EventStore, Protocol):
     """A journal that outlives its process, and is kept short for the next start."""
+
+    at_disk: Callable[[], None]
+    """Called by most `append`s when nothing is left but to wait for the disk. Set by its user."""
 
     @property
     def is_shared(self) -> bool:

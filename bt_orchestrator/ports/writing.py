@@ -18,8 +18,11 @@ class Writing(Protocol[_Result_co]):
     def has_ended(self, within_s: float = 0.0) -> bool:
         """Tell whether it has ended, successfully or not; wait at most `within_s` for that."""
 
-    def lasts(self, seconds: float) -> bool:
-        """Wait so long at most; tell whether it still goes on. No thread is woken for this."""
+    def is_at_disk(self, within_s: float) -> bool:
+        """Tell whether the disk alone works on it; wait at most `within_s` for that or its end.
+
+        Asked once at most. No thread is woken for this.
+        """
 
     def result(self) -> _Result_co:
         """Return its result once it has ended, or raise its error."""

@@ -45,6 +45,13 @@ class JournalContract(EventStoreContract):
         with closing(self.make(tmp_path)) as store:
             yield store
 
+    def test_append_tells_when_only_the_disk_is_left(self, store: Journal) -> None:
+        durable: list[int] = []
+        store.at_disk = lambda: durable.append(len(list(store.read())))
+        store.append(events(1, 3))
+        store.append(events(4, 4))
+        assert durable == [0, 3]
+
     # --- the next one -----------------------------------------------------------------------
 
     def test_the_next_finds_what_was_appended(self, tmp_path: Path) -> None:

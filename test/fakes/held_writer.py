@@ -31,5 +31,10 @@ class HeldWriter:
 
 
 class _Impatient(Writing[Any]):
+    """Waits for nothing: what has not ended is at the disk."""
+
+    def is_at_disk(self, within_s: float) -> bool:
+        return not self.has_ended(within_s)
+
     def has_ended(self, within_s: float = 0.0) -> bool:
         return super().has_ended(0.0)

@@ -23,9 +23,6 @@ log = logging.getLogger(__name__)
 AT_ONCE_S = 0.02
 """How long a settle waits for its commit; nearly every commit ends within it."""
 
-AT_DISK_S = 0.0002
-"""A commit that still goes on after this time is at the disk and needs no processor."""
-
 SLICE_S = 0.02
 """Longest time to continue waiting commands in one settle, before other work."""
 
@@ -119,9 +116,11 @@ class Commits:
         """
         assert self._writing is not None
         is_first_look = self._overdue is None and not self._is_handing_out
-        if is_first_look and self._writing.lasts(AT_DISK_S):
+        within_s = 0.0
+        if is_first_look and self._writing.is_at_disk(self._at_once_s):
             self._meanwhile(self.events)
-        if self._writing.has_ended(self._at_once_s if is_first_look else 0.0):
+            within_s = self._at_once_s
+        if self._writing.has_ended(within_s):
             return True
         if self.waited_s >= self._patience_s:
             return True

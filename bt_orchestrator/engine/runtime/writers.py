@@ -40,8 +40,14 @@ class WriterThread:
         """
         self._wake = wake
         self._todo: SimpleQueue[Writing[Any] | None] = SimpleQueue()
+        self._present: Writing[Any] | None = None
         self._thread = threading.Thread(target=self._run, name='journal', daemon=True)
         self._thread.start()
+
+    def reaches_disk(self) -> None:
+        """Note that only the disk still works on the present write; called by that write."""
+        if self._present is not None:
+            self._present.reach_disk()
 
     def begin(self, write: Callable[[], _T]) -> Writing[_T]:
         """Queue a write after all earlier ones."""
@@ -57,6 +63,7 @@ class WriterThread:
 
     def _run(self) -> None:
         while (writing := self._todo.get()) is not None:
+            self._present = writing
             writing.run()
 
 
@@ -111,6 +118,8 @@ class Writing(Generic[_T]):
         self._wake = wake
         self._under_way = threading.Lock()
         self._under_way.acquire()
+        self._before_disk = threading.Lock()
+        self._before_disk.acquire()
         self._has_ended = False
         self._is_late = False
         """The waiting thread has seen that it has not ended."""
@@ -123,8 +132,14 @@ class Writing(Generic[_T]):
         except Exception as error:  # noqa: BLE001 - raised again in `result`
             self._failure = error
         self._under_way.release()
+        self.reach_disk()
         if self._is_late:
             self._wake()
+
+    def reach_disk(self) -> None:
+        """Note that the writing thread has nothing left to do but to wait."""
+        if self._before_disk.locked():
+            self._before_disk.release()
 
     def has_ended(self, within_s: float = 0.0) -> bool:
         """Tell whether it has ended, successfully or not; wait at most `within_s` for that."""
@@ -135,10 +150,11 @@ class Writing(Generic[_T]):
             self._has_ended = self._under_way.acquire(blocking=False)
         return self._has_ended
 
-    def lasts(self, seconds: float) -> bool:
-        """Wait so long at most; tell whether it still goes on. No thread is woken for this."""
-        if not self._has_ended:
-            self._has_ended = self._under_way.acquire(timeout=seconds)
+    def is_at_disk(self, within_s: float) -> bool:
+        """Tell whether the disk alone works on it; wait at most `within_s` for that or its end."""
+        if self._has_ended or not self._before_disk.acquire(timeout=within_s):
+            return False
+        self._has_ended = self._under_way.acquire(blocking=False)
         return not self._has_ended
 
     def result(self) -> _T:

@@ -172,6 +172,7 @@ class PostgresStore(KeptJournal):
                 last = self._followed_by(session, events[0].seq)
             refuse_gap(events, last)
             if not (is_unknown and self._are_kept(session, last, columns)):
+                self.at_disk()
                 self._write(session, columns)
 
         self._persist(until, write)

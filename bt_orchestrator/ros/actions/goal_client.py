@@ -6,6 +6,7 @@ An action is three services and two topics (design.ros2.org, article "Actions").
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -229,7 +230,9 @@ class GoalClient:
         :param answered: called with the answer, which has `accepted`
         """
         self._goal_request.goal_id, self._goal_request.goal = goal_id, goal
-        return self._goals.ask(self._goal_request, answered)
+        question = self._goals.ask(self._goal_request, answered)
+        os.sched_yield()  # a server on this machine may wait for this processor
+        return question
 
     def feedback(self, goal_id: UUID) -> Any:
         """Return the feedback of a goal of any client; None: the last message is not about it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from uuid import uuid4
 
@@ -29,6 +29,10 @@ EVERY = 1 << 62
 """Greater than the seq of any event."""
 
 
+def _not_set() -> None:
+    """Stand for what the user of the journal sets."""
+
+
 class KeptJournal(ABC):
     """A journal in a database: all of `ports.Journal` but `append` and `close`.
 
@@ -40,6 +44,7 @@ class KeptJournal(ABC):
     alone_from_s = 0.0
     patience_s = 0.0
     """How long a write may take, where that depends on others."""
+    at_disk: Callable[[], None] = staticmethod(_not_set)
     _reading: Database
     check: Check = staticmethod(check_of_event)
 

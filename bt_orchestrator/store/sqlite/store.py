@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
@@ -118,7 +118,8 @@ class SqliteStore(KeptJournal):
             files.check_sizes()
             refuse_gap(events, self._followed_by(self._database, events[0].seq))
             if self._history == self._on_file:
-                _add(self._database, events)
+                waits = self._synchronous == 'FULL'
+                _add(self._database, events, self.at_disk if waits else None)
             else:
                 self._append_to_a_new_history(events)
             self._last = events[-1].seq
@@ -254,15 +255,24 @@ class SqliteStore(KeptJournal):
         self._database = self._reading = unchanging(self._path)
 
 
-def _add(database: sqlite3.Connection, events: Sequence[Event]) -> None:
+def _add(
+    database: sqlite3.Connection,
+    events: Sequence[Event],
+    at_disk: Callable[[], None] | None = None,
+) -> None:
     """Write the events of one commit, all or none.
 
     In a transaction of its own, unless one is open.
+
+    :param at_disk: called before a statement that waits for the disk and does little else
     """
     rows = [_row(event, 0) for event in events[:-1]] + [_row(event, 1) for event in events[-1:]]
     queued = [(event.seq, event.job) for event in events if type(event) is JobQueued]
     if len(rows) <= _AT_ONCE and not queued:  # one statement is a transaction, and takes less time
-        database.execute(_STATEMENTS[len(rows)], tuple(chain(*rows)))
+        values = tuple(chain(*rows))
+        if at_disk is not None:
+            at_disk()
+        database.execute(_STATEMENTS[len(rows)], values)
     elif database.in_transaction:
         _add_each(database, rows, queued)
     else:

@@ -341,6 +341,28 @@ def test_a_thread_waits_for_the_disk() -> None:
     orchestrator.close()
 
 
+def test_a_write_says_when_it_waits() -> None:
+    may_reach, may_end = threading.Event(), threading.Event()
+    writer = WriterThread(lambda: None)
+
+    def write() -> None:
+        assert may_reach.wait(60.0)
+        writer.reaches_disk()
+        assert may_end.wait(60.0)
+
+    writing = writer.begin(write)
+    assert not writing.is_at_disk(0.0)
+    may_reach.set()
+    assert writing.is_at_disk(60.0)
+    may_end.set()
+    assert writing.has_ended(60.0)
+    assert not writing.is_at_disk(60.0)
+    silent = writer.begin(lambda: None)
+    assert not silent.is_at_disk(60.0), 'its end is waited for no longer than it takes'
+    assert silent.has_ended()
+    assert writer.close(60.0)
+
+
 def test_a_writer_that_hangs_is_left_behind() -> None:
     may_end = threading.Event()
     writer = WriterThread(lambda: None)

@@ -14,7 +14,7 @@ from bt_orchestrator.store.sqlite.store import SqliteStore
 
 class TestSqliteStore(JournalContract):
     def make(self, folder: Path) -> Journal:
-        return SqliteStore(_file(folder), synchronous='NORMAL')
+        return SqliteStore(_file(folder))
 
     def spoil(self, folder: Path, seq: int) -> None:
         other = f"replace(record, '{seq}', '')"

@@ -6,6 +6,7 @@ import os
 import sqlite3
 import tracemalloc
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -65,6 +66,14 @@ def test_others_read_while_it_is_open(store: SqliteStore, path: Path) -> None:
 @pytest.mark.usefixtures('store')
 def test_a_second_orchestrator_is_told_who_has_it(path: Path) -> None:
     assert f'in use by another orchestrator (process {os.getpid()})' in refusal(path)
+
+
+def test_with_normal_no_append_waits_for_the_disk(path: Path) -> None:
+    with closing(SqliteStore(path, synchronous='NORMAL')) as store:
+        waits: list[bool] = []
+        store.at_disk = lambda: waits.append(True)
+        store.append(events(1, 3))
+    assert not waits
 
 
 def test_an_append_is_all_or_nothing(store: SqliteStore) -> None:
