@@ -7,7 +7,7 @@ from contextlib import closing
 from pathlib import Path
 
 from bt_orchestrator.engine.runtime.writers import WritesAtOnce
-from bt_orchestrator.engine.runtime.writers import Writing as EndedWriting
+from bt_orchestrator.engine.runtime.writers import Written
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.keeping.books import Books
 from bt_orchestrator.store.sqlite.records import SqliteRecords
@@ -53,7 +53,7 @@ class BooksAtOnce:
         self._path = path
         self.begun = 0
 
-    def begin(self) -> EndedWriting[Books]:
+    def begin(self) -> Written[Books]:
         """Make them."""
         self.begun += 1
         return WritesAtOnce().begin(lambda: make_books(self._path))

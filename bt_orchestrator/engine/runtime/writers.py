@@ -20,11 +20,11 @@ MOST_READINGS = 50
 class WritesAtOnce:
     """Writes before it returns: in virtual time nothing waits. Implements `ports.Writer`."""
 
-    def begin(self, write: Callable[[], _T]) -> Writing[_T]:
+    def begin(self, write: Callable[[], _T]) -> Written[_T]:
         """Write."""
-        writing = Writing(write, _nobody)
-        writing.run()
-        return writing
+        written = Written(write)
+        written.run()
+        return written
 
 
 class WriterThread:
@@ -107,22 +107,11 @@ class Readings:
         self._soon(partial(ended.give, reading))
 
 
-class Writing(Generic[_T]):
-    """A write by one thread, which another thread waits for.
+class Written(Generic[_T]):
+    """A write that runs before it is asked for. Implements `ports.Writing`."""
 
-    Implements `ports.Writing`.
-    """
-
-    def __init__(self, write: Callable[[], _T], wake: Callable[[], None]) -> None:
+    def __init__(self, write: Callable[[], _T]) -> None:
         self._write = write
-        self._wake = wake
-        self._under_way = threading.Lock()
-        self._under_way.acquire()
-        self._before_disk = threading.Lock()
-        self._before_disk.acquire()
-        self._has_ended = False
-        self._is_late = False
-        """The waiting thread has seen that it has not ended."""
         self._failure: Exception | None = None
 
     def run(self) -> None:
@@ -131,6 +120,39 @@ class Writing(Generic[_T]):
             self._result = self._write()
         except Exception as error:  # noqa: BLE001 - raised again in `result`
             self._failure = error
+
+    def is_at_disk(self, within_s: float) -> bool:  # noqa: ARG002
+        """Return False: it has ended."""
+        return False
+
+    def has_ended(self, within_s: float = 0.0) -> bool:  # noqa: ARG002
+        """Return True."""
+        return True
+
+    def result(self) -> _T:
+        """Return the result of the write, or raise its error."""
+        if self._failure is not None:
+            raise self._failure
+        return self._result
+
+
+class Writing(Written[_T]):
+    """A write by one thread, which another thread waits for."""
+
+    def __init__(self, write: Callable[[], _T], wake: Callable[[], None]) -> None:
+        super().__init__(write)
+        self._wake = wake
+        self._under_way = threading.Lock()
+        self._under_way.acquire()
+        self._before_disk = threading.Lock()
+        self._before_disk.acquire()
+        self._has_ended = False
+        self._is_late = False
+        """The waiting thread has seen that it has not ended."""
+
+    def run(self) -> None:
+        """Write; what is raised is kept for `result`."""
+        super().run()
         self._under_way.release()
         self.reach_disk()
         if self._is_late:
@@ -160,9 +182,7 @@ class Writing(Generic[_T]):
     def result(self) -> _T:
         """Return the result of the write, or raise its error."""
         assert self._has_ended, 'it has not ended'
-        if self._failure is not None:
-            raise self._failure
-        return self._result
+        return super().result()
 
 
 def _nobody() -> None:

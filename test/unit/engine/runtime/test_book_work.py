@@ -14,7 +14,7 @@ from fakes.long_journal import LongRun
 
 from bt_orchestrator.base.child_process import ChildFailed
 from bt_orchestrator.engine.runtime import housekeeping
-from bt_orchestrator.engine.runtime.writers import WritesAtOnce, Writing
+from bt_orchestrator.engine.runtime.writers import WritesAtOnce, Written
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.keeping.books import Books
 from bt_orchestrator.store.sqlite.records import SqliteRecords
@@ -44,7 +44,7 @@ class NoBooks(BooksAtOnce):
 
     fails = True
 
-    def begin(self) -> Writing[Books]:
+    def begin(self) -> Written[Books]:
         if not self.fails:
             return super().begin()
         self.begun += 1
