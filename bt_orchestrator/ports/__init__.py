@@ -22,7 +22,14 @@ from bt_orchestrator.ports.planning import (
 )
 from bt_orchestrator.ports.records import Records
 from bt_orchestrator.ports.servers import ActionGateway, ActionTypes, Goal, Servers, Told
-from bt_orchestrator.ports.writing import Bookkeeping, EventSink, StopSearch, Writer, Writing
+from bt_orchestrator.ports.writing import (
+    Bookkeeping,
+    EventSink,
+    StopSearch,
+    Worker,
+    Writer,
+    Writing,
+)
 
 __all__ = [
     'Goal',
@@ -40,6 +47,7 @@ __all__ = [
     'Records',
     'Writing',
     'StopSearch',
+    'Worker',
     'Writer',
     'EventSink',
     'Bookkeeping',

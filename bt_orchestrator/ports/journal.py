@@ -25,6 +25,12 @@ class Snapshot(NamedTuple):
 class EventStore(Protocol):
     """The journal: the only durable truth."""
 
+    at_disk: Callable[[], None]
+    """Called by an `append` that has nothing left to do but to wait for the disk.
+
+    Its user sets it.
+    """
+
     @property
     def history(self) -> str:
         """Return the id of the history of the events: random, unique to this journal.
@@ -107,9 +113,6 @@ class EventStore(Protocol):
 
 class Journal(EventStore, Protocol):
     """A journal that outlives its process, and is kept short for the next start."""
-
-    at_disk: Callable[[], None]
-    """Called by most `append`s when nothing is left but to wait for the disk. Set by its user."""
 
     @property
     def is_shared(self) -> bool:

@@ -28,16 +28,23 @@ class Writing(Protocol[_Result_co]):
         """Return its result once it has ended, or raise its error."""
 
 
-class Writer(Protocol):
-    """Carries out disk writes one after another, in order; callers need not wait."""
+class Worker(Protocol):
+    """Reads or writes the journal, one call after another in order; callers need not wait."""
 
     def begin(self, write: Callable[[], _Result]) -> Writing[_Result]:
-        """Begin a write.
+        """Begin to read or write.
 
         A caller that saw `has_ended` return False is woken when it has ended.
 
         :param write: uses the journal, and nothing that changes meanwhile
         """
+
+
+class Writer(Worker, Protocol):
+    """Carries out disk writes."""
+
+    def reaches_disk(self) -> None:
+        """Note that only the disk still works on the present write; called by that write."""
 
 
 class EventSink(Protocol):

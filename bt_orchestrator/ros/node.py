@@ -169,7 +169,7 @@ class TreeNode:
         else:
             presence.refuse_a_twin()
             self._journal = _open_journal(self.parameters, parts)
-        self._writer = _writer_of(self._journal, self.heart.wake)
+        self._writer = WriterThread(self.heart.wake) if self._journal is not None else None
         self._readings = Readings(partial(soon, self.executor))
         self._leading = self._lead(pulse)
         self._standbys = self._hear_standbys()
@@ -485,14 +485,6 @@ def _open_journal(parameters: NodeParameters, parts: Parts) -> Journal | None:
     if parameters.journal is None:
         return None
     return parts.open_journal(parameters.journal, parameters.journal_synchronous)
-
-
-def _writer_of(journal: Journal | None, wake: Callable[[], None]) -> WriterThread | None:
-    if journal is None:
-        return None
-    writer = WriterThread(wake)
-    journal.at_disk = writer.reaches_disk
-    return writer
 
 
 def _build(

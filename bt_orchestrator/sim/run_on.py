@@ -10,7 +10,7 @@ import json
 import math
 import time
 from collections import defaultdict
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from typing import Any
@@ -348,6 +348,7 @@ class _From:
     def __init__(self, state: str) -> None:
         self._state = state
 
+    at_disk: Callable[[], None]
     history = ''
     is_restored = False
     epoch = 0

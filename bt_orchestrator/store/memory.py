@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from uuid import uuid4
 
 from bt_orchestrator.model.codec import to_text
@@ -26,6 +26,7 @@ MOST = 1000
 class MemoryStore:
     """Keeps events in a list. Implements `ports.EventStore`."""
 
+    at_disk: Callable[[], None]
     epoch = 0
 
     def __init__(self, history: str | None = None) -> None:

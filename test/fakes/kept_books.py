@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable
 from contextlib import closing
 from pathlib import Path
 
-from bt_orchestrator.engine.runtime.writers import WritesAtOnce
-from bt_orchestrator.engine.runtime.writers import Written
+from bt_orchestrator.engine.runtime.writers import WritesAtOnce, Written
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.keeping.books import Books
 from bt_orchestrator.store.sqlite.records import SqliteRecords

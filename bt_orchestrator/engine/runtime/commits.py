@@ -51,6 +51,7 @@ class Commits:
         """
         self._store = store
         self._writer = writer
+        store.at_disk = writer.reaches_disk
         self._clock = clock
         self._wake = wake
         self._patience_s = patience_s

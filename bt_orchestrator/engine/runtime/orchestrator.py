@@ -40,7 +40,7 @@ from bt_orchestrator.model.goal import NOT_HEARD
 from bt_orchestrator.model.packml import PackmlState, UnitMode
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.waits.waiting import unready
-from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore, Writer
+from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore, Worker, Writer
 
 log = logging.getLogger(__name__)
 
@@ -65,7 +65,7 @@ class Orchestrator:
         sinks: Sequence[EventSink] = (),
         *,
         writer: Writer | None = None,
-        reader: Writer | None = None,
+        reader: Worker | None = None,
         patience_s: float = PATIENCE_S,
         wake: Callable[[], None] = lambda: None,
         auto_start: bool = True,

@@ -26,6 +26,9 @@ class WritesAtOnce:
         written.run()
         return written
 
+    def reaches_disk(self) -> None:
+        """Do nothing: what is written is not waited for."""
+
 
 class WriterThread:
     """Writes in a separate thread, in order. Implements `ports.Writer`.
@@ -70,7 +73,7 @@ class WriterThread:
 class Readings:
     """Reads a journal in a separate thread, in order, and hands the results to the tick thread.
 
-    A database, or a disk, may take long. `begin` is that of `ports.Writer`.
+    A database, or a disk, may take long. Implements `ports.Worker`.
     """
 
     def __init__(self, soon: Callable[[Callable[[], None]], None]) -> None:

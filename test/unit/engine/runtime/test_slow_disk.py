@@ -341,6 +341,33 @@ def test_a_thread_waits_for_the_disk() -> None:
     orchestrator.close()
 
 
+def test_goals_are_prepared_while_the_disk_works() -> None:
+    line, clock, may_write = Line(), VirtualClock(), threading.Event()
+
+    class Slow(MemoryStore):
+        def append(self, events: Sequence[e.Event]) -> None:
+            self.at_disk()
+            if any(isinstance(event, e.TaskStarted) for event in events):
+                assert may_write.wait(60.0), 'the disk is only done when the goal is prepared'
+            super().append(events)
+
+    class Prepared(Gateway):
+        def prepare(self, request: GoalRequest) -> None:
+            super().prepare(request)
+            may_write.set()
+
+    writer, gateway = WriterThread(lambda: None), Prepared(line, clock)
+    orchestrator = Orchestrator(line.cell, gateway, clock, Slow(), writer=writer)
+    orchestrator.settle()
+    orchestrator.ask(AddJobs((Job('J', line.script(WORK % ''), 1),)))
+    for _ in range(2):
+        orchestrator.settle()
+    assert gateway.goals
+    assert [goal.request for goal in gateway.goals] == gateway.prepared
+    assert writer.close(60.0)
+    orchestrator.close()
+
+
 def test_a_write_says_when_it_waits() -> None:
     may_reach, may_end = threading.Event(), threading.Event()
     writer = WriterThread(lambda: None)
