@@ -120,7 +120,7 @@ class Commits:
         within_s = 0.0
         if is_first_look and self._writing.is_at_disk(self._at_once_s):
             self._meanwhile(self.events)
-            within_s = self._at_once_s
+            within_s = max(0.0, self._at_once_s - self.waited_s)
         if self._writing.has_ended(within_s):
             return True
         if self.waited_s >= self._patience_s:
