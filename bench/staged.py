@@ -17,12 +17,11 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from bench.stamped import FILE
+from bench.stamped import FILE, after_each_wait
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.engine.runtime.flights import Flights
 from bt_orchestrator.engine.runtime.orchestrator import Orchestrator
 from bt_orchestrator.ros.actions.goal_client import GoalClient
-from bt_orchestrator.ros.executor.lean_waits import WaitList
 from bt_orchestrator.store.sqlite import store
 
 WOKEN, SENT = 'the wait ends', 'the goal is sent'
@@ -84,24 +83,11 @@ def _note(turn: Turn, stage: str, of: Any, name: str, moment: str) -> None:
     setattr(of, name, noted)
 
 
-def _note_waits(turn: Turn) -> None:
-    waits: Any = WaitList
-    wait = waits.wait
-
-    def noted(*args: Any) -> Any:
-        ready = wait(*args)
-        if ready:
-            turn.begin()
-        return ready
-
-    waits.wait = noted
-
-
 if __name__ == '__main__':
     _turn = Turn()
     for _stage, _place in ENDS.items():
         _note(_turn, _stage, *_place)
-    _note_waits(_turn)
+    after_each_wait(_turn.begin)
     atexit.register(
         lambda: Path(os.environ[FILE]).write_text(json.dumps([_turn.of_one, _turn.of_several]))
     )

@@ -33,16 +33,9 @@ class Stamps:
         self.taken_s: list[float] = []
         self._woken_s: float | None = None
 
-    def woken(self, wait: Callable[..., Any]) -> Callable[..., Any]:
-        """Return a wait that notes when it found something."""
-
-        def stamped(*args: Any) -> Any:
-            ready = wait(*args)
-            if ready:
-                self._woken_s = time.monotonic()
-            return ready
-
-        return stamped
+    def woken(self) -> None:
+        """Note when a wait found something."""
+        self._woken_s = time.monotonic()
 
     def sent(self, send: Callable[..., Any]) -> Callable[..., Any]:
         """Return a way to send that notes how long ago the wait ended, once a turn."""
@@ -63,8 +56,21 @@ def stamp(stamps: Stamps) -> None:
     client.send = stamps.sent(client.send)
     plain: Any = ActionClient
     plain.send_goal_async = stamps.sent(plain.send_goal_async)
+    after_each_wait(stamps.woken)
+
+
+def after_each_wait(call: Callable[[], None]) -> None:
+    """Call something whenever a wait of our executor has found something."""
     waits: Any = WaitList
-    waits.wait = stamps.woken(waits.wait)
+    wait = waits.wait
+
+    def noted(*args: Any) -> Any:
+        ready = wait(*args)
+        if ready:
+            call()
+        return ready
+
+    waits.wait = noted
 
 
 if __name__ == '__main__':

@@ -96,17 +96,16 @@ class Readings:
             raise JournalUnusable(
                 f'the journal does not answer: {MOST_READINGS} readings wait; ask again later'
             )
-        ended: Reply[Writing[_T]] = Reply()
+        ended: Reply[Written[_T]] = Reply()
         self._waiting += 1
         self._thread.begin(partial(self._read, read, ended))
         reading = await ended
         self._waiting -= 1
         return reading.result()
 
-    def _read(self, read: Callable[[], _T], ended: Reply[Writing[_T]]) -> None:
-        reading = Writing(read, _nobody)
+    def _read(self, read: Callable[[], _T], ended: Reply[Written[_T]]) -> None:
+        reading = Written(read)
         reading.run()
-        reading.has_ended()
         self._soon(partial(ended.give, reading))
 
 

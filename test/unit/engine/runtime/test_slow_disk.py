@@ -341,7 +341,8 @@ def test_a_thread_waits_for_the_disk() -> None:
     orchestrator.close()
 
 
-def test_goals_are_prepared_while_the_disk_works() -> None:
+def test_goals_are_prepared_while_the_disk_works(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr('bt_orchestrator.engine.runtime.commits.AT_ONCE_S', 60.0)
     line, clock, may_write = Line(), VirtualClock(), threading.Event()
 
     class Slow(MemoryStore):
